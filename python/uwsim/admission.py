@@ -1,4 +1,4 @@
-"""Who may connect to any server of uwsim: the browser's origin, the token, the number of clients, encryption."""
+"""Admission of clients to uwsim's servers: the browser's origin, the token, the number of clients, encryption."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ class Fields(Protocol):
     """The header fields of a request."""
 
     def get_all(self, name: str, /) -> list[Any] | None:
-        """Return all values of a field; None or [] if there are none."""
+        """Return all values of a field; None or [] if it is absent."""
 
 
 class Door:
-    """Which pages of browsers may connect, and under which names of this machine.
+    """The rule for browser pages: which may connect, and by which names of this machine.
 
-    pages: those besides this machine's own, such as "https://station.example:8080", or of desktop programs that are
-    made of pages, such as "app://station" or "file://", which every page that a browser opens from a file has; host:
-    where the server listens.
-    Programs send no Origin: they may connect. A browser's page must be of this machine, of this server itself or one of
-    `pages`; and the name by which it calls the server must be known, or be an address: else a page of somebody else
-    whose name is made to point here would be taken for the server's own ("DNS rebinding"). Raises ValueError.
+    pages: further origins, such as "https://station.example:8080", or of desktop programs made of web pages, such as
+    "app://station" or "file://" (which is the origin of every page that a browser opens from a file); host: the address
+    on which the server listens. Other programs send no Origin and may connect. A browser's page must come from this
+    machine, from this server itself or from one of `pages`; and the server's name in the request must be known, or be
+    an address. Otherwise a foreign page whose name is made to resolve to this machine would pass as the server's own
+    ("DNS rebinding"). Raises ValueError.
     """
 
     def __init__(self, pages: Iterable[str], host: str) -> None:
@@ -56,7 +56,7 @@ class Door:
                 self._names.add(parts.hostname)
 
     def refusal(self, fields: Fields, *, names_matter: bool) -> Refusal | None:
-        """Return why a request is refused, or None. names_matter: whether the Host must be known without an Origin."""
+        """Return the reason to refuse a request, or None. names_matter: check Host even without an Origin."""
         origins, hosts = fields.get_all("Origin") or [], fields.get_all("Host") or []
         if len(origins) > 1 or len(hosts) != 1:
             return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"
@@ -88,7 +88,7 @@ def check_token(token: str | None) -> None:
 
 
 def has_token(request: Request, token: str) -> bool:
-    """Return whether a client knows the token: `?token=...` in the URL, or `Authorization: Bearer ...`."""
+    """Return whether a request carries the token: `?token=...` in the URL, or `Authorization: Bearer ...`."""
     offered = parse_qs(urlsplit(request.path).query).get("token", [])
     bearer = request.headers.get_all("Authorization")
     offered += [value.removeprefix("Bearer ") for value in bearer if value.startswith("Bearer ")]
@@ -96,7 +96,7 @@ def has_token(request: Request, token: str) -> bool:
 
 
 class Admission:
-    """The door, the token and the number of places of one server. Raises ValueError."""
+    """The rules of one server: pages, token and maximum number of clients. Raises ValueError."""
 
     def __init__(self, host: str, *, pages: Iterable[str] = (), token: str | None = None, places: int) -> None:
         check_token(token)
@@ -106,9 +106,9 @@ class Admission:
         self._logged: set[str] = set()
 
     def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
-        """Return why a request is refused, or None; a refusal is logged.
+        """Return the reason to refuse a request, or None; refusals are logged.
 
-        clients: how many have a place; None for a request of a page or a file, whose site checks the token itself.
+        clients: how many are connected; None for a request of a page or a file, whose site checks the token itself.
         """
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
         if reason is None and clients is not None:
@@ -124,19 +124,19 @@ class Admission:
         return reason
 
     def _log(self, why: str) -> None:
-        """Log a refusal once, for a browser does not show its page why; a page must not fill the log."""
+        """Log a refusal once: browsers do not show the reason, and a page must not be able to fill the log."""
         if why not in self._logged and len(self._logged) < REFUSALS_LOGGED:
             self._logged.add(why)
             logger.warning("a client was refused: %s", why.encode("ascii", "backslashreplace").decode())
 
 
 def is_socket(request: Request) -> bool:
-    """Return whether a request is for a WebSocket."""
+    """Return whether a request opens a WebSocket."""
     return "websocket" in request.headers.get("Upgrade", "").lower()
 
 
 def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
-    """Return the server's side of TLS; None without a certificate. Raises ValueError, OSError."""
+    """Return the TLS context of a server; None without a certificate. Raises ValueError, OSError."""
     if certfile is None:
         if keyfile is not None:
             raise ValueError("keyfile: give the certfile, too")
@@ -153,7 +153,7 @@ def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.
 
 
 def warn_beyond_loopback(host: str, token: str | None, tls: bool) -> None:
-    """Say in words what it means to listen on more than this machine's own address."""
+    """Warn about the risks of listening on more than this machine's own address."""
     try:
         is_local = host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:

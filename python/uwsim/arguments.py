@@ -24,7 +24,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 
 
 def plain(value: Any, path: str) -> Any:
-    """Return a copy that nobody else can change, of JSON's types and bytes. Raises ValueError for other types."""
+    """Return a copy that shares nothing with value: JSON types and bytes only. Raises ValueError for other types."""
     if value is None or isinstance(value, bool | int | float | str | bytes):
         return value
     if isinstance(value, np.generic | np.ndarray):
@@ -50,7 +50,7 @@ def numbers_by_name(
 
 
 def checked_threads(threads: int | None) -> int:
-    """Return how many threads may be used, by default all. Raises ValueError."""
+    """Return the number of threads to use, by default one per core. Raises ValueError."""
     if threads is None:
         return len(os.sched_getaffinity(0))
     if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
@@ -59,6 +59,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a copy of the state, into which writing would have no effect."""
+    """Return a read-only copy, so that nobody expects a write to change the state."""
     array.flags.writeable = False
     return array

@@ -6,7 +6,7 @@ import warnings
 
 
 def warn_if_cut_short(name: str, content: bytes) -> None:
-    """Warn if a text file's last line has no end, as after a download that broke off. name: what messages call it."""
+    """Warn if a text file's last line has no line break, as after a broken download. name: the file, in messages."""
     if content and not content.endswith((b"\n", b"\r")):
         end = content.rstrip()[-20:].decode("utf-8", errors="replace").split("\n")[-1]
         warnings.warn(

@@ -1,4 +1,4 @@
-"""The hint that an error about an unknown name ends with: the known name that is spelt most like it."""
+"""A hint for errors about unknown names: the known name with the most similar spelling."""
 
 from __future__ import annotations
 

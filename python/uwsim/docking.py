@@ -1,4 +1,4 @@
-"""The station's dock: where it holds a vehicle, where one leaves it, and how near one must be to enter it."""
+"""The station's dock: where it holds a vehicle, where a vehicle leaves it, and how close it must be to enter."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from uwsim.quaternions import about_z
 
 Vector = NDArray[np.float64]
 CAPTURE_M, CAPTURE_M_S, CAPTURE_DEG = 1.5, 0.5, 30.0
-"""A vehicle docks from within this distance, below this speed and within this angle of the dock's heading."""
+"""The largest distance, speed and heading error at which a vehicle can dock."""
 CLEARANCE_M = 0.1
-"""Distance that an undocked vehicle's hull must keep from everything."""
+"""Clearance that an undocked vehicle's hull needs on all sides."""
 
 
 class DockedWarning(UserWarning):
-    """A docked vehicle has been commanded: its thrusters are off, so that nothing happens."""
+    """A docked vehicle received a command, which has no effect: its thrusters are off."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dock:
     """The dock of a simulator's station.
 
-    position_world_m (3,): the origin of a docked vehicle. exit_world_m (3,): that of one that has just left. Both point
-    along yaw_rad. hull_radii_m: of every vehicle's hull, about its origin.
+    position_world_m (3,): the origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. At both,
+    the vehicle's heading is yaw_rad. hull_radii_m: one for each vehicle, about its origin.
     """
 
     simulation: _core.Simulation
@@ -39,11 +39,11 @@ class Dock:
 
     @property
     def orientation_xyzw(self) -> Vector:
-        """(4,), of a vehicle in the dock and at its exit."""
+        """Return the orientation of a vehicle in the dock and at its exit, (4,)."""
         return about_z(self.yaw_rad)
 
     def require_exit(self, vehicle: int) -> None:
-        """Raise ValueError unless the vehicle's hull has free water around it at the exit."""
+        """Raise ValueError unless the exit is clear of obstacles and vehicles for this vehicle's hull."""
         needed_m = self.hull_radii_m[vehicle] + CLEARANCE_M
         free_m = float(self.scene.distance_m(self.exit_world_m[None])[0])
         if free_m < needed_m:
@@ -54,7 +54,7 @@ class Dock:
                 raise ValueError(f"{self._exit_text}: another vehicle is {apart_m:.2f} m away")
 
     def require_entry(self, vehicle: int) -> None:
-        """Raise ValueError unless the dock is empty and the vehicle near, slow and pointing along it."""
+        """Raise ValueError unless the dock is empty and the vehicle close to it, slow and aligned with it."""
         for other in range(len(self.hull_radii_m)):
             if other != vehicle and not self.simulation.released(other):
                 raise ValueError("dock: another vehicle is in it")

@@ -1,9 +1,9 @@
-"""One hash over all that a short run says, so that two machines can be compared: same in, same out.
+"""One hash of everything that a short run produces, to compare machines: same in, same out.
 
     print(fingerprint().whole)
 
-Two runs of the scenario are flown, 10 s each: as it is, and in waves and gusts with the sonar in physics mode. Results
-are hashed by kind, so that a difference says where it comes from.
+The scenario is flown twice, 10 s each: as it is, and in waves and gusts with the sonar in physics mode. Each kind of
+result has a hash of its own, so that a difference can be traced.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ ROUGH_WATER: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """parts: a digest of each kind of result. machine: what they may depend on: the build, the CPU, the C library."""
+    """parts: a digest of each kind of result. machine: the build, CPU and C library, on which results may depend."""
 
     scenario: str
     seed: int
@@ -65,14 +65,14 @@ def fingerprint(
 def results(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield what is digested, with the name of its part, in order. Raises ScenarioError, ValueError."""
+    """Yield the arrays to be hashed, each with the name of its part, in order. Raises ScenarioError, ValueError."""
     checked = load(scenario).with_changes(seed=seed)
     yield from _flown(Simulator(checked, threads=threads), "")
     yield from _flown(Simulator(_rougher(checked), threads=threads), " in rough water")
 
 
 def machine() -> dict[str, str]:
-    """Return what results may depend on."""
+    """Return the properties of this machine on which results may depend."""
     model = [line for line in _lines("/proc/cpuinfo") if line.startswith("model name")]
     return {
         "uwsim": metadata.version("uwsim"),
@@ -115,7 +115,7 @@ def _flown(sim: Simulator, where: str) -> Iterator[tuple[str, NDArray[Any]]]:
         yield f"intensities{where}", ping.intensity_db
         yield f"labels{where}", ping.labels
         echoes = ping.points_sonar_m[np.isfinite(ping.ranges_m)]
-        points = transform_points(echoes, ping.world_from_sonar)  # not by NumPy, whose products depend on the CPU
+        points = transform_points(echoes, ping.world_from_sonar)  # NumPy's products depend on the CPU
         occupancy.insert_scan(points, ping.world_from_sonar[:3, 3])
         if number % PINGS_PER_PICTURE == 0:
             for camera in vehicle.cameras.values():

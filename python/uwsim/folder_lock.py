@@ -11,27 +11,27 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 LOCK = ".uwsim.lock"
-"""The lock file; it says who holds it. The kernel frees the lock when its process ends, however it ends."""
+"""The lock file, which names the process that holds it. The kernel frees the lock when that process ends."""
 
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder while the block runs. Raises OSError if one is in it, or it cannot be locked."""
+    """Keep other runs out of a folder during the block. Raises OSError if another run is in it or locking fails."""
     path = folder / LOCK
     descriptor = _locked(path)
-    with suppress(OSError):  # a full disk: the lock holds, but does not say whose it is
+    with suppress(OSError):  # a full disk: the lock holds, but does not name its holder
         os.ftruncate(descriptor, 0)
         os.write(descriptor, f"process {os.getpid()}: {shlex.join(sys.argv)[:200]}\n".encode(errors="replace"))
     try:
         yield
     finally:
         with suppress(OSError):  # the folder has vanished
-            path.unlink()  # before it is freed: whoever locks it now sees that it is gone
+            path.unlink()  # before it is freed, so that a process that waits for it notices
         os.close(descriptor)
 
 
 def require_free(folder: Path) -> None:
-    """Raise OSError if another run is in a folder, or if it is none: to say so before a world is built."""
+    """Raise OSError if the path is not a folder or another run is in it: checked before a world is built."""
     if os.path.lexists(folder) and not folder.is_dir():
         raise OSError(f"--out {folder}: is not a folder")
     if (folder / LOCK).exists():
@@ -40,7 +40,7 @@ def require_free(folder: Path) -> None:
 
 
 def _locked(path: Path) -> int:
-    """Return the descriptor of a lock file that is ours, and is still where others look for it."""
+    """Return the descriptor of the lock file, once it is locked and still has its name in the folder."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

@@ -1,4 +1,4 @@
-"""Where a scenario's world lies on Earth."""
+"""The place of a scenario's world on Earth."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from uwsim.scenario.spec.terrain import RasterTerrain
 
 
 def georeference(scenario: Scenario | None) -> Georeference:
-    """Return the place of a scenario whose terrain is an elevation raster; local metres for all others."""
+    """Return the georeference of a scenario with an elevation raster; local metres for all others."""
     if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
         return Georeference()
     from uwsim.scenario.build.terrain_raster import raster_place  # rasterio takes half a second

@@ -29,10 +29,10 @@ class Delivery(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """What happened to the messages of one topic and sender; `lost` of those that were sent, by reason.
+    """Message counts for one topic and sender; `lost`: sent but not received, by reason.
 
-    replaced: by newer ones while they waited. refused: there was no room. late: their lifetime was over before they
-    could be sent. bytes_sent, bytes_delivered: of payloads. delay_s: mean, from `send` to the arrival.
+    replaced: by a newer message while queued. refused: the queue was full. late: expired before it could be sent.
+    bytes_sent, bytes_delivered: of payloads. delay_s: mean time from `send` to arrival.
     """
 
     topic: str
@@ -52,9 +52,9 @@ class Counts(NamedTuple):
 class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
-    modem: its figures. nodes: who can send: "station", and the vehicles by name. A message arrives whole after its
-    packets' travel, or not at all; there are no acknowledgements, but a message may be sent several times.
-    Topics that begin with `ranging/` are pings and fixes of a USBL that shares the modem.
+    modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message arrives whole, when its
+    last packet does, or not at all; nothing is acknowledged, but a message may be sent several times. Topics that begin
+    with `ranging/` are pings and fixes of a USBL that shares the modem.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:
@@ -65,7 +65,7 @@ class Network:
 
     @staticmethod
     def of(core: _core.Simulation, scenario: Scenario, journal: Journal) -> Network | None:
-        """Return the network of a scenario, whose vehicles have all been added, or None where it has no link."""
+        """Return a scenario's network, after all vehicles have been added, or None if it has no link."""
         if scenario.link is None:
             return None
         spec = link_spec(scenario.link, scenario.station)
@@ -86,11 +86,11 @@ class Network:
         replaces: bool = False,
         repeats: int = 0,
     ) -> bool:
-        """Give a message to the sender's queue now; return whether there was room.
+        """Put a message into the sender's queue; return False if the queue is full.
 
-        priority: 0 goes first. lifetime_s: after which it is not sent any more. replaces: it takes the place of an
-        older one of its topic that still waits whole. repeats: how often it is sent again, since it may get lost; it
-        arrives once, with the first copy that does. Raises ValueError.
+        priority: 0 goes first. lifetime_s: a message that is still queued after this time is dropped. replaces: it
+        takes the place of an older message of its topic that has not begun to be sent. repeats: number of further
+        copies, in case some are lost; only the first copy to arrive counts. Raises ValueError.
         """
         if not isinstance(payload, bytes) or len(payload) > PAYLOAD_BYTES_MAX:
             raise ValueError(f"link: payload of topic '{topic}': must be at most {PAYLOAD_BYTES_MAX} bytes")
@@ -111,7 +111,7 @@ class Network:
         return bool(taken)
 
     def received(self, at: str, after_s: float = 0.0) -> list[Delivery]:
-        """Return what has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept."""
+        """Return messages that arrived at a node after a time, oldest first; of all nodes, the newest 512 are kept."""
         topics = self._core.link_topics()
         found = self._core.link_deliveries(self._node(at), max(round(1e9 * after_s), 0))
         return [
@@ -123,7 +123,7 @@ class Network:
         ]  # fmt: skip
 
     def counts(self) -> list[Counts]:
-        """Return what happened to all messages so far, by topic and sender."""
+        """Return the counts of all messages so far, by topic and sender."""
         found = []
         for index, topic in enumerate(self._core.link_topics()):
             for node, name in enumerate(self.nodes):
@@ -139,39 +139,39 @@ class Network:
         return found
 
     def quality(self, sender: str, at: str) -> _core.LinkQuality:
-        """Return what a node last heard of another: delay, SNR, closing speed, packets and how many were lost."""
+        """Return the quality of a link, as last measured: delay, SNR, closing speed, packets sent and lost."""
         return self._core.link_quality(self._node(sender), self._node(at))
 
     def reception(self, sender: str, receiver: str) -> _core.Reception:
-        """Return how a packet that is sent now would arrive."""
+        """Return the predicted reception of a packet sent now."""
         return self._core.link_reception(self._node(sender), self._node(receiver))
 
     def waiting(self, node: str) -> tuple[int, int]:
-        """Return the messages and the bytes that wait at a node."""
+        """Return the numbers of messages and bytes queued at a node."""
         messages, size = self._core.link_waiting(self._node(node))
         return messages, size
 
     def silence_s(self, at: str, sender: str = STATION) -> float:
-        """Return for how long a node has heard nothing whole from another, since the start if it never has."""
+        """Return the time since a node last received a whole packet from another, or since the start."""
         heard_ns = self.quality(sender, at).heard_ns
         return 1e-9 * max(self._core.time_ns - heard_ns, 0)
 
     def cut_off(self, vehicle: str, is_cut_off: bool) -> None:
-        """Let no packet to or from a vehicle be received from now on, or no longer: of a fault."""
+        """Block all packets to and from a vehicle, or stop blocking them. Faults call this."""
         self._core.link_cut_off(self._node(vehicle), is_cut_off)
 
     def fault_loss(self, vehicle: str) -> float:
-        """Return the share of the packets between a vehicle and the station that faults take now; 1 is a blackout."""
+        """Return the share of packets between a vehicle and the station that faults now drop; 1 is a blackout."""
         return self._core.link_fault_loss(self._node(vehicle), self._node(STATION))
 
     @property
     def sending_s(self) -> float:
-        """For how long somebody has sent so far."""
+        """The total time so far in which a node was transmitting."""
         return self._core.link_sending_s()
 
     @property
     def next_arrival_ns(self) -> int:
-        """The earliest simulated time at which a message may arrive, as far as is known now."""
+        """The earliest simulated time at which a message may arrive, as known now."""
         return self._core.link_next_arrival_ns()
 
     def _node(self, name: str) -> int:

@@ -1,4 +1,4 @@
-"""NumPy archives from strangers."""
+"""Reader for untrusted NumPy archives."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_BYTES = 1_000_000_000
-"""The most that an archive may unpack to: a few kilobytes can stand for all memory."""
+"""The largest unpacked size: an archive of a few kilobytes can expand to fill all memory."""
 
-_READING = threading.Lock()  # NumPy parses headers by ast, which threads of Python 3.11 disturb (CPython issue 106905)
+_READING = threading.Lock()  # NumPy parses headers with ast, not thread-safe in Python 3.11 (CPython issue 106905)
 
 
 def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file, or of its bytes, by name. Raises ValueError if it is none, OSError."""
+    """Return the arrays of an .npz file, or of its bytes, by name. Raises ValueError if it is not one, OSError."""
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:
             parts = file.zip.infolist()
             if parts and min(part.header_offset for part in parts) > 0:
-                raise ValueError("another file comes before it")  # which is what is left if it is cut short
+                raise ValueError("another file comes before it")  # as in an archive whose beginning was cut off
             size = sum(part.file_size for part in parts)
             if size > MAX_BYTES:
                 raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")

@@ -1,6 +1,6 @@
-"""Single rotations as quaternions x, y, z, w: SciPy's Rotation takes 20 us for what these do in one.
+"""Single rotations as quaternions x, y, z, w.
 
-Its import takes longer than all else that a simulator is made of, too.
+SciPy's Rotation takes 20 us where these take one, and importing it takes longer than making a simulator.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def product(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
-    """Return Hamilton's product of two unit quaternions, (4,): a_from_c of a_from_b and b_from_c."""
+    """Return the Hamilton product of two unit quaternions, (4,): a_from_c for a_from_b and b_from_c."""
     x, y, z, w = np.asarray(first_xyzw, np.float64).tolist()
     p, q, r, s = np.asarray(then_xyzw, np.float64).tolist()
     return np.array([
@@ -25,7 +25,7 @@ def product(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
 
 
 def of_yaw_pitch_roll_deg(angles_deg: Sequence[float]) -> NDArray[np.float64]:
-    """Return the rotation about z, then the new y, then the new x, (4,)."""
+    """Return the rotation by yaw about z, then pitch about the new y, then roll about the new x, (4,)."""
     yaw, pitch, roll = np.radians(np.asarray(angles_deg, np.float64)).tolist()
     return product(product(about_z(yaw), about_y(pitch)), about_x(roll))
 
@@ -41,8 +41,8 @@ def matrix(xyzw: ArrayLike) -> NDArray[np.float64]:
 
 
 def turned(xyzw: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
-    """Return points (3,) or (n, 3) after the rotation."""
-    # BLAS may round otherwise for another number of points; einsum does not call it.
+    """Return rotated points, (3,) or (n, 3)."""
+    # With BLAS, rounding may depend on the number of points; einsum does not use BLAS.
     result: NDArray[np.float64] = np.einsum("jk,...k->...j", matrix(xyzw), np.asarray(points, np.float64))
     return result
 
@@ -63,6 +63,6 @@ def about_z(angle_rad: float) -> NDArray[np.float64]:
 
 
 def heading_rad(orientation_xyzw: ArrayLike) -> float:
-    """Return the direction of the turned x axis in the x-y plane, anticlockwise from x."""
+    """Return the direction of the rotated x axis in the x-y plane, anticlockwise from x."""
     x, y, z, w = np.asarray(orientation_xyzw, np.float64).tolist()
     return math.atan2(2.0 * (x * y + z * w), w * w + x * x - y * y - z * z)

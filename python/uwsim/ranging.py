@@ -1,4 +1,4 @@
-"""The links from a sonar's ranges to points in the world; each is a function that can be called alone.
+"""The steps from a sonar's ranges to points in the world; each is a separate function.
 
     text = encode_depth_string(ping.ranges_m, model=2)      the published wire: "12.31a12.3a55a..."
     ranges_m = decode_depth_string(text, model=2)           inf without echo
@@ -10,8 +10,8 @@
     points_world_m = transform_points(points_m, world_from_body)
 
 Points are (n, 3) float32, processed by PCL. Float32 arrays in C order are not copied, float64 and sequences are
-converted, other dtypes are refused. All errors are ValueError. model: the number of one of the wire's four, or any
-sonar's model, such as rov.sonar.model.
+converted, other dtypes are refused. All errors are ValueError. model: the number of one of the four published
+variants, or any sonar's model, such as rov.sonar.model.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from numpy.typing import ArrayLike, NDArray
 from uwsim import _core
 
 MODELS: Mapping[int, _core.MultibeamModel] = MappingProxyType({n: _core.multibeam_model(n) for n in (1, 2, 3, 4)})
-"""The four EM 2040 variants of the wire: 600 kHz single, 700 kHz single, 600 kHz dual, 700 kHz dual swath.
+"""The four EM 2040 variants of the published wire: 600 kHz single, 700 kHz single, 600 kHz dual, 700 kHz dual swath.
 
 Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which
-the wire sends for a beam without echo, and range_limit_m (94.9 or 54.9), above which the decoder reads a value as no
-echo, and which is the LaserScan's range_max.
+stands for a beam without echo, and range_limit_m (94.9 or 54.9), the LaserScan's range_max: the decoder takes a larger
+value for no echo.
 """
 
 CONFIDENCE = 1.96
-"""Standard deviations of a normal distribution within which 95 % of it lies."""
+"""Half-width of the 95 % interval of a normal distribution, in standard deviations."""
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
-"""Settings of `reject_outliers`, assumed: in the valley's physics mode they keep 99.7 % of the echoes of a gate."""
+"""Settings of `reject_outliers`, assumed: in the valley they keep 99.7 % of a gate's echoes in physics mode."""
 
 
 def _no_intensities() -> NDArray[np.float32]:
@@ -47,7 +47,7 @@ def _no_intensities() -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class LaserScan:
-    """One ping as a sensor_msgs/LaserScan, under the message's own names: angles in rad, times in s, ranges in m.
+    """One ping as a sensor_msgs/LaserScan, with that message's field names: angles in rad, times in s, ranges in m.
 
     Beam i points along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y.
     ranges: (beams,) float32, inf without echo. intensities: (beams,) or empty.
@@ -67,7 +67,7 @@ class LaserScan:
 
 
 def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2) -> str:
-    """Write the published `depthArray` text of one ping: each range as C# writes a float, each followed by "a".
+    """Return the published `depthArray` text of one ping: each range formatted as a C# float, each followed by "a".
 
     ranges_m: (beams,) float32 in [0, range_max_m of the model], or inf, which is written as range_max_m.
     """
@@ -76,10 +76,10 @@ def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel =
 
 
 def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDArray[np.float32]:
-    """Read a `depthArray` text: ranges, (beams,) float32.
+    """Return the ranges in a `depthArray` text, (beams,) float32.
 
-    As published, a value above the model's range_limit_m means no echo: inf. Raises ValueError, naming the beam, unless
-    the text is one plain decimal for each beam of the model, each followed by "a".
+    As published, a value above the model's range_limit_m means no echo: inf. Raises ValueError, which names the beam,
+    unless the text has one plain decimal for each beam of the model, each followed by "a".
     """
     variant = _variant(model)
     if not isinstance(text, str):
@@ -90,7 +90,7 @@ def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDA
 def to_laser_scan(
     ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2, stamp_s: float = 0.0, *, ping_interval_s: float = 0.1
 ) -> LaserScan:
-    """Make the LaserScan of one ping, in `base_scan`. All beams share one time: time_increment is 0.
+    """Return the LaserScan of one ping, in `base_scan`. All beams have the same time: time_increment is 0.
 
     ranges_m: (beams,) float32. ping_interval_s: time between pings, the message's scan_time.
     """
@@ -115,7 +115,7 @@ def to_laser_scan(
 
 
 def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
-    """Project the scan's echoes into its frame: (n, 3) float32, in the order of the beams.
+    """Return the scan's echoes as points in its frame, (n, 3) float32, in the order of the beams.
 
     As laser_geometry does, a range counts if range_min <= range < range_max.
     """
@@ -123,10 +123,10 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Turn ranges into inf whose echoes' places are uncertain by more than max_uncertainty_m at 95 % confidence.
+    """Replace ranges by inf if their echo's position is uncertain by more than max_uncertainty_m at 95 % confidence.
 
     ranges_m, deviation_m: (beams,), as in a ping of physics mode; the uncertainty is CONFIDENCE deviations, as in
-    IHO S-44. A head does this before its ranges are sent, as instruments do by their quality factors.
+    IHO S-44. The sonar head applies this before it sends ranges, as instruments do with their quality factors.
     """
     if not max_uncertainty_m > 0.0:  # false for nan, too
         raise ValueError(f"max_uncertainty_m = {max_uncertainty_m} m: must be positive")
@@ -137,26 +137,26 @@ def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertaint
 
 
 def reject_outliers(scan: LaserScan) -> LaserScan:
-    """Turn ranges with which too few neighbours agree, such as false detections, into inf: a gate along the swath.
+    """Replace outliers along the swath, such as false detections, by inf: ranges with which too few neighbours agree.
 
-    A neighbour k beams away agrees if the two ranges differ by at most NOISE_M and what a plane met at STEEPEST_RAD
-    makes of k beams: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range stays if
-    AGREEING of its REACH neighbours to either side agree. So an object that AGREEING + 1 beams meet is kept.
+    A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
+    STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if
+    AGREEING of its REACH neighbours to either side agree, and so is an object that at least AGREEING + 1 beams meet.
     """
     ranges = scan.ranges
     nearby = np.lib.stride_tricks.sliding_window_view(np.pad(ranges, REACH, constant_values=np.inf), 2 * REACH + 1)
     beams_away = np.abs(np.arange(-REACH, REACH + 1))
     slope = abs(scan.angle_increment) * math.tan(STEEPEST_RAD)
     own = ranges[:, None]
-    with np.errstate(invalid="ignore"):  # two beams without echo: inf - inf
+    with np.errstate(invalid="ignore"):  # inf - inf is NaN for two beams without echo
         agrees = np.abs(nearby - own) <= NOISE_M + slope * beams_away * np.minimum(nearby, own)
     needed = min(AGREEING, (len(ranges) - 1) // 2)
-    kept = agrees.sum(axis=1) > needed  # it agrees with itself
+    kept = agrees.sum(axis=1) > needed  # a range agrees with itself
     return replace(scan, ranges=np.where(kept, ranges, np.float32(np.inf)))
 
 
 def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) -> NDArray[np.float32]:
-    """Express points in another frame, (n, 3) float32.
+    """Return points in another frame, (n, 3) float32.
 
     target_from_source: (4, 4), rigid, such as ping.world_from_sonar. Rounding to float32 moves coordinates by up to
     2 um at 50 m from zero and 0.2 mm at 4 km.
@@ -165,17 +165,17 @@ def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) 
 
 
 def relative_transform(world_from_target: ArrayLike, world_from_source: ArrayLike) -> NDArray[np.float64]:
-    """Return target_from_source, (4, 4), of two rigid transforms: inverse(world_from_target) @ world_from_source."""
+    """Return target_from_source, (4, 4), from two rigid transforms: inverse(world_from_target) @ world_from_source."""
     return _core.relative_transform(world_from_target, world_from_source)
 
 
 def filter_range(points_m: ArrayLike, min_m: float, max_m: float) -> NDArray[np.float32]:
-    """Keep the points (n, 3) whose distance to the frame's origin is in [min_m, max_m]."""
+    """Return the points (n, 3) whose distance to the frame's origin is in [min_m, max_m]."""
     return _core.filter_range(points_m, min_m, max_m)
 
 
 def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) -> NDArray[np.float32]:
-    """Discard the points (n, 3) in an axis-aligned box, faces included: a self filter in the vehicle's frame.
+    """Return the points (n, 3) outside an axis-aligned box, whose faces belong to it: a self filter in the body frame.
 
     box_min_m, box_max_m: (3,), opposite corners.
     """

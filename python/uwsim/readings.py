@@ -1,4 +1,4 @@
-"""What sensors of several quantities read: a class a kind, with the fields that the core gives."""
+"""Readings of sensors with several quantities: one class for each kind, with the core's fields."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reading:
-    """Quantities that one sensor measured at one time; Sensor.unit gives their units."""
+    """The quantities that one sensor measured at one time; Sensor.unit has their units."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the quantities by name."""
@@ -29,9 +29,10 @@ class Reading:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImuReading(Reading):
-    """As sensor_msgs/Imu. angular_velocity_rad_s (3,); linear_acceleration_m_s2 (3,), specific force: at rest it is up.
+    """The fields of sensor_msgs/Imu, in the sensor's axes.
 
-    Both along the sensor's axes. orientation_xyzw (4,): world from sensor.
+    angular_velocity_rad_s (3,). linear_acceleration_m_s2 (3,): specific force, which points up at rest.
+    orientation_xyzw (4,): world from sensor.
     """
 
     angular_velocity_rad_s: Floats
@@ -41,7 +42,7 @@ class ImuReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VelocityReading(Reading):
-    """linear_velocity_m_s (3,) over ground and angular_velocity_rad_s (3,), along the sensor's axes."""
+    """linear_velocity_m_s (3,) over ground and angular_velocity_rad_s (3,), in the sensor's axes."""
 
     linear_velocity_m_s: Floats
     angular_velocity_rad_s: Floats
@@ -49,7 +50,7 @@ class VelocityReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AccelerationReading(Reading):
-    """linear_acceleration_m_s2 (3,) without gravity and angular_acceleration_rad_s2 (3,), along the sensor's axes."""
+    """linear_acceleration_m_s2 (3,) without gravity and angular_acceleration_rad_s2 (3,), in the sensor's axes."""
 
     linear_acceleration_m_s2: Floats
     angular_acceleration_rad_s2: Floats
@@ -57,9 +58,9 @@ class AccelerationReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DvlReading(Reading):
-    """velocity_m_s (3,) over the bottom along the sensor's axes.
+    """velocity_m_s (3,) over the bottom in the sensor's axes.
 
-    beam_ranges_m (4,), inf: lost; beam_velocities_m_s (4,) along each beam; bottom_lock: 1 or 0.
+    beam_ranges_m (4,): inf if lost; beam_velocities_m_s (4,) along each beam; bottom_lock: 1 or 0.
     """
 
     velocity_m_s: Floats
@@ -88,4 +89,4 @@ READINGS: dict[str, type[Reading]] = {
     "dvl": DvlReading,
     "usbl": UsblReading,
 }
-"""By the sensor's kind. A kind that is not here reads one number."""
+"""The reading's class by the sensor's kind. Kinds that are not listed measure one number."""

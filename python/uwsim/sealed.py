@@ -1,4 +1,4 @@
-"""Objects that refuse assignments which would have no effect."""
+"""Sealed: a base class whose objects refuse assignments that would have no effect."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from uwsim.did_you_mean import did_you_mean
 
 
 class Sealed:
-    """Base of objects whose public attributes are fixed once they are made.
+    """Base of classes whose public attributes cannot change once the object is made.
 
     A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter may be assigned. Any
-    other assignment raises AttributeError: it names the nearest attribute, or how to change what the attribute shows.
+    other assignment raises AttributeError, which names the nearest attribute or the method that changes the value.
     """
 
     _fixed_when: ClassVar[str] = "the simulator is made"
     _changed_by: ClassVar[Mapping[str, str]] = {}
-    """How to change what an attribute shows, such as {"effort": "set_effort()"}."""
+    """The method that changes each attribute, such as {"effort": "set_effort()"}."""
     _declared: ClassVar[frozenset[str]] = frozenset()
     _assignable: ClassVar[frozenset[str]] = frozenset()
 

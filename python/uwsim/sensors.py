@@ -1,4 +1,4 @@
-"""The sensors that a vehicle carries."""
+"""A vehicle's sensors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.sample_stream import SampleSource, SampleStream
 from uwsim.sealed import Sealed
 
 R = TypeVar("R")
-"""What a sensor reads: a float in its unit, or one of the classes of uwsim.readings."""
+"""A sensor's reading: a float in its unit, or one of the classes of uwsim.readings."""
 
 
 ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity", "compass", "contact"]
@@ -22,7 +22,7 @@ ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity"
 
 @dataclass(frozen=True, eq=False)
 class Sample(Generic[R]):
-    """A sensor's value as `Sensor.read` returns it, the simulated time of its measurement, and whether it is valid."""
+    """A sensor's value, as from `Sensor.read`, with the simulated time of its measurement and whether it is valid."""
 
     value: R
     stamp_ns: int
@@ -30,14 +30,14 @@ class Sample(Generic[R]):
 
     @property
     def stamp_s(self) -> float:
-        """The time of the measurement, seconds."""
+        """Time of the measurement, seconds."""
         return self.stamp_ns * 1e-9
 
 
 class Sensor(Sealed, Generic[R]):
-    """A sensor with noise from its own seeded stream.
+    """A sensor whose noise comes from a seeded random stream of its own.
 
-    Repeated reads at one time return the same sample; neither reads nor other sensors change later samples.
+    Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
     kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether it is powered; see
     Simulator.parameters. period_s: between samples. spec: its mounting, parameters and errors. Axes: x forward, y left,
@@ -93,28 +93,28 @@ class Sensor(Sealed, Generic[R]):
 
     @property
     def distortion(self) -> Distortion | None:
-        """What a fault makes of its readings, if there is one; see Simulator.faults."""
+        """The distortion that a fault applies to the readings, or None; see Simulator.faults."""
         return self._distortion
 
     def distort(self, distortion: Distortion | None) -> None:
-        """Let it tell wrongly from now on, or no more. Faults call this. Raises ValueError for another sensor's."""
+        """Distort readings from now on; None ends it. Faults call this. Raises ValueError if it does not fit."""
         if distortion is not None:
             distortion.check(self._fields)
         self._source.settle()
         self._distortion = distortion
 
     def stick(self) -> None:
-        """Let it tell its present reading again and again. Faults call this."""
+        """Repeat the present reading from now on. Faults call this."""
         self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
 
     def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
-        """Return samples as the sensor tells them now: distorted, or not valid while it is off."""
+        """Return samples as reported now: distorted by a fault, or invalid while the sensor is off."""
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)
         return stamps_ns, arrivals_ns, readings, valid & self.on
 
     def change(self, spec: _core.SensorSpec, on: bool) -> None:
-        """Go on with other errors and times. Simulator.parameters calls this."""
+        """Replace the sensor's errors and timing. Simulator.parameters calls this."""
         if on != self.__dict__.get("on", on):
             self._source.settle()
         period_s = max(1.0 / spec.rate_hz, self._step_s) if spec.rate_hz else self._step_s
@@ -124,42 +124,43 @@ class Sensor(Sealed, Generic[R]):
 
     @property
     def unit(self) -> str | dict[str, str]:
-        """The unit of the value, such as "m"; for several quantities by name, such as {"velocity_m_s": "m/s"}."""
+        """The unit of the value, such as "m"; for several quantities, a dict such as {"velocity_m_s": "m/s"}."""
         return self._units if self._scalar is None else self._units[self._scalar]
 
     def read(self, *, noise: bool = True) -> R:
         """Return the newest sample that has arrived: a float in `unit`, or several quantities (uwsim.readings).
 
-        Between samples this is the last one; if it was dropped, the last one that was not; before the first has
-        arrived, the present. `sample` tells these apart. noise=False returns the present true value, without errors,
-        rate, latency and drop-outs. A sensor that is off reads NaN.
+        Between samples the last one is returned, and dropped samples are skipped; before the first one arrives, the
+        present value is measured. `sample` distinguishes these cases. noise=False returns the present true value,
+        without errors, rate, latency or drop-outs. A sensor that is off reads NaN.
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
 
     def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
 
-        Invalid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
+        Not valid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
         sample was dropped, none has arrived yet, or the sensor is off.
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
         return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
-        """Return the sensor's samples to come: each once, in the order of arrival, but for dropped ones.
+        """Return a stream of the sensor's future samples: each once, in the order of arrival, without dropped ones.
 
-        from_ns: the earliest time of measurement; by default later than now. Take them now and then, as they are kept
-        until then; they end when the simulator is reset or restored. Those of a sensor that is off are not valid.
+        from_ns: the earliest measurement time; later than now by default. Samples are kept until they are taken, so
+        take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that is off
+        are invalid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
     def end_streams(self) -> None:
-        """End all streams, as time goes back. Simulator calls this."""
+        """End all streams, because time goes back. Simulator calls this."""
         self._source.close()
 
     @property
     def averaging_s(self) -> float:
-        """The time before a sample over which its accelerations are the mean, the simulator's step, seconds."""
+        """The time before a sample over which its accelerations are averaged: the simulator's step, seconds."""
         return self._step_s
 
     @property
@@ -182,7 +183,7 @@ class Sensor(Sealed, Generic[R]):
 
 
 class Sensors(Named[Sensor[Any]]):
-    """A vehicle's sensors by name. One that has the name of a kind is of that kind, so its readings' type is known."""
+    """A vehicle's sensors by name. A sensor named after a kind is of that kind, which gives its readings' type."""
 
     if TYPE_CHECKING:
 

@@ -1,4 +1,4 @@
-"""How Ctrl-C and SIGTERM end what takes long: at its next pause; after SIGTERM without what can be done later."""
+"""Stoppable: long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM skips what can be done later."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 GRACE_S = 1.0
-"""Wall time after SIGTERM in which the next pause must come: a service manager kills soon afterwards."""
+"""Wall time after SIGTERM within which a pause must come: a service manager kills the process soon afterwards."""
 
 
 class Stoppable:
-    """What ends early when it is asked to.
+    """A run that can be ended early.
 
-    in_haste: whether to leave out all that can be done later, such as a report.
+    in_haste: whether to skip all that can be done later, such as a report.
     """
 
     in_haste = False
     heard = False
-    """Whether it has asked since it was told to stop: it will end by itself."""
+    """Whether the run has noticed the request: it will end by itself."""
     _stop_requested = False
 
     def stop(self, *, in_haste: bool = False) -> None:
@@ -35,10 +35,10 @@ class Stoppable:
 
 @contextmanager
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
-    """During the block, let the first Ctrl-C or SIGTERM end the flight at its next pause, and the second end it now.
+    """During the block, the first Ctrl-C or SIGTERM ends the flight at its next pause, the second at once.
 
-    After SIGTERM it is in haste. If it comes to no pause within GRACE_S, as in a mission that computes for long, it is
-    ended by KeyboardInterrupt. Only the main thread hears signals: in another one, nothing is changed.
+    After SIGTERM it ends in haste. If no pause comes within GRACE_S, as in a mission that computes for long, it is
+    ended by KeyboardInterrupt. Only the main thread receives signals: elsewhere this does nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

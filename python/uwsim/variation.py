@@ -1,4 +1,4 @@
-"""Variation: the values that something takes, numbers or choices, and how one of them is picked."""
+"""Variation: the values, numbers or choices, that a scenario's key takes in a study, and how one of them is drawn."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Bound = Annotated[float, InRange(-1e12, 1e12)]
 
 
 class Variation(Model):
-    """The values that something takes: numbers from low to high, or choices.
+    """The values of one key: numbers from low to high, or choices.
 
-    low: the least number, in the unit of what is varied. high: the greatest. steps: of a grid: how many numbers, both
+    low: the smallest number, in the unit of the key. high: the largest. steps: of a grid: how many numbers, both
     ends included. scale: log: as many between 1 and 10 as between 10 and 100. whole: whole numbers only. choices: any
     values of the scenario's file; with a name for each, tables show the name.
     """
@@ -51,14 +51,14 @@ class Variation(Model):
 
 @dataclass(frozen=True)
 class Level:
-    """A value that something takes. shown: what tables show: a number, or a choice's name."""
+    """One value of a variation. shown: its form in tables: a number, or a choice's name."""
 
     shown: Any
     value: Any
 
 
 def choices(variation: Variation) -> list[Level]:
-    """Return the levels of a variation that has choices."""
+    """Return the levels of a variation with choices."""
     given = variation.choices
     if isinstance(given, Mapping):
         return [Level(name, value) for name, value in given.items()]
@@ -66,19 +66,19 @@ def choices(variation: Variation) -> list[Level]:
 
 
 def extremes(variation: Variation) -> list[Level]:
-    """Return the levels that must be allowed if all are: both ends, or all choices."""
+    """Return the levels to check before a study, so that all others are valid, too: both ends, or all choices."""
     return choices(variation) if variation.choices is not None else [level_at(variation, u) for u in (0.0, 1.0)]
 
 
 def level_at(variation: Variation, u: float) -> Level:
-    """Return the level of a variation at u in [0, 1]: of choices, each has the same share."""
+    """Return the level of a variation at u in [0, 1]; all choices have equal shares."""
     if variation.choices is not None:
         levels = choices(variation)
         return levels[min(int(u * len(levels)), len(levels) - 1)]
     low, high = variation.low or 0.0, variation.high or 0.0
     if variation.scale == "log":
         value = low * (high / low) ** u
-    elif variation.whole:  # each number has the same share
+    elif variation.whole:  # all numbers have equal shares
         value = math.floor(low + u * (high - low + 1))
     else:
         value = low + u * (high - low)

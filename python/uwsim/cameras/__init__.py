@@ -1,4 +1,4 @@
-"""Cameras and lamps: pictures of the world as it is now, by the light that the water lets through."""
+"""Cameras and lamps: pictures of the world at the present time, in the light that the water transmits."""
 
 from uwsim.cameras.camera import Camera
 from uwsim.cameras.effects import EFFECTS

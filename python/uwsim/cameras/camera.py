@@ -1,4 +1,4 @@
-"""A camera: it captures pictures of the world as it is now."""
+"""A camera, which captures pictures of the world at the present time."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 from uwsim.sealed import Sealed
 
 Floats = NDArray[np.float64]
-CLEARANCE_M = 0.3  # of a camera that follows a vehicle, above the ground
+CLEARANCE_M = 0.3  # above the ground, for a camera that follows a vehicle
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
 
 
 @dataclass(eq=False)
 class _Lens:
-    """The native camera, built on first use: its table of rays takes time."""
+    """The native camera, built on first use: its table of rays takes time to compute."""
 
     name: str
     mount: CameraMount
@@ -44,8 +44,8 @@ class Camera(Sealed):
     """A camera on a vehicle or on the station.
 
     Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
-    time, and at one time it gives the same picture, whatever the number of threads. A camera does not see the vehicle
-    that carries it; one that follows a vehicle's heading does. One with a motor pans and tilts by `aim`.
+    time, and at one time it gives the same picture, whatever the number of threads. A camera's own vehicle is not in
+    its pictures, unless it follows the vehicle's heading. A camera with a motor pans and tilts by `aim`.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Camera(Sealed):
         owner: str | None = None,
         key: str | None = None,
     ) -> None:
-        """owner: the vehicle that carries it, None for the station; key: its name there, by default `name`."""
+        """owner: its vehicle, None for the station; key: the camera's name there, by default `name`."""
         self.name = name
         self.mount = mount
         self.info = _camera_info(name, mount)
@@ -79,7 +79,7 @@ class Camera(Sealed):
         return f"<Camera '{self.name}', {self.info.width} x {self.info.height} pixels>"
 
     def change(self, mount: CameraMount) -> None:
-        """Go on with another mount. Simulator.parameters calls this."""
+        """Replace the mount. Simulator.parameters calls this."""
         if mount != self.mount:
             self._refit(mount)
 
@@ -94,12 +94,12 @@ class Camera(Sealed):
         threads: int | None = None,
         at: Snapshot | None = None,
     ) -> Frame:
-        """Capture a picture of the world as it is now, or as it was `at` a snapshot.
+        """Return a picture of the world as it is now, or as it was `at` a snapshot.
 
-        effects: "on", "off" (the plain scene, dry and under the open sky) or the names of those that are on; without:
-        the names of those that are off. geometry_only: depth, normals, labels and classes only. radiance: keep it.
-        measure: fill task_s. The picture of a camera that is off is black and shows nothing. Raises ValueError for
-        unknown effects and for a camera below the ground; a camera inside another solid sees that solid's inner side.
+        effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply; without:
+        names of effects to leave out. geometry_only: depth, normals, labels and classes only. radiance: include it.
+        measure: fill task_s. A camera that is off gives a black picture without any surface. Raises ValueError for
+        unknown effects and for a camera below the ground; a camera inside another solid shows that solid's inner side.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
@@ -149,12 +149,12 @@ class Camera(Sealed):
 
     @property
     def world_from_camera(self) -> Floats:
-        """(4, 4), the present pose of its frame: x ahead, y left, z up."""
+        """The present pose of its frame, (4, 4): x ahead, y left, z up."""
         return self._pose(self._scene.snapshot(with_lamps=False))[2]
 
     @property
     def pose(self) -> tuple[Floats, Floats]:
-        """The same as position (3,) and orientation x, y, z, w (4,) in the world."""
+        """The pose as position (3,) and orientation x, y, z, w (4,) in the world."""
         return self._pose(self._scene.snapshot(with_lamps=False))[:2]
 
     @property
@@ -163,9 +163,9 @@ class Camera(Sealed):
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn towards these angles at the motor's rate; an axis that is not given keeps its aim.
+        """Turn towards these angles at the motor's rate; None: that axis keeps its aim.
 
-        Raises ValueError, changing nothing, for an angle beyond the motor's limits, and if the camera has no motor.
+        Raises ValueError, with nothing changed, for an angle beyond the motor's limits or a camera without a motor.
         """
         if self._head is None:
             raise ValueError(f"camera '{self.name}': has no pan_tilt")
@@ -177,10 +177,10 @@ class Camera(Sealed):
         self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
 
     def resized(self, width: int, height: int | None = None) -> Camera:
-        """Return this camera with as many pixels across and down; by default down as its shape gives.
+        """Return this camera with another size in pixels; by default, the height keeps the aspect ratio.
 
-        It turns with this one and sees as much from side to side. Raises ValueError for sizes outside the limits of a
-        mount.
+        It turns with this one and has the same horizontal field of view. Raises ValueError for sizes outside the limits
+        of a mount.
         """
         for name, pixels in (("width", width), ("height", height or 1)):
             if not 1 <= pixels <= LARGEST_SIDE:
@@ -192,27 +192,27 @@ class Camera(Sealed):
         return other
 
     def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
-        """(H, W, 2) float32, X/Z and Y/Z of the ray through each pixel's centre in the optical frame.
+        """Return X/Z and Y/Z of the ray through each pixel's centre in the optical frame, (H, W, 2) float32.
 
-        distort: as pictures with the effect `distortion` have it. The bends of `wobble` are not in it.
+        distort: as in pictures with the effect `distortion`. The bends of `wobble` are not included.
         """
         return self._lens.core.ray_table(distort)
 
     def snapshot(self) -> Snapshot:
-        """Keep the present, for a `capture` later or on another thread."""
+        """Return the present state, for a `capture` later or on another thread."""
         return self._scene.snapshot(with_lamps=True)
 
     def later(self) -> Callable[[], Frame]:
-        """Keep the present; return what captures it whenever it is called, on any thread.
+        """Store the present state; return a function that captures it at any later time, on any thread.
 
-        Unlike with a snapshot, the camera's own parameters and the scene's are kept, too.
+        Unlike a snapshot, it also stores the camera's own parameters and the scene's.
         """
         kept, snapshot = copy(self), self.snapshot()
         kept._scene = self._scene.kept()
         return lambda: kept.capture(at=snapshot)
 
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
-        """Return the packets of rays that a picture casts through the world, and its origin (3,), for benchmarks."""
+        """Return the packets of rays that a picture casts through the world, and their origin (3,), for benchmarks."""
         picture, _, pose = self._render(list(EFFECTS), 1, None, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
 
@@ -254,7 +254,7 @@ class Camera(Sealed):
         return position, orientation, world_from_camera
 
     def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
-        """Return the rotation from its frame to its carrier's, (4,) x, y, z, w: now, or at a snapshot."""
+        """Return the rotation from its frame to its carrier's, (4,) x, y, z, w: at present, or at a snapshot."""
         if self._head is None:
             return self._orientation_xyzw
         pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]

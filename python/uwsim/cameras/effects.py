@@ -1,4 +1,4 @@
-"""The effects that a picture may have, by name."""
+"""The effects of pictures, by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A frame: one picture that a camera has taken, with depth, normals and labels of the same pass."""
+"""A frame: one captured picture, with depth, normals and labels from the same pass."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.cameras.image_file import check_suffix, encode_jpeg, encode_png, writ
 Floats = NDArray[np.float64]
 
 MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-"""Rotates the optical frame (x right, y down, z ahead) into the camera's (x ahead, y left, z up)."""
+"""Rotation from the optical frame (x right, y down, z ahead) to the camera's (x ahead, y left, z up)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Frame:
     """One picture. All arrays are read-only and come from one pass.
 
     rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a frame of geometry only. depth_m: (H, W) float32 along the optical axis,
-    inf where nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 where
+    inf if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 if
     nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names;
     class_of_label: of each label. Depth, normals, labels and classes describe the first solid on the straight ray
     through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
@@ -68,7 +68,7 @@ class Frame:
 
     @property
     def world_from_optical(self) -> Floats:
-        """(4, 4) pose of the optical frame: x right, y down, z ahead."""
+        """Pose of the optical frame, (4, 4): x right, y down, z ahead."""
         pose = np.array(self.world_from_camera)
         pose[:3, :3] = pose[:3, :3] @ MOUNT_FROM_OPTICAL
         return pose
@@ -82,12 +82,12 @@ class Frame:
         return encode_png(self._rgb_or_error())
 
     def save(self, path: str | Path) -> None:
-        """Write a .png, .jpg or .jpeg file, whole or not at all. Raises ValueError for other suffixes, OSError."""
+        """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError."""
         check_suffix("path", Path(path))
         write_image(Path(path), self._rgb_or_error())
 
     def save_npz(self, path: str | Path) -> None:
-        """Write all arrays, the time and the pose, whole or not at all, as np.load reads them. ValueError, OSError."""
+        """Write all arrays, the time and the pose atomically, for np.load. Raises ValueError, OSError."""
         target = Path(path)
         if target.suffix != ".npz":
             raise ValueError(f"path '{target}': must end in .npz")
@@ -96,7 +96,7 @@ class Frame:
         write_atomically(target, content.getvalue())
 
     def to_dict(self) -> dict[str, Any]:
-        """Return its fields by name."""
+        """Return all fields by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def _arrays(self) -> dict[str, Any]:
@@ -106,7 +106,7 @@ class Frame:
         return {**plain, **names, "k": self.info.k, "d": self.info.d}
 
     def _repr_png_(self) -> bytes | None:
-        """Show the picture in notebooks."""
+        """Return the picture, for notebooks."""
         return self.png() if len(self.rgb) else None
 
     def __repr__(self) -> str:

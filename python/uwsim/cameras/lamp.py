@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class Lamp(Sealed):
-    """The lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
+    """The lamps on one switch, such as rov.lamps["front"]. Their light is in every camera's pictures."""
 
     name: str
     spec: Lamps
@@ -32,12 +32,12 @@ class Lamp(Sealed):
         return f"<Lamp '{self.name}', {'on' if self.on else 'off'}>"
 
     def change(self, spec: Lamps) -> None:
-        """Go on with other figures. Simulator.parameters calls this."""
+        """Replace the lamps' parameters. Simulator.parameters calls this."""
         self.__dict__["spec"] = spec
 
     @property
     def on(self) -> bool:
-        """Whether they shine; off at the start, unless the vehicle's file says otherwise."""
+        """Whether they are on; off at the start, unless the vehicle's file sets `on`."""
         return self._on
 
     @on.setter
@@ -49,15 +49,15 @@ class Lamp(Sealed):
             self._journal.note("set_lamp", vehicle=self._vehicle, lamp=self.name, on=self._on)
 
     def set_silently(self, on: bool) -> None:
-        """Switch them as part of another command, such as a reset."""
+        """Switch them without a journal entry, as part of another command such as a reset."""
         self._on = on
 
     def report_to(self, journal: Journal, vehicle: str) -> None:
-        """Tell a journal when they are switched."""
+        """Log in a journal when they are switched."""
         self._journal, self._vehicle = journal, vehicle
 
     def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
-        """Return each lamp for the renderer, given the pose of the vehicle that carries them."""
+        """Return each lamp for the renderer, given the pose of its vehicle."""
         lights = []
         for spot, turn in zip(self.spec.spots, self._orientations_xyzw, strict=True):
             position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)

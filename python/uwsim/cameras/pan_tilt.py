@@ -14,7 +14,7 @@ TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
 
 
 class PanTiltHead:
-    """A motor's state: where its axes were at a time, and where they turn to."""
+    """A motor's state: the angles of its axes at some time, and their targets."""
 
     def __init__(self, camera: str, spec: PanTilt) -> None:
         self._camera = camera
@@ -23,7 +23,7 @@ class PanTiltHead:
         self._motion: tuple[int, Angles, Angles] = 0, (0.0, 0.0), (0.0, 0.0)
 
     def restart(self) -> None:
-        """Point along the mounting."""
+        """Point along the mount."""
         self._motion = 0, (0.0, 0.0), (0.0, 0.0)
 
     def angles_rad(self, time_ns: int) -> Angles:
@@ -34,7 +34,7 @@ class PanTiltHead:
         return pan, tilt
 
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
-        """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, changing nothing."""
+        """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, with nothing changed."""
         given = (pan_rad, tilt_rad)
         for axis, value, (low, high) in zip(AXES, given, self._limits_rad, strict=True):
             if value is not None and not low - TOLERANCE_RAD <= value <= high + TOLERANCE_RAD:

@@ -1,4 +1,4 @@
-"""The state that all cameras of a simulator share: the scene, the light in it, and where everything is now."""
+"""The state that all cameras of a simulator share: the scene, its light, and the present poses."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The moving parts at one time: (n, 3) positions and (n, 4) orientations of all vehicles, lamps on, light.
+    """The moving parts at one time: positions (n, 3) and orientations (n, 4) of all vehicles, lamps that are on, light.
 
-    aims_rad: pan and tilt of the cameras that turn, by name.
+    aims_rad: pan and tilt of cameras with a motor, by name.
     """
 
     time_ns: int
@@ -50,11 +50,11 @@ class _Native:
 
 
 class SharedScene:
-    """The scene that a simulator's cameras look at.
+    """The scene of a simulator's cameras.
 
-    optics: the water, sun and wind that they see by; may be replaced. lamps: each vehicle's, by the name of the switch.
+    optics: the water, sun and wind; may be replaced. lamps: each vehicle's, by the name of the switch.
     heads: the motors of cameras that turn, by the camera's name.
-    The native scene is built when the first picture is taken, so that simulators without pictures do not pay for it.
+    The native scene is built for the first picture, so that simulators without pictures do not pay for it.
     """
 
     def __init__(
@@ -80,11 +80,11 @@ class SharedScene:
         return self._native.core
 
     def kept(self) -> SharedScene:
-        """Return the scene with its present materials, hulls and water, whatever changes later."""
+        """Return a scene that keeps the present materials, hulls and water, whatever changes later."""
         return copy(self)
 
     def restart(self, scenario: Scenario) -> None:
-        """Begin anew with a scenario that differs from the first in its seed alone: its own lamps and light."""
+        """Restart with a scenario that differs from the first only in its seed: its own lamps and light."""
         if scenario.seed != self._scenario.seed:
             self._native = _Native(scenario, self._world, self._rays)
         self._scenario = scenario
@@ -96,7 +96,7 @@ class SharedScene:
             head.restart()
 
     def change(self, scenario: Scenario) -> None:
-        """Go on with a scenario that differs in parameters alone."""
+        """Apply a scenario that differs only in parameters."""
         before = self._scenario
         hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
         same_hulls = all(
@@ -116,12 +116,12 @@ class SharedScene:
         return self._simulation.time_ns
 
     def ground_m(self, position_m: Floats) -> float:
-        """Return the height of the terrain under or over a place (3,), -inf beside it."""
+        """Return the height of the terrain below or above a position (3,), -inf outside it."""
         height = float(self._world.height_at(position_m[None, :2])[0])
         return height if np.isfinite(height) else -np.inf
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
-        """Return the present, consistent even if other threads step the simulation meanwhile."""
+        """Return the present state, consistent even if other threads step the simulation meanwhile."""
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]

@@ -1,4 +1,4 @@
-"""What changed between two visits: groups of voxels that have appeared or vanished from one map to the next."""
+"""Changes between two visits: groups of voxels that appeared or vanished from one map to the next."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from scipy.spatial import cKDTree
 from uwsim.mapping.difference import map_difference
 from uwsim.mapping.occupancy_map import OccupancyMap
 
-BESIDE = 1.8  # voxels: a voxel this near to an occupied one of the other map is the same surface
+BESIDE = 1.8  # voxels: a voxel this near to an occupied one of the other map belongs to the same surface
 TOGETHER = 2.5  # voxels: between neighbours in a group
 
 
 @dataclass(frozen=True, eq=False)
 class MapChange:
-    """Something that appeared or vanished. middle_world_m, size_m (3,): of the box around its voxels_m (n, 3)."""
+    """A group of voxels that appeared or vanished. middle_world_m, size_m (3,): of the box around voxels_m (n, 3)."""
 
     kind: Literal["appeared", "vanished"]
     voxels_m: NDArray[np.float64]
 
     @property
     def middle_world_m(self) -> NDArray[np.float64]:
-        """The middle of its box."""
+        """The centre of its bounding box."""
         return np.asarray(0.5 * (self.voxels_m.min(axis=0) + self.voxels_m.max(axis=0)))
 
     @property
@@ -37,11 +37,11 @@ class MapChange:
 
 
 def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -> list[MapChange]:
-    """Return what appeared and vanished between two maps of the same place, the largest first.
+    """Return the groups that appeared or vanished between two maps of one area, the largest first.
 
-    A voxel has appeared if it is occupied now, was known to be free, and none beside it was occupied; vanished is the
-    reverse. smallest: voxels of a group; smaller ones are taken for noise. What only one visit saw is no change.
-    Raises ValueError unless both maps have the same grid.
+    A voxel has appeared if it is occupied now, was known to be free, and had no occupied neighbour; vanished is the
+    reverse. smallest: number of voxels below which a group counts as noise. What only one visit observed is not a
+    change. Raises ValueError unless both maps have the same grid.
     """
     differing = map_difference(before, after)
     changes = [
@@ -54,7 +54,7 @@ def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -
 def _groups(
     kind: Literal["appeared", "vanished"], voxels_m: NDArray[np.float64], other: OccupancyMap, smallest: int
 ) -> list[MapChange]:
-    """Group the voxels that are free in the other map, and apart from what is occupied there."""
+    """Return the groups of voxels that are free in the other map and not near anything occupied there."""
     edge_m = other.resolution_m
     free = voxels_m[other.state_at(voxels_m) == 0] if len(voxels_m) else voxels_m
     occupied = other.occupied_voxels()

@@ -3,7 +3,7 @@
     points_m = voxel_grid(points_m, 0.1)
     points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
     ground = ground_plane(points_m, distance_m=0.2)
-    found = register_to_map(points_m, occupancy_map)        where the cloud belongs in the map
+    found = register_to_map(points_m, occupancy_map)        the cloud's pose in the map
 
 Points are (n, 3) float32. C-ordered float32 arrays are passed without a copy, float64 and sequences are converted,
 other dtypes are refused. The same points in the same order give the same bytes. All errors are ValueError. Calls
@@ -26,7 +26,7 @@ REACH_VOXELS = 5.0
 
 
 class RegistrationTarget(Protocol):
-    """A map that register_to_map accepts, such as uwsim.mapping.OccupancyMap."""
+    """A map for register_to_map, such as uwsim.mapping.OccupancyMap."""
 
     @property
     def resolution_m(self) -> float:
@@ -66,10 +66,10 @@ class Registration:
 
 
 def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
-    """Return the centroid of the points in each cube of edge voxel_m that holds any: (k, 3) float32.
+    """Return the centroid of the points in each non-empty cube of edge voxel_m: (k, 3) float32.
 
     The cubes' corners are at multiples of voxel_m, as in OctoMap. Non-finite points are discarded. Raises ValueError
-    when the cloud's bounding box holds 2**31 cubes or more.
+    if the cloud's bounding box holds 2**31 cubes or more.
     """
     return _core.voxel_grid(points_m, voxel_m)
 
@@ -84,7 +84,7 @@ def pass_through(
 
 
 def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float = 2.0) -> NDArray[np.float32]:
-    """Discard points that are far from others (Rusu et al. 2008, "Towards 3D point cloud based object maps").
+    """Return the points that are not far from others (Rusu et al. 2008, "Towards 3D point cloud based object maps").
 
     A point is an outlier when the mean distance to its nearest `neighbours` points exceeds the cloud's mean of that
     distance by more than `deviations` standard deviations. Non-finite points are discarded. There must be more points
@@ -94,10 +94,10 @@ def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float
 
 
 def ground_plane(points_m: ArrayLike, distance_m: float, max_slope_rad: float = math.radians(30.0)) -> GroundPlane:
-    """Find the plane with the most points within distance_m of it (RANSAC, Fischler and Bolles 1981; least squares).
+    """Return the plane with the most points within distance_m (RANSAC, Fischler and Bolles 1981; least squares).
 
-    max_slope_rad: the steepest slope that counts as ground, which excludes walls. PCL draws with a fixed seed, so the
-    same points give the same plane. Raises ValueError when a point is not finite or no such plane is found.
+    max_slope_rad: the steepest slope that counts as ground, to exclude walls. PCL draws with a fixed seed, so the
+    same points give the same plane. Raises ValueError if a point is not finite or there is no such plane.
     """
     return GroundPlane(*_core.ground_plane(points_m, distance_m, max_slope_rad))
 

@@ -17,10 +17,10 @@ POINTS_PER_QUERY = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class MapDifference:
-    """Two maps compared voxel by voxel.
+    """A voxel-by-voxel comparison of two maps.
 
     counts: (3, 3) int64, number of voxels by their state in the first map (row) and in the second (column), in the
-    order of STATES; voxels unknown to both are not counted: 0. only_first_m, only_second_m, both_m: (n, 3), world,
+    order of STATES; 0 for voxels unknown to both. only_first_m, only_second_m, both_m: (n, 3), world,
     centres of the voxels that are occupied in the first map only, in the second only, and in both.
     """
 
@@ -37,7 +37,7 @@ class MapDifference:
 
 
 def map_difference(first: OccupancyMap, second: OccupancyMap) -> MapDifference:
-    """Compare two maps voxel by voxel. Raises ValueError unless they have the same resolution and origin."""
+    """Return the difference of two maps. Raises ValueError unless they have the same resolution and origin."""
     require_same_grid(first, second)
     counts = np.zeros((3, 3), np.int64)
     occupied = first.occupied_voxels()
@@ -55,7 +55,7 @@ def map_difference(first: OccupancyMap, second: OccupancyMap) -> MapDifference:
 
 
 def _states(occupancy: OccupancyMap, centres_m: NDArray[np.float64]) -> NDArray[np.int8]:
-    """Return state_at of the centres, in parts to limit memory."""
+    """Return state_at of the centres, computed in parts to limit memory."""
     starts = range(0, len(centres_m), POINTS_PER_QUERY)
     parts = [occupancy.state_at(centres_m[start : start + POINTS_PER_QUERY]) for start in starts]
     return np.concatenate([np.empty(0, np.int8), *parts])

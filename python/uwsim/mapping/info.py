@@ -10,7 +10,7 @@ FORMAT_TEXT = {"bt": "bt, occupied or free", "ot": "ot, with all probabilities"}
 
 
 def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
-    """Return rows of (name, value with unit). Raises OSError or ValueError as reading the map does."""
+    """Return rows of (name, value with unit). Raises OSError or ValueError if the map cannot be read."""
     occupancy = open_map(path, origin_world_m)
     statistics, bounds = occupancy.statistics(), known_bounds(occupancy)
     edge_m = occupancy.resolution_m

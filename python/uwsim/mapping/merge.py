@@ -1,4 +1,4 @@
-"""Merges map files of one area, or of its parts, into one: the same bytes in whatever order they are given."""
+"""Merging of map files of one area, or of its parts: the result's bytes do not depend on their order."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from uwsim.mapping.files.map_files import MAP_SUFFIXES, map_format, open_map, re
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 WIDE = (1e-300, 1.0 - 1e-16)
-"""Limits of the sum on its way, log-odds of -690 to 36.7: ten maps at OctoMap's own limit, 3.5, are below them."""
+"""Limits of the intermediate sum, log-odds of -690 to 36.7: ten maps at OctoMap's own limit, 3.5, are below them."""
 OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
-"""Limits at which a voxel that any map has occupied (27.6) stays so, however many have it free (-4e-7)."""
+"""Limits that keep a voxel occupied if any map has it occupied (27.6), however many have it free (-4e-7)."""
 
 
 def merge_files(sources: Sequence[Path], target: Path) -> int:
     """Merge maps into `target`, .bt or .ot, atomically; return its number of occupied voxels.
 
-    If all are .ot, the log-odds of each voxel are summed, and the sum is limited as scans' are: as if one map had seen
-    all scans, apart from the limit on the way. A .bt holds states alone, so if any is one, a voxel is occupied if any
-    map has it occupied, and free if any has it free. What no map knows stays unknown.
+    If all are .ot, the log-odds of each voxel are summed, and the sum is clamped like that of scans: as if one map had
+    received all scans, apart from clamping on the way. A .bt holds states alone, so if any file is one, a voxel is
+    occupied if it is in any map, else free if it is in any. Voxels that are unknown to all maps stay unknown.
 
-    The files are taken in the order of their contents' digests, since floating-point sums depend on the order: the
-    bytes of the result depend on the files alone. The files hold no origin: all must have been written with the same
-    one. Holds two maps in memory at a time. Raises ValueError, which names the file, or OSError, with nothing written.
+    The files are merged in the order of their contents' digests, since floating-point sums depend on the order: the
+    result depends on the files alone. The files hold no origin: all must have been written with the same
+    one. At most two maps are in memory at a time. Raises ValueError, which names the file, or OSError, with nothing
+    written.
     """
     if len(sources) < 2:
         raise ValueError(f"{len(sources)} map given: must be two or more to merge")
@@ -64,7 +65,7 @@ def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
 
 
 def _states(source: Path, scratch: Path) -> OccupancyMap:
-    """Return a map of states alone: of an .ot, as its .bt would have them."""
+    """Return a map of states alone: an .ot is read as its .bt."""
     if map_format(source) == "ot":
         open_map(source).write(scratch)
         source = scratch

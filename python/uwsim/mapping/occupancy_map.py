@@ -36,26 +36,26 @@ ON_OUTSIDE = ("raise", "count")
 class OccupancyMap(Sealed):
     """A probabilistic voxel map: OctoMap's octree with OctoMap's sensor model.
 
-    resolution_m: edge of a voxel. OctoMap's cube reaches 2**15 voxels from its origin along each axis (+-6.5 km at
-    0.2 m); origin_world_m (3,) moves it to where the survey is. Files hold world minus origin, so pass the same origin
-    to `read` again.
+    resolution_m: edge of a voxel. OctoMap's cube extends 2**15 voxels from its origin along each axis (+-6.5 km at
+    0.2 m); origin_world_m (3,) moves it to the survey area. Files hold world minus origin, so pass the same origin
+    to `read`.
 
     engine: "octomap" is the system's octomap::OcTree and its insertPointCloud, the reference; "bricks" is ours, much
-    faster and smaller. After the same scans both give the same bytes, .bt and .ot. Either's .bt is written by an
+    faster and smaller. After the same scans both give the same bytes, .bt and .ot. The .bt of either is written by an
     octomap::OcTree (with a memory_limit_mb, or from 30 million nodes on, by our own writer, since OctoMap's tree would
     take gigabytes; the bytes are the same).
-    hit: probability that a voxel that holds a point is occupied, in [0.5, 1). miss: the same for a voxel that a ray
-    passes through, in (0, 0.5]. clamping: the limits of the probability that scans may give a voxel. The defaults are
+    hit: probability that a voxel with a point in it is occupied, in [0.5, 1). miss: the same for a voxel that a ray
+    passes through, in (0, 0.5]. clamping: the limits of the probability that scans can give a voxel. The defaults are
     OctoMap's.
     instruction_set: for the bricks' kernels, to be set by tests and benchmarks; the bytes do not depend on it.
     on_outside: "raise" refuses a scan with points outside the cube, with ValueError and nothing inserted; "count"
     discards those points (all points, if the origin is outside) and counts them in statistics().
-    memory_limit_mb: approximate limit of the bricks' memory; one batch of scans and the states kept for changed_voxels
-    come on top. The least recently used parts of the map are moved to an unnamed file in spill_dir (default: the
-    system's folder for temporary files; it must not itself be in memory) and come back when they are used. The file
-    disappears with the process however it ends. The bytes of the map do not depend on the limit. While that file cannot
-    be written, inserting raises OSError with nothing inserted, and the map stays intact.
-    The memory of deleted maps is kept for new ones: at most 64 MB of voxels, and the tables of rays.
+    memory_limit_mb: approximate limit of the bricks' memory, in addition to one batch of scans and the states kept for
+    changed_voxels. The least recently used parts of the map are moved to an unnamed file in spill_dir (default: the
+    system's folder for temporary files; it must not be a memory file system) and loaded again when used. The file
+    disappears when the process ends, however it ends. The bytes of the map do not depend on the limit. If that file
+    cannot be written, inserting raises OSError with nothing inserted, and the map stays intact. Up to 64 MB of voxels
+    from deleted maps, and the tables of rays, are kept for new maps.
 
     The bytes of a map depend only on the scans and their order. Calls release the GIL and wait for each other.
     """
@@ -94,11 +94,11 @@ class OccupancyMap(Sealed):
         memory_limit_mb: float | None = None,
         spill_dir: str | os.PathLike[str] | None = None,
     ) -> Self:
-        """Read a .bt or .ot file; the format is recognised by the first line, not by the name.
+        """Return the map in a .bt or .ot file; the format is recognised by the first line, not the name.
 
-        Raises OSError if the file cannot be read; ValueError if it is not a valid map, or without a memory_limit_mb
-        one that may need more than half of this machine's memory. A .bt holds only occupied or free: its voxels come
-        back at the clamping limits.
+        Raises OSError if the file cannot be read; ValueError if it is not a valid map, or if it may need more than half
+        of this machine's memory without a memory_limit_mb. A .bt holds only occupied or free: its voxels are read as
+        the clamping limits.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
@@ -122,12 +122,12 @@ class OccupancyMap(Sealed):
         return "octomap" if self._map.engine == _core.MapEngine.OCTOMAP else "bricks"
 
     def insert_scan(self, points_world_m: ArrayLike, origin_world_m: ArrayLike, max_range_m: float = math.inf) -> None:
-        """Insert one ping: voxels between the origin and a point are updated as free, those that hold one as occupied.
+        """Insert one ping: voxels between the origin and a point are updated as free, those with a point as occupied.
 
         Each voxel is updated once; occupied wins. points_world_m: (n, 3) float32; non-finite points mean no echo and
-        are skipped. origin_world_m: (3,), where the ping was sent from. A point farther than max_range_m only frees
-        voxels up to that range; rays and points are float32, so make it a centimetre longer than the longest range
-        that may arrive.
+        are skipped. origin_world_m: (3,), where the ping was sent. A point farther than max_range_m only frees
+        voxels up to that range; rays and points are float32, so make it a centimetre longer than the longest expected
+        range.
         Raises ValueError, with nothing inserted, if the origin is not finite, or it or a point lies outside the cube.
         """
         self._map.insert_scan(points_world_m, origin_world_m, max_range_m)
@@ -140,10 +140,10 @@ class OccupancyMap(Sealed):
         max_range_m: float = math.inf,
         threads: int = 1,
     ) -> None:
-        """Insert many pings in order: faster than one by one, and gives the same map.
+        """Insert many pings in order: faster than one by one, with the same map as the result.
 
-        points_world_m: (n, 3) float32, the points of all pings one after the other, not copied. counts: (m,), number of
-        points of each ping; they add up to n. origins_world_m: (m, 3). threads: used by the bricks; the map does not
+        points_world_m: (n, 3) float32, the points of all pings, concatenated; not copied. counts: (m,), number of
+        points of each ping, which add up to n. origins_world_m: (m, 3). threads: used by the bricks; the map does not
         depend on it.
         Raises ValueError as insert_scan does, with none of the pings inserted.
         """
@@ -168,7 +168,7 @@ class OccupancyMap(Sealed):
         return MapStatistics(*self._map.statistics())
 
     def count(self) -> VoxelCounts:
-        """Return the numbers of occupied and of free voxels, as `statistics` does, in a fraction of its time."""
+        """Return the numbers of occupied and free voxels, as `statistics` does but much faster."""
         return VoxelCounts(*self._map.count())
 
     def state_at(self, points_world_m: ArrayLike) -> NDArray[np.int8]:
@@ -196,7 +196,7 @@ class OccupancyMap(Sealed):
         return Cubes(*self._map.cells(depth))
 
     def voxels_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> Cubes:
-        """Return the known voxels of the finest level whose centres lie in a box, corners (3,), faces included.
+        """Return the known voxels of the finest level with centres in a box, corners (3,), faces included.
 
         Raises ValueError for more than 100 million.
         """
@@ -220,18 +220,18 @@ class OccupancyMap(Sealed):
     def changed_voxels(self) -> MapChanges:
         """Return the voxels whose state (unknown, free, occupied) differs from that at the last call: for a live view.
 
-        The first call returns all known voxels. A voxel that changed and changed back is not returned, nor one whose
-        probability alone changed. From the first call on the map keeps a copy of the states, two bits per voxel where
-        they are mixed. Raises ValueError for more than 100 million; the next call then returns them.
+        The first call returns all known voxels. A voxel that changed back is not returned, nor one of which only the
+        probability changed. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed
+        areas. Raises ValueError for more than 100 million; the next call then returns them.
         """
         return MapChanges(*self._map.changed_voxels())
 
     def changed_occupancy(self) -> OccupancyChanges:
-        """Return the voxels that became occupied, or are so no longer, since the last call: for a live view.
+        """Return the voxels that became occupied, or ceased to be, since the last call: for a live view.
 
-        The first call returns all occupied voxels. It costs a fraction of `changed_voxels`, with which it shares
-        nothing: each call of either reports what has changed since its own last one. Raises ValueError for more than
-        100 million; the next call then returns them.
+        The first call returns all occupied voxels. It is much faster than `changed_voxels` and independent of it: each
+        reports the changes since its own last call. Raises ValueError for more than 100 million; the next call then
+        returns them.
         """
         cells, occupied = self._map.changed_occupancy()
         return OccupancyChanges(cells, occupied.view(np.bool_))
@@ -239,10 +239,10 @@ class OccupancyMap(Sealed):
     def merge(self, other: OccupancyMap) -> None:
         """Add another map's log-odds, voxel by voxel; the sum is clamped to this map's limits.
 
-        A voxel that is unknown to one map takes the other's value. The other map must have the same resolution, and the
-        same origin or one a whole number of voxels away. Raises ValueError, with nothing changed, if it has not, if it
-        is this very map or reaches outside this map's cube; OSError if voxels cannot be moved to disk; TypeError if it
-        is not an OccupancyMap.
+        A voxel that is unknown to one map takes the other's value. The other map must have the same resolution, and an
+        origin that is a whole number of voxels away. Raises ValueError, with nothing changed, if not, if it is this
+        very map or if it extends beyond this map's cube; OSError if voxels cannot be moved to disk; TypeError if it is
+        not an OccupancyMap.
         """
         if not isinstance(other, OccupancyMap):
             raise TypeError(f"other = {other!r}: must be an OccupancyMap")
@@ -250,7 +250,7 @@ class OccupancyMap(Sealed):
 
     @property
     def model(self) -> OccupancyModel:
-        """The sensor model for later scans; present voxels keep their values until a scan changes them."""
+        """The sensor model for later scans; voxels keep their present values until a scan changes them."""
         hit, miss, lowest, highest = self._map.model()
         return OccupancyModel(hit, miss, (lowest, highest))
 
@@ -259,14 +259,14 @@ class OccupancyMap(Sealed):
         self._map.set_model(model.hit, model.miss, *model.clamping)
 
     def to_bytes(self, map_format: MapFormat) -> bytes:
-        """Return the bytes that `write` would put into a file of that suffix."""
+        """Return the bytes that `write` puts into a file of that suffix."""
         return self._map.to_bytes(map_format)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a .bt (occupied or free only, small) or an .ot (all probabilities), by the path's suffix.
+        """Write a .bt (occupied or free only, small) or an .ot (all probabilities), chosen by the path's suffix.
 
-        The map does not change, so it may be written in the middle of a survey. The file is replaced atomically: after
-        an OSError the old one is still there. Raises ValueError for another suffix.
+        The map does not change, so it may be written during a survey. The file is replaced atomically: after an OSError
+        the old one is unchanged. Raises ValueError for another suffix.
         """
         target = os.fsdecode(path)
         suffix = Path(target).suffix
@@ -275,13 +275,13 @@ class OccupancyMap(Sealed):
         self._map.write(target, suffix.removeprefix("."))
 
     def view(self) -> Figure:
-        """Draw it from above, coloured by height: a matplotlib Figure."""
+        """Return a drawing from above, coloured by height: a matplotlib Figure."""
         from uwsim.mapping.plan_view import plan_view  # matplotlib takes a while to import
 
         return plan_view(self)
 
     def _repr_png_(self) -> bytes:
-        """Show the view from above in notebooks."""
+        """Return the view from above, for notebooks."""
         from uwsim.mapping.plan_view import png
 
         return png(self)

@@ -1,4 +1,4 @@
-"""OctoMap's sensor model: what one observation does to a voxel's log-odds, and the limits that clamp them."""
+"""OctoMap's sensor model: the change of a voxel's log-odds by one observation, and their limits."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 class OccupancyModel:
     """OctoMap's sensor model (Hornung et al. 2013) as probabilities; the defaults are OctoMap's.
 
-    hit: probability that a voxel that holds a point is occupied, in [0.5, 1). miss: the same for a voxel that a ray
-    passes through, in (0, 0.5]. clamping: the lowest and the highest probability that scans may give a voxel.
+    hit: probability that a voxel with a point in it is occupied, in [0.5, 1). miss: the same for a voxel that a ray
+    passes through, in (0, 0.5]. clamping: the lowest and the highest probability that scans can give a voxel.
     """
 
     hit: float = 0.7

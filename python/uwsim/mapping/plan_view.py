@@ -1,4 +1,4 @@
-"""A map from above: what notebooks show of it, and `map.view()`."""
+"""A map from above, for notebooks and `map.view()`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_PIXELS = 1000  # along an edge
 
 
 def plan_view(world: OccupancyMap) -> Figure:
-    """Return a figure of the highest occupied voxel over each place, coloured by height."""
+    """Return a figure of the highest occupied voxel in each column, coloured by height."""
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     voxels = world.occupied_voxels()
@@ -35,7 +35,7 @@ def highest(
 ) -> tuple[NDArray[np.float64], tuple[float, float, float, float]]:
     """Return the greatest z in each cell (rows from south to north; NaN: none) and (west, east, south, north).
 
-    A cell is a voxel wide, or several where the area is large.
+    A cell is one voxel wide, or several in a large area.
     """
     low, high = voxels_m[:, :2].min(axis=0) - edge_m / 2, voxels_m[:, :2].max(axis=0) + edge_m / 2
     cell_m = edge_m * max(1, int(np.ceil((high - low).max() / edge_m / MOST_PIXELS)))

@@ -12,7 +12,7 @@ from uwsim.mapping.occupancy_model import probability
 
 
 class VoxelCounts(NamedTuple):
-    """Numbers of voxels at the finest level; a pruned leaf counts as all voxels it covers."""
+    """Numbers of voxels at the finest level; a pruned leaf counts as all the voxels that it covers."""
 
     occupied: int
     free: int
@@ -20,11 +20,12 @@ class VoxelCounts(NamedTuple):
 
 @dataclass(frozen=True)
 class MapStatistics:
-    """How much a map holds. Voxels are counted at the finest level; a pruned leaf counts as all voxels it covers.
+    """A map's size. Voxels are counted at the finest level; a pruned leaf counts as all the voxels that it covers.
 
-    nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory that the map holds; for "octomap", OctoMap's
-    own estimate, which omits the allocator's overhead. outside_points: points discarded so far because they lay outside
-    the cube, with on_outside="count". evictions: how often a part of the map was moved to disk, with a memory_limit_mb.
+    nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory of the map; for "octomap", OctoMap's own
+    estimate, which omits the allocator's overhead. outside_points: points discarded so far because they were outside
+    the cube, with on_outside="count". evictions: number of times that a part of the map was moved to disk, with a
+    memory_limit_mb.
     """
 
     occupied_voxels: int
@@ -51,12 +52,12 @@ class Cubes:
 
     @property
     def states(self) -> NDArray[np.int8]:
-        """(n,) int8: 1 occupied (a probability of 0.5 or more), 0 free."""
+        """States, (n,) int8: 1 occupied (a probability of 0.5 or more), 0 free."""
         return (self.log_odds >= 0).astype(np.int8)
 
     @property
     def probabilities(self) -> NDArray[np.float64]:
-        """(n,) float64, that the cube is occupied."""
+        """Probabilities that the cubes are occupied, (n,) float64."""
         return probability(self.log_odds)
 
     def only(self, which: NDArray[np.bool_]) -> Cubes:
@@ -66,7 +67,7 @@ class Cubes:
 
 @dataclass(frozen=True, eq=False)
 class MapChanges:
-    """Voxels of the finest level that have changed, and their present states.
+    """Voxels of the finest level that changed, and their present states.
 
     centres_m: (n, 3) float64, world, in Morton order. states: (n,) int8, 1 occupied, 0 free, -1 unknown.
     """
@@ -80,7 +81,7 @@ class MapChanges:
 
 @dataclass(frozen=True, eq=False)
 class OccupancyChanges:
-    """Voxels of the finest level that became occupied, or are so no longer, in Morton order.
+    """Voxels of the finest level that became occupied, or ceased to be, in Morton order.
 
     cells: (n, 3) int16, voxels from the map's origin: the centre is at (cell + 0.5) resolution. occupied: (n,) bool,
     now.
@@ -95,7 +96,7 @@ class OccupancyChanges:
 
 @dataclass(frozen=True, eq=False)
 class RayCasts:
-    """Where rays end in a map.
+    """The ends of rays in a map.
 
     states: (n,) int8: 1 if the ray reached an occupied voxel, 0 if it reached its maximum range or the cube's edge, -1
     if it reached an unknown voxel. voxels_m: (n, 3) float64, world, the centre of the last voxel.

@@ -1,4 +1,4 @@
-"""A slice through a map: the states of one layer of voxels, level or upright."""
+"""A slice through a map: the states of one layer of voxels, horizontal or vertical."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ class MapSlice:
 
 
 def slice_map(occupancy: OccupancyMap, axis: Axis, at_m: float) -> MapSlice:
-    """Return the layer of voxels that holds the plane axis = at_m, within the bounds of the known voxels.
+    """Return the layer of voxels that contains the plane axis = at_m, within the bounds of the known voxels.
 
-    Raises ValueError when the map is empty, at_m lies outside those bounds, or there are more than MAX_CELLS voxels.
+    Raises ValueError if the map is empty, at_m is outside those bounds, or there are more than MAX_CELLS voxels.
     """
     if not np.isfinite(at_m):
         raise ValueError(f"{axis} = {at_m} m: must be finite")

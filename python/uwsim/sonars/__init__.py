@@ -1,1 +1,1 @@
-"""Sonars: the multibeam of a vehicle, imaging sonars, soundings through bent rays."""
+"""Sonars: a vehicle's multibeam, imaging sonars, and soundings along bent rays."""

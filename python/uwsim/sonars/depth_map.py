@@ -1,7 +1,7 @@
 """The depth-map method: a multibeam's ranges from a depth image, as in simulators based on game engines.
 
 A depth image is rendered at the sonar's pose, each beam selects the pixel column at its angle, and depth is converted
-to range by 1 / cos(angle). Casting a ray along each beam is exact; this method is here for comparison.
+to range by 1 / cos(angle). Casting a ray along each beam is exact; this method serves as a comparison.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from uwsim import _core
 from uwsim.sonars.imaging import Place, checked_pose, pose_matrix
 
 REDUCTIONS = {"middle": _core.RowReduction.MIDDLE, "nearest": _core.RowReduction.NEAREST}
-EDGE_MARGIN = 1e-9  # relative, of a camera's field of view, so that rounding excludes no outermost beam
+EDGE_MARGIN = 1e-9  # relative widening of a camera's field of view, so that rounding excludes no outermost beam
 
 
 @dataclass(frozen=True, kw_only=True)
 class DepthMap:
-    """How a depth image is rendered and converted to ranges.
+    """Settings for rendering a depth image and converting it to ranges.
 
-    width, height: pixels of one camera. cameras: side by side, which divide the field of view: one pinhole camera
-    cannot see 180 degrees, and near that spends its pixels on the borders. field_of_view_rad, vertical_fov_rad: of all
+    width, height: pixels of one camera. cameras: side by side, sharing the field of view: one pinhole camera
+    cannot cover 180 degrees, and near that spends its pixels on the edges. field_of_view_rad, vertical_fov_rad: of all
     cameras together, and of each. reduction: "middle", the row in the fan's plane, or "nearest", the nearest of all
     rows: the first echo within vertical_fov_rad. interpolate: between the inverse depths of two columns instead of the
     nearest pixel. depth_bits: of quantised depths; 0 for floats.
@@ -45,7 +45,7 @@ class DepthMap:
         return self.width * self.height * self.cameras
 
     def camera(self) -> _core.DepthCamera:
-        """One of the cameras. Raises ValueError."""
+        """Return one of the cameras. Raises ValueError."""
         if self.reduction not in REDUCTIONS:
             raise ValueError(f"depth_map.reduction = {self.reduction!r}: must be one of {', '.join(REDUCTIONS)}")
         for name in ("width", "height", "cameras", "depth_bits"):
@@ -68,7 +68,7 @@ def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> ND
 
     Cameras from starboard to port about the sonar's x axis; row 0 is the top one, column 0 the one to port.
     """
-    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+    from scipy.spatial.transform import Rotation  # slow to import
 
     camera = model.camera()
     pose = checked_pose(world_from_sonar)
@@ -99,10 +99,10 @@ def ranges_m(sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, mod
 
 @dataclass(frozen=True)
 class Difference:
-    """Differences of ranges from exact ones.
+    """Statistics of the differences of ranges from exact ones.
 
-    beams: number with an echo in both, over which the metres are taken. missed: with an echo only in the exact ranges.
-    invented: with an echo only in the others.
+    beams: number of beams with an echo in both, over which lengths are taken. missed: number with an echo only in the
+    exact ranges. invented: number with an echo only in the others.
     """
 
     beams: int
@@ -114,7 +114,7 @@ class Difference:
 
 
 def difference(found_m: ArrayLike, exact_m: ArrayLike) -> Difference:
-    """Compare ranges (n,) with exact ones (n,); the figures are NaN where no beam has an echo in both. ValueError."""
+    """Compare ranges (n,) with exact ones (n,); NaN if no beam has an echo in both. Raises ValueError."""
     found, exact = np.asarray(found_m, np.float64), np.asarray(exact_m, np.float64)
     if found.shape != exact.shape:
         raise ValueError(f"found_m.shape = {found.shape}: expected {exact.shape}, that of the exact ranges")

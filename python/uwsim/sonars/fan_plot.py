@@ -1,4 +1,4 @@
-"""Draws a ping's fan: what notebooks show of it, and `ping.plot()`."""
+"""A drawing of a ping's fan, for notebooks and `ping.plot()`."""
 
 from __future__ import annotations
 

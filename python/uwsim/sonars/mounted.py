@@ -1,4 +1,4 @@
-"""The imaging sonars that a vehicle carries, as its YAML file describes them."""
+"""A vehicle's imaging sonars, as its YAML file describes them."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ class Fleet(imaging.Place, Protocol):
 
     @property
     def vehicles(self) -> Mapping[str, Any]:
-        """By name; each has a pose."""
+        """The vehicles by name; each has a pose."""
 
     def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return what a sonar on that vehicle meets."""
+        """Return the surroundings of a sonar on that vehicle."""
 
 
 class ImagingSonar(Sealed):
-    """An imaging sonar on a vehicle; it sees the other vehicles.
+    """An imaging sonar on a vehicle; its pings include the other vehicles.
 
-    Pings at one time are always the same and do not advance time. name, and model: its figures, one of
+    Pings at one time are always the same and do not advance time. model: its parameters, one of
     uwsim.sonars.imaging's models.
     """
 
@@ -58,23 +58,23 @@ class ImagingSonar(Sealed):
         return f"<ImagingSonar '{self.name}' ({type(self.model).__name__})>"
 
     def change(self, model: Acoustics) -> None:
-        """Go on with other figures. Simulator.parameters calls this."""
+        """Replace the sonar's parameters. Simulator.parameters calls this."""
         self.__dict__["model"] = model
 
     @property
     def world_from_sonar(self) -> Matrix:
-        """(4, 4), the present pose."""
+        """The present pose, (4, 4)."""
         return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
 
     def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
-        """Ping once from here. The arguments and the result depend on the kind; look, line and profile name them.
+        """Ping once from here. The arguments and the result depend on the kind; see look, line and profile.
 
-        with_labels: also say which surface each cell shows.
+        with_labels: include the surface that each cell shows.
         """
         return self.later(*arguments, with_labels=with_labels)()
 
     def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
-        """Keep the present; return what pings in it whenever it is called, on any thread: see `ping`."""
+        """Store the present state; return a function that pings from it at any time, on any thread: see `ping`."""
         around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
         return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
@@ -104,14 +104,14 @@ class ImagingSonar(Sealed):
 
 
 def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
-    """Return the figures of a mounted sonar. Raises ValueError."""
+    """Return the model of a mounted sonar. Raises ValueError."""
     model = imaging.KINDS[mount.kind].model(**mount.figures)
     imaging.check(model, place)
     return model
 
 
 def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Acoustics]:
-    """Return the figures of a vehicle's imaging sonars, by name. Raises ValueError."""
+    """Return the models of a vehicle's imaging sonars, by name. Raises ValueError."""
     return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
 
 

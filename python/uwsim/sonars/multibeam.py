@@ -1,4 +1,4 @@
-"""The multibeam sonars of a vehicle."""
+"""A vehicle's multibeam sonars."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.sealed import Sealed
 
 
 class Sonar(Sealed):
-    """A multibeam head that looks forward and tilts.
+    """A multibeam head that faces forward and tilts.
 
     mode: "geometry" (one exact ray for each beam) or "physics" (echoes with their errors; see _core.PhysicsPing).
     """
@@ -45,7 +45,7 @@ class Sonar(Sealed):
         self._last: tuple[int, _core.Ping] | None = None
 
     def change(self, spec: _core.SonarSpec) -> None:
-        """Go on with another model or mode. Simulator.parameters calls this."""
+        """Replace the model or mode. Simulator.parameters calls this."""
         in_physics_mode = self._simulation.in_physics_mode(self._vehicle, self._index)
         self.__dict__ |= {"model": spec.model, "mode": "physics" if in_physics_mode else "geometry"}
 
@@ -55,7 +55,7 @@ class Sonar(Sealed):
         return f"<Sonar '{self.name}': {self.model.name}, {fan}, {self.mode} mode>"
 
     def aim(self, elevation_rad: float) -> None:
-        """Set the elevation to which the head turns: positive is up, 0 straight ahead. ValueError beyond +-pi/2.
+        """Set the elevation that the head turns to: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2.
 
         The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
         """
@@ -66,7 +66,7 @@ class Sonar(Sealed):
 
     @property
     def elevation_rad(self) -> float:
-        """The present elevation of the head, at which it pings."""
+        """The head's present elevation, at which it pings."""
         return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
 
     @property
@@ -79,7 +79,7 @@ class Sonar(Sealed):
         return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
     def ping(self) -> _core.Ping:
-        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. Repeated at one time it is equal.
+        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. At one time, all pings are equal.
 
         Surfaces above the water return no echo. A head above the water or under the terrain receives none: no beam is
         valid, ranges are inf. A head inside an obstacle receives echoes of its walls from within. In physics mode the
@@ -98,7 +98,7 @@ class Sonar(Sealed):
     def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
         """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving it. Raises ValueError.
 
-        Arrays are (n, beams); see _core.PingBatch. In geometry mode, with the head at its present elevation. threads:
-        by default all; results do not depend on it.
+        Arrays are (n, beams); see _core.PingBatch. Always in geometry mode, with the head at its present elevation.
+        threads: by default all; results do not depend on it.
         """
         return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

@@ -1,4 +1,4 @@
-"""Poses of a sonar as matrices (4, 4), world from sonar."""
+"""A sonar's poses as matrices (4, 4), world from sonar."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.quaternions import about_x, about_y, about_z, product
 
 Matrix = NDArray[np.float64]
 
-POSE_TOLERANCE = 1e-6  # of the orthogonality of a pose's rotation
+POSE_TOLERANCE = 1e-6  # for the orthogonality of a pose's rotation
 
 
 def pose_matrix(
@@ -22,7 +22,7 @@ def pose_matrix(
     pitch_rad: float = 0.0,
     roll_rad: float = 0.0,
 ) -> Matrix:
-    """(4, 4) from a position and rotations about z, the new y (positive: nose down), the new x. Raises ValueError."""
+    """Return (4, 4) from a position, and rotations about z, new y (nose down), new x. Raises ValueError."""
     matrix = np.eye(4)
     turns = np.array([yaw_rad, pitch_rad, roll_rad], np.float64)
     if not np.isfinite(turns).all():
@@ -34,7 +34,7 @@ def pose_matrix(
 
 
 def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
-    """Return the pose as (4, 4) float64. Raises ValueError unless it is finite, a rotation and a position."""
+    """Return the pose as (4, 4) float64. Raises ValueError unless it is a finite rotation and position."""
     matrix = np.asarray(pose, np.float64)
     if matrix.shape != (4, 4):
         raise ValueError(f"{name}.shape = {matrix.shape}: expected (4, 4)")
@@ -48,8 +48,8 @@ def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
 
 
 def split_poses(poses: Matrix) -> tuple[Matrix, Matrix]:
-    """Return positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), as the native core takes them."""
-    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+    """Return positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), for the native core."""
+    from scipy.spatial.transform import Rotation  # slow to import
 
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat() if len(poses) else np.zeros((0, 4))
     return np.ascontiguousarray(poses[:, :3, 3]), turns

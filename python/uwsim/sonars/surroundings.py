@@ -1,4 +1,4 @@
-"""The surroundings of a sonar: the surfaces and the water around it, at one time."""
+"""A sonar's surroundings: the surfaces and the water around it, at one time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim import _core
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """A place as `Simulator.around` gives it: a snapshot, to be passed to imaging sonars and depth maps.
+    """A snapshot from `Simulator.around`, for imaging sonars and depth maps.
 
     scene: the world and the other vehicles. strengths_db: of each surface's material, by Simulator.label_names.
     """

@@ -1,9 +1,9 @@
-"""Point clouds in files: PCD, PLY, LAS and plain XYZ text, chosen by the suffix.
+"""Point cloud files: PCD, PLY, LAS and plain XYZ text, chosen by the suffix.
 
 write_cloud("bed.ply", points_m)
 points_m = read_cloud("bed.ply")
 
-PCD, PLY and XYZ preserve float32 points bit for bit; XYZ preserves float64 too; LAS holds whole millimetres.
+PCD, PLY and XYZ preserve float32 points bit for bit; XYZ preserves float64, too; LAS stores whole millimetres.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ MAX_HEADER = 65_536
 class _CloudFormat:
     """A file format.
 
-    encode: turns finite points (n, 3), n > 0, float32 or float64, into bytes. decode: the reverse; may raise anything.
-    text_mark: what a header says if numbers follow as text; None if they never do.
+    encode: returns finite points (n, 3), n > 0, float32 or float64, as bytes. decode: the reverse; may raise anything.
+    text_mark: the text in a header that announces numbers as text; None for binary formats.
     """
 
     name: str
@@ -59,10 +59,10 @@ def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Points:
-    """Return a file's points, (n, 3) float64. Non-finite points, which PCL writes for no echo, are discarded.
+    """Return a file's points, (n, 3) float64. Non-finite points, which PCL writes for missing echoes, are discarded.
 
-    Warns if the last line of a text has no end. Raises OSError when the file cannot be read, ValueError when it is not
-    a valid file of its suffix's format.
+    Warns if the last line of a text file has no line break. Raises OSError if the file cannot be read, ValueError if it
+    is not a valid file of its suffix's format.
     """
     source = Path(path)
     cloud_format = _format_of(source)

@@ -1,4 +1,4 @@
-"""Writes a depth grid as a GeoTIFF for GIS programs: band 1 the median depth, band 2 the number of points."""
+"""Export of a depth grid as a GeoTIFF for GIS programs: band 1 the median depth, band 2 the number of points."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ MIN_TILED_SIZE = 512
 
 @dataclass(frozen=True)
 class Georeference:
-    """Where the world lies on Earth: its origin in a coordinate system, and that system's units per simulated metre.
+    """The world's place on Earth: its origin in a coordinate system, and that system's units per simulated metre.
 
-    crs: None for a world without a place on Earth, which is written in metres east and north of its origin.
+    crs: None for a world without a place on Earth; files then have metres east and north of its origin.
     """
 
     crs: CRS | None = None

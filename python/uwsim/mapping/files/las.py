@@ -1,4 +1,4 @@
-"""LAS by laspy: version 1.2, point format 0, which every LAS reader supports."""
+"""LAS files by laspy: version 1.2, point format 0, which every LAS reader supports."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ NO_DATE = date(1970, 1, 1)  # a fixed date: the same points give the same bytes 
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Encode whole millimetres, relative to a corner of the cloud. Raises ValueError beyond 2,147 km."""
+    """Return the points as a file, in whole millimetres from a corner of the cloud.
+
+    Raises ValueError beyond 2,147 km.
+    """
     points = np.asarray(points_m, np.float64)
     header = laspy.LasHeader(point_format=0, version="1.2")
     header.scales = np.full(3, SCALE_M)
@@ -33,7 +36,7 @@ def encode(points_m: NDArray[np.floating]) -> bytes:
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
-    """Decode an uncompressed LAS file of any version."""
+    """Return the points of an uncompressed LAS file of any version."""
     _require_records(data)
     header = laspy.LasHeader.read_from(io.BytesIO(data))
     if header.are_points_compressed:
@@ -46,7 +49,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
 
 
 def _require_records(data: bytes) -> None:
-    """Refuse a header that declares more variable-length records than the file can hold: laspy would read them all.
+    """Refuse a header with more variable-length records than the file can hold: laspy would try to read them all.
 
     Offsets, as in laspy: header size and start of the points at 94, number of records at 100, number of extended
     records at 243.

@@ -1,4 +1,4 @@
-"""Opens map files, reads points from a map or a cloud file, and compares grids and bounds of maps."""
+"""Opening of map files, points from a map or a cloud file, and comparison of maps' grids and bounds."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ class Bounds:
 
 
 def open_map(path: Path, origin_world_m: Origin = ZERO) -> OccupancyMap:
-    """Read a map. Raises OSError when the file cannot be read, ValueError when it is not a valid map."""
+    """Return a map. Raises OSError if the file cannot be read, ValueError if it is not a valid map."""
     return OccupancyMap.read(path, origin_world_m)
 
 
 def map_format(path: Path) -> str:
-    """Return `bt` or `ot` by the first line of a valid map file."""
+    """Return `bt` or `ot`, from the first line of a valid map file."""
     with path.open("rb") as file:
         return FIRST_LINES.get(file.readline(64).strip(), "bt")
 
 
 def open_points(path: Path, origin_world_m: Origin = ZERO) -> tuple[NDArray[np.float64], float | None]:
-    """Return a map's occupied centres (n, 3) and resolution, or a cloud's points and None, by the path's suffix."""
+    """Return a map's occupied centres (n, 3) and resolution, or a cloud's points and None; the suffix decides."""
     if path.suffix.lower() in CLOUD_FORMATS:
         return read_cloud(path), None
     occupancy = open_map(path, origin_world_m)
@@ -56,7 +56,7 @@ def require_same_grid(first: OccupancyMap, second: OccupancyMap) -> None:
 
 
 def known_bounds(occupancy: OccupancyMap) -> Bounds | None:
-    """Return the bounding box of a map's known voxels, occupied or free; None when the map is empty."""
+    """Return the bounding box of a map's known voxels, occupied or free; None for an empty map."""
     known = [voxels for voxels in (occupancy.occupied_voxels(), occupancy.free_voxels()) if len(voxels)]
     if not known:
         return None

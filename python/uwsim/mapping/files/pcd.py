@@ -32,12 +32,12 @@ MAX_HEADER = 65_536
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Encode as binary float32 x, y, z."""
+    """Return the points as binary float32 x, y, z."""
     return HEADER.format(n=len(points_m)).encode("ascii") + to_float32(points_m).tobytes()
 
 
 def decode(data: bytes) -> NDArray[np.float64]:
-    """Decode the fields x, y and z; other fields are skipped."""
+    """Return the fields x, y and z; other fields are skipped."""
     header, body = _split_header(data)
     layout = _layout(header)
     count = _whole(header, "POINTS") if "POINTS" in header else _whole(header, "WIDTH") * _whole(header, "HEIGHT")
@@ -99,7 +99,7 @@ def _exactly(body: bytes, size: int) -> bytes:
 
 
 def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
-    """Decode text; a field's first column follows from the counts of the fields before it."""
+    """Return points from text; a field's first column follows from the counts of the fields before it."""
     names = layout.names or ()
     widths = [int(np.prod(layout[name].shape, dtype=int)) for name in names]
     first = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
@@ -113,7 +113,7 @@ def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np
 
 
 def _from_columns(columns: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
-    """Decode the layout of compressed files: all values of one field, then all values of the next."""
+    """Return points from the layout of compressed files: all values of one field, then all values of the next."""
     found, offset = {}, 0
     for name in layout.names or ():
         found[name] = columns[offset : offset + layout[name].itemsize * count]
@@ -122,7 +122,7 @@ def _from_columns(columns: bytes, layout: np.dtype[np.void], count: int) -> NDAr
 
 
 def _decompressed(body: bytes, size: int) -> bytes:
-    """Decompress LZF: the compressed size, the plain size, then runs of literals and back references."""
+    """Return LZF-decompressed bytes: compressed size, plain size, then runs of literals and back references."""
     if len(body) < 8:
         raise ValueError("file ends before its compressed points")
     compressed_size, plain_size = struct.unpack_from("<II", body)

@@ -1,4 +1,4 @@
-"""The base of all imaging sonars: acoustic figures, the place that they ping in, and the native instrument."""
+"""The base of all imaging sonars: acoustic parameters, the place where they ping, and the native instrument."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ ACCEPTED: dict[str, Any] = {
     "whole number": int | np.integer,
     "flag": bool | np.bool_ | int | np.integer,
 }
-"""Python types of a figure, by _core.Parameter.type."""
+"""Python types of a parameter, by _core.Parameter.type."""
 
 
 class Place(Protocol):
-    """The part of a simulator that a sonar needs."""
+    """The part of a simulator that an imaging sonar needs."""
 
     @property
     def scene(self) -> _core.RayScene:
@@ -32,11 +32,11 @@ class Place(Protocol):
 
     @property
     def world(self) -> _core.World:
-        """The world, whose water the sound travels through."""
+        """The world with the water in which the sound travels."""
 
     @property
     def strengths_db(self) -> Mapping[str, float]:
-        """Lambert's strength of each surface's material, by World.label_names; then of the vehicles in `scene`."""
+        """Lambert strengths of the surfaces' materials: those of World.label_names, then of the vehicles in `scene`."""
 
     @property
     def seed(self) -> int:
@@ -53,10 +53,10 @@ class Place(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Acoustics:
-    """Acoustic figures of every imaging sonar. Levels are in dB re 1 uPa.
+    """Acoustic parameters of every imaging sonar. Levels are in dB re 1 uPa.
 
-    source_level_db: at 1 m. noise_level_db: in the receiver's band, behind its beam former. Surfaces scatter as the
-    scenario's materials do unless figures here replace them (Lambert's strength, per square metre at normal incidence):
+    source_level_db: at 1 m. noise_level_db: in the receiver's band, after beam forming. Surfaces scatter like the
+    scenario's materials unless values here override them (Lambert's strength, per square metre at normal incidence):
     bottom_strength_db for the terrain, solid_strength_db for all solids, strengths_db for single surfaces by
     Simulator.label_names. range_max_m is divided into range_bins, each one resolution cell. The time-varied gain is
     gain_db_decade log10 R + 2 alpha R, with the absorption alpha of the water at the head (Francois and Garrison);
@@ -76,8 +76,8 @@ class Acoustics:
     solid_strength_db: float | None = None
     strengths_db: Mapping[str, float] = field(default_factory=dict)
     time_varied_gain: bool = True
-    # 30 for spreading over a cell that grows with range, plus 20 for Lambert's law, by which the strength of a level
-    # bottom falls as (height / range)^2: together a flat bottom comes out even.
+    # 30 for spreading over a cell that grows with range, plus 20 for Lambert's law, under which the strength of a level
+    # bottom decreases as (height / range)^2: together they make a flat bottom appear uniform.
     gain_db_decade: float = 50.0
     looks: int = 1
 
@@ -88,7 +88,7 @@ class Acoustics:
 
     @property
     def bin_centres_m(self) -> NDArray[np.float64]:
-        """(bins,) float64."""
+        """Centres of the range bins, (bins,) float64."""
         return np.asarray((np.arange(self.range_bins) + 0.5) * self.bin_m, np.float64)
 
 
@@ -96,8 +96,8 @@ class Acoustics:
 class ImagingKind:
     """A kind of imaging sonar.
 
-    model: its figures, by default those of a typical instrument. ping: called as ping(sim, world_from_sonar, model,
-    name, *arguments), pings once from a vehicle at the present time and returns the kind's result.
+    model: its parameters, by default those of a typical instrument. ping: called as ping(sim, world_from_sonar, model,
+    name, *arguments); pings once from a vehicle at the present time and returns the kind's result.
     """
 
     model: type[Acoustics]
@@ -105,12 +105,12 @@ class ImagingKind:
 
 
 def check(model: Acoustics, sim: Place | None = None) -> None:
-    """Raise ValueError, naming the figure, for an invalid model; strengths_db are checked only with a sim."""
+    """Raise ValueError, which names the parameter, for an invalid model; strengths_db are checked only with a sim."""
     instrument(sim, model)
 
 
 def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = Acoustics) -> _core.ImagingSonar:
-    """Make the native instrument. Raises ValueError that names the figure."""
+    """Return the native instrument. Raises ValueError, which names the parameter."""
     if not isinstance(model, expected) or not model.kind:
         raise ValueError(f"model is a {type(model).__name__}: must be a {expected.__name__} of uwsim.sonars.imaging")
     if not isinstance(model.strengths_db, Mapping):
@@ -127,7 +127,7 @@ def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
 
 
 def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:
-    """Return the level of mean noise power, with the gain of each range, (bins,)."""
+    """Return the mean noise power as a level, with the gain of each range, (bins,)."""
     gain_db = np.zeros(model.range_bins)
     if model.time_varied_gain:
         absorption_db_m = core.absorption_db_m(sim.world.water, head_z_m)
@@ -141,14 +141,14 @@ def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | No
 
 
 def whole_number(value: int, name: str) -> int:
-    """Return the number of a ping. Raises ValueError unless it is a whole number, not negative."""
+    """Return a ping's number. Raises ValueError unless it is a whole number and not negative."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
         raise ValueError(f"{name} = {value!r}: must be a whole number, not negative")
     return int(value)
 
 
 def _number(name: str, value: Any, type_name: str) -> float:
-    """Return a figure as the core takes it, which checks its range. Raises ValueError for another type."""
+    """Return a parameter in the core's type; the core checks its range. Raises ValueError for another type."""
     fits = isinstance(value, ACCEPTED[type_name]) and (type_name == "flag" or not isinstance(value, bool))
     if not fits:
         raise ValueError(f"sonar.{name} = {value!r}: must be a {type_name}")
@@ -156,10 +156,10 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
-    """Return each surface's strength: its own in the model, else the model's for its class, else its material's."""
+    """Return each surface's strength: the model's for it, else the model's for its class, else its material's."""
     given_db, material_db = model.strengths_db, sim.strengths_db
     fixed = sim.world.label_names
-    names = [*fixed, *(name for name in material_db if name not in fixed)]  # vehicles follow
+    names = [*fixed, *(name for name in material_db if name not in fixed)]  # then the vehicles
     unknown = sorted(set(given_db) - set(names[1:]))
     if unknown:
         raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")

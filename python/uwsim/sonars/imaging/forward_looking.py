@@ -27,12 +27,12 @@ class ForwardLooking(Acoustics):
     """A forward-looking imaging sonar. The defaults resemble the Oculus M750d in its low-frequency mode.
 
     [OM] Blueprint Subsea, Oculus M-series user manual: 130 deg across, 20 deg vertical; [VR] VideoRay's training page
-    on that sonar: 512 beams. Figures without a source are assumed.
+    on that sonar: 512 beams. Values without a source are assumed.
     """
 
     kind: ClassVar[str] = "forward_looking"
 
-    frequency_hz: float = 750e3  # by the name
+    frequency_hz: float = 750e3  # from its name
     source_level_db: float = 205.0
     # Thermal noise -15 + 20 log10 f[kHz] (Mellen 1952) + 10 log10 of 19 kHz, less an assumed directivity of 30 dB.
     noise_level_db: float = 55.0
@@ -49,7 +49,7 @@ class ForwardLooking(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class SonarImage:
-    """A picture of a forward-looking sonar.
+    """A forward-looking sonar's picture.
 
     level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m (bins,), bearings_rad (beams,) float64: the centres of the cells; bearings about the sonar's z axis, rising
@@ -73,7 +73,7 @@ def look_ahead(
     """Return one picture of a forward-looking sonar. Raises ValueError.
 
     name: of its random stream. number: of the picture, which selects its speckle; by default simulated time in
-    nanoseconds. with_labels: say which surface each cell shows.
+    nanoseconds. with_labels: include the surface that each cell shows.
     """
     model = model or ForwardLooking()
     pose = checked_pose(world_from_sonar)

@@ -1,4 +1,4 @@
-"""From levels by range and bearing to pixels in the sonar's plane, and from levels to an operator's colours."""
+"""Conversion of levels by range and bearing to pixels in the sonar's plane, and of levels to display colours."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DARK_DB = 10.0
 AMBER = ("#000000", "#4a2503", "#c47a1a", "#ffd98a", "#fffbe8")
 """Colours from the weakest to the strongest level, evenly spaced."""
 NIGHT = "#0b0f14"
-"""The colour where there is no level."""
+"""The colour of pixels without a level."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +35,15 @@ class FanPixels:
 
 
 def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
-    """Warp a forward-looking picture (ranges, bearings) into its plane. Raises ValueError unless height is positive."""
+    """Return a forward-looking picture (ranges, bearings) warped into its plane. Raises ValueError for height <= 0."""
     model = image.model
     return polar_pixels(image.level_db, model.range_max_m, model.field_of_view_rad, height)
 
 
 def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, height: int) -> FanPixels:
-    """Warp levels (bins, beams) into their plane: bins evenly to reach_m, beams from starboard to port.
+    """Return levels (bins, beams) warped into their plane: bins evenly to reach_m, beams from starboard to port.
 
-    Power is averaged over the range bins that a pixel covers, then interpolated between four neighbours. Raises
+    Power is averaged over the range bins within a pixel, then interpolated between four neighbours. Raises
     ValueError unless height is positive.
     """
     if height < 1:
@@ -69,7 +69,7 @@ def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, hei
 
 
 def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
-    """Return the levels of black and white, as an operator would set them: about the median of the echoes.
+    """Return the levels of black and white, like an operator's setting: about the median of the echoes.
 
     level_db, noise_db: of shapes that broadcast. Shadows, which contain only noise, are dark; hard targets saturate.
     Without enough echoes, noise stays near black.

@@ -28,7 +28,7 @@ class SideScan(Acoustics):
     """A side-scan sonar. The defaults resemble the StarFish 450.
 
     [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the level, most energy within 60 deg. The
-    page's width along the track is 2 deg; the default is that of a longer array. Figures without a source are assumed.
+    page's width along the track is 2 deg; the default is that of a longer array. Values without a source are assumed.
 
     planes: of rays across the track, spread over the beam's width. detection_db: level above the noise at which the
     first bottom return begins.
@@ -36,9 +36,9 @@ class SideScan(Acoustics):
 
     kind: ClassVar[str] = "side_scan"
 
-    frequency_hz: float = 450e3  # by the name
+    frequency_hz: float = 450e3  # from its name
     source_level_db: float = 210.0
-    noise_level_db: float = 50.0  # as ForwardLooking's, of 15 kHz
+    noise_level_db: float = 50.0  # as for ForwardLooking, with 15 kHz
     range_max_m: float = 50.0
     range_bins: int = 1000
     along_width_rad: float = float(np.radians(0.5))
@@ -50,7 +50,7 @@ class SideScan(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class Waterfall:
-    """Pings of a side-scan sonar along a track, one in each row.
+    """A side-scan sonar's pings along a track, one per row.
 
     port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. noise_db: (bins,) float32, the mean
     level of noise alone in the water of the first ping. ranges_m (bins,) float64. altitude_m (pings,) float32: range of
@@ -70,13 +70,13 @@ class Waterfall:
     starboard_labels: Labels | None = None
 
     def picture_db(self) -> Levels:
-        """(pings, 2 bins) float32: port to the left, its range growing to the left, starboard to the right."""
+        """Picture (pings, 2 bins) float32: port on the left, its range growing to the left, starboard on the right."""
         return np.concatenate([self.port_db[:, ::-1], self.starboard_db], axis=1)
 
     def over_ground(self) -> Waterfall:
         """Return the same pings by range over ground, r -> sqrt(r^2 - altitude^2), assuming a level bottom.
 
-        This removes the water column. Pings without altitude and cells beyond the greatest range are NaN.
+        This removes the water column. Pings without altitude and cells beyond the largest range are NaN.
         """
         slant_m = np.hypot(self.ranges_m[None, :], self.altitude_m[:, None].astype(np.float64))
         columns = np.floor(np.minimum(slant_m, 1e9) / self.model.bin_m).astype(np.int64)
@@ -95,8 +95,8 @@ def look_aside(
 ) -> Waterfall:  # fmt: skip
     """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError.
 
-    name: of its random stream. Ping k has the number first_ping + k, so that a track gives the same result in one call
-    or in many. with_labels: say which surface each cell shows.
+    name: of its random stream. Ping k has the number first_ping + k, so a track gives the same result in one call
+    or in many. with_labels: include the surface that each cell shows.
     """
     model = model or SideScan()
     poses = np.array([checked_pose(pose, f"worlds_from_sonar[{k}]") for k, pose in enumerate(worlds_from_sonar)])

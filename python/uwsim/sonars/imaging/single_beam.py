@@ -27,7 +27,7 @@ class SingleBeam(Acoustics):
     """A profiling sonar with one pencil beam. The defaults resemble the Imagenex 881L.
 
     [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is round here; the 881L's is a fan of 1.8 x 20
-    deg. Figures without a source are assumed. detection_db: an echo whose peak is less than this above the noise is
+    deg. Values without a source are assumed. detection_db: an echo whose peak is less than this above the noise is
     discarded.
     """
 
@@ -35,10 +35,10 @@ class SingleBeam(Acoustics):
 
     frequency_hz: float = 675e3  # [IM]
     source_level_db: float = 205.0
-    noise_level_db: float = 55.0  # as ForwardLooking's, of 75 kHz and a directivity of 35 dB
+    noise_level_db: float = 55.0  # as for ForwardLooking, with 75 kHz and a directivity of 35 dB
     range_max_m: float = 20.0
     range_bins: int = 2000  # [IM]
-    gain_db_decade: float = 20.0  # a round beam's patch on the bottom grows with the square of range
+    gain_db_decade: float = 20.0  # a round beam's footprint grows with the square of range
     beam_width_rad: float = float(np.radians(1.8))  # [IM]
     rays_across: int = 17
     detection_db: float = 15.0
@@ -46,7 +46,7 @@ class SingleBeam(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class Profiles:
-    """Pings of a single beam, one at each of its angles.
+    """A single beam's pings, one per angle.
 
     level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,) float64 about the sonar's z axis, positive to port.
@@ -65,7 +65,7 @@ class Profiles:
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:
-        """(angles, 3) float64: the range along the beam's axis; NaN without an echo."""
+        """Echoes, (angles, 3) float64: the range along the beam's axis; NaN without an echo."""
         ranges = np.where(np.isfinite(self.ranges_m), self.ranges_m, np.nan).astype(np.float64)
         flat = np.stack([np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(ranges))], axis=1)
         return np.asarray((flat * ranges[:, None]) @ self.world_from_sonar[:3, :3].T + self.world_from_sonar[:3, 3])
@@ -77,8 +77,8 @@ def profile(
 ) -> Profiles:  # fmt: skip
     """Ping once at each angle (n,) about the sonar's z axis, from its x axis, positive to port. Raises ValueError.
 
-    name: of its random stream. Ping k has the number first_ping + k. with_labels: say which surface each cell
-    shows.
+    name: of its random stream. Ping k has the number first_ping + k. with_labels: include the surface that each
+    cell shows.
     """
     model = model or SingleBeam()
     pose = checked_pose(world_from_sonar)
