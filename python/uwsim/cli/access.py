@@ -1,4 +1,4 @@
-"""Options of all commands that let clients connect: who may, and whether what they send is encrypted."""
+"""Options of all commands that accept clients: who may connect, and encryption."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import typer
 from uwsim.cli.bounds import readable
 from uwsim.cli.options import need
 
-Token = Annotated[str | None, typer.Option(help="Clients must know it: ws://HOST:PORT/?token=TOKEN.")]
+Token = Annotated[str | None, typer.Option(help="Clients must pass it: ws://HOST:PORT/?token=TOKEN.")]
 Certfile = Annotated[Path | None, typer.Option(help="Certificate in PEM, for wss.", callback=readable)]
 Keyfile = Annotated[Path | None, typer.Option(help="The certificate's key in PEM.", callback=readable)]
 Page = Annotated[
     list[str] | None,
     typer.Option(
-        help="Web page that may connect besides this machine's own, such as https://station.example; "
+        help="Web page that may connect, besides this machine's own, such as https://station.example; "
         "file:// for pages opened from files, and some desktop programs."
     ),
 ]
@@ -26,7 +26,10 @@ Page = Annotated[
 def access(
     host: str, *, page: Sequence[str] | None, token: str | None, certfile: Path | None, keyfile: Path | None
 ) -> dict[str, Any]:
-    """Return what each server that a command starts is given alike. Raises WithoutEffectError for a lone keyfile."""
+    """Return the access settings, which all servers of a command share.
+
+    Raises WithoutEffectError for a lone keyfile.
+    """
     if certfile is None:
         need("--certfile", keyfile=keyfile)
     return {"host": host, "origins": page or (), "token": token, "certfile": certfile, "keyfile": keyfile}

@@ -20,14 +20,14 @@ from uwsim.cli.values import packaged_folder
 
 
 class Benchmarks(TyperGroup):
-    """The files of the benchmarks' folder. Each is a program; only the one that is run is imported."""
+    """The files of the benchmarks' folder. Each is a program; only the one to be run is imported."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the benchmarks."""
         return sorted(path.stem for path in _folder().glob("*.py"))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a benchmark; for help and for a shell that completes, an outline of it, which is fast."""
+        """Return a benchmark; for help and shell completion a quick outline of it."""
         path = _folder() / f"{cmd_name}.py"
         if not path.is_file():
             return None
@@ -38,13 +38,13 @@ class Benchmarks(TyperGroup):
         return typer.main.get_command(program)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return name, command and arguments. Raises UsageError that lists the benchmarks."""
+        """Return name, command and arguments. Raises UsageError, which lists the benchmarks."""
         if not ctx.resilient_parsing and args[0] not in (known := self.list_commands(ctx)):
             raise UsageError(f"benchmark '{args[0]}': unknown; there are: {', '.join(known)}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """List the benchmarks by what their files say of themselves."""
+        """List the benchmarks with the first lines of their docstrings."""
         with formatter.section("Benchmarks"):
             formatter.write_dl(
                 [(name, _first_line((_folder() / f"{name}.py").read_text())) for name in self.list_commands(ctx)]
@@ -54,7 +54,7 @@ class Benchmarks(TyperGroup):
 app = typer.Typer(
     name="uwsim bench",
     cls=Benchmarks,
-    help="Run a benchmark: medians, and where the time goes.\n\n`uwsim bench NAME --help` lists the options of one.",
+    help="Run a benchmark: medians, and where time is spent.\n\n`uwsim bench NAME --help` lists the options of one.",
     invoke_without_command=True,
     callback=show_help,
     subcommand_metavar="NAME [ARGS]...",
@@ -71,7 +71,7 @@ def _first_line(text: str) -> str:
 
 
 def _outline(text: str) -> Any:
-    """Return a function without a body that has the options of a benchmark's `main`, all of them of text."""
+    """Return a function without a body that has the options of a benchmark's `main`, all as text."""
 
     def main() -> None: ...
 

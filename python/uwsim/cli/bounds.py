@@ -1,4 +1,4 @@
-"""Bounds of the numbers on a command line, and which files may be read: checked before a command begins."""
+"""Checks of numbers and files on a command line, before a command starts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 
 
 class UsageError(typer.BadParameter):
-    """A wrong command line; typer ends the command with the exit code of an unknown option."""
+    """A wrong command line; typer exits with the code for an unknown option."""
 
     def format_message(self) -> str:
         """Return the message as it is."""
@@ -20,7 +20,7 @@ class UsageError(typer.BadParameter):
 
 
 def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
-    """Return typer's callback of an option that takes numbers in [low, high]; nan is none."""
+    """Return typer's callback for an option that takes numbers in [low, high]; nan is refused."""
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for number in value if isinstance(value, tuple) else (value,):
@@ -35,7 +35,10 @@ def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
 
 
 def readable(param: typer.CallbackParam, value: Any) -> Any:
-    """Return paths that may be read: typer's callback. Raises UsageError for devices and pipes, which may not end."""
+    """Return the paths if they may be read: typer's callback.
+
+    Raises UsageError for devices and pipes, which may be endless.
+    """
     for path in value if isinstance(value, list) else (value,):
         if isinstance(path, Path):
             _require_file(path, option_name(param))
@@ -43,7 +46,7 @@ def readable(param: typer.CallbackParam, value: Any) -> Any:
 
 
 def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
-    """Return the path of a file that can be written: typer's callback, so that it is told before long work."""
+    """Return the path if it can be written: typer's callback, so that an error comes before long work."""
     if value is not None:
         _require_file(value, option_name(param))
         if not os.access(value.parent, os.W_OK):
@@ -54,7 +57,7 @@ def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
 def _require_file(path: Path, name: str) -> None:
     try:
         kind = path.stat().st_mode
-    except (OSError, ValueError):  # such as a name that is too long: whoever opens it says so
+    except (OSError, ValueError):  # such as a name that is too long: opening it will raise the error
         return
     if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
         what = "a device" if stat.S_ISCHR(kind) or stat.S_ISBLK(kind) else "a pipe or a socket"
@@ -62,5 +65,5 @@ def _require_file(path: Path, name: str) -> None:
 
 
 def option_name(param: typer.CallbackParam) -> str:
-    """Return what a user calls a parameter, such as --voxel or MAP."""
+    """Return a parameter's name as the user types it, such as --voxel or MAP."""
     return str(param.opts[-1]) if param.opts and param.opts[-1].startswith("-") else str(param.name).upper()

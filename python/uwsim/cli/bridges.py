@@ -1,4 +1,4 @@
-"""The bridges that a command opens beside its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
+"""The bridges of a command beside its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from uwsim.channels.feed import Readings
     from uwsim.live import LiveSimulator
 
-Ros1 = Annotated[bool, typer.Option("--ros1", help="Also be a node of ROS 1; see docs/ros1.md.")]
-Ros2 = Annotated[bool, typer.Option("--ros2", help="Also be a node of ROS 2; see docs/ros2.md.")]
+Ros1 = Annotated[bool, typer.Option("--ros1", help="Also run as a node of ROS 1; see docs/ros1.md.")]
+Ros2 = Annotated[bool, typer.Option("--ros2", help="Also run as a node of ROS 2; see docs/ros2.md.")]
 RosDistro = Annotated[
     str | None,
     typer.Option(
@@ -34,25 +34,23 @@ RosDomain = Annotated[
     typer.Option(help="ROS 2: the domain. Default: the environment's ROS_DOMAIN_ID, else 0.", callback=within(0, 232)),
 ]
 RosReach = Annotated[
-    str | None, typer.Option(help="ROS 2: localhost (this machine alone) or subnet. Default: localhost.")
+    str | None, typer.Option(help="ROS 2: localhost (this machine only) or subnet. Default: localhost.")
 ]
 RosPeers = Annotated[
-    list[str] | None, typer.Option(help="ROS 2: a further host, which multicast does not reach; may be repeated.")
+    list[str] | None, typer.Option(help="ROS 2: a further host, beyond the reach of multicast; may be repeated.")
 ]
 Foxglove = Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")]
-FoxglovePort = Annotated[
-    int | None, typer.Option(help="Where Foxglove connects. Default: 8765.", callback=within(0, 65535))
-]
+FoxglovePort = Annotated[int | None, typer.Option(help="Port for Foxglove. Default: 8765.", callback=within(0, 65535))]
 
 
 def need_subnet(ros_reach: str | None, ros_peer: Sequence[str] | None) -> None:
-    """Raise WithoutEffectError for peers that are not spoken to, since this machine is spoken to alone."""
+    """Raise WithoutEffectError for peers if only this machine is to be reached."""
     if ros_reach in (None, "localhost"):
         need("--ros-reach subnet", ros_peer=ros_peer)
 
 
 class Bridges:
-    """What the options ask for. Raises ValueError for options that cannot be met, before anything is built."""
+    """The bridges that the options request. Raises ValueError for impossible options, before anything is built."""
 
     def __init__(
         self,
@@ -94,7 +92,7 @@ class Bridges:
             need("--foxglove", foxglove_port=foxglove_port)
 
     def __bool__(self) -> bool:
-        """Return whether there are any."""
+        """Return whether any bridge is requested."""
         return self._ros1 or self._ros2 is not None or self._foxglove_port is not None
 
     def join(
@@ -107,9 +105,9 @@ class Bridges:
         services: Sequence[Service] = (),
         access: Mapping[str, Any] = MappingProxyType({}),
     ) -> list[str]:
-        """Open the bridges, to be closed with the stack; return where each is, for a greeting.
+        """Open the bridges, to be closed with the stack; return their addresses, for the greeting.
 
-        access: who may connect, as of `uwsim.cli.access`.
+        access: who may connect, from `uwsim.cli.access`.
         """
         said = []
         if self._ros1:

@@ -1,4 +1,4 @@
-"""Options and arguments that take one of a few words: checked before a command begins, and offered by a shell."""
+"""Options and arguments that take one of a few words: checked before a command starts, and completed by the shell."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.cli.values import words
 
 
 def one_of(*known: str) -> dict[str, Any]:
-    """Return what typer is told of a parameter that takes these words, or a list of them."""
+    """Return typer's settings for a parameter that takes one of these words, or a list of them."""
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for word in value if isinstance(value, list) else (value,):

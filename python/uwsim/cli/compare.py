@@ -43,13 +43,11 @@ def compare(
     ] = None,
     by: Annotated[
         str,
-        typer.Option(
-            help="What the missions fly by: truth, or estimate, which is that of the vehicle's filter.", **one_of(*BY)
-        ),
+        typer.Option(help="State for the missions: truth, or estimate (by the vehicle's filter).", **one_of(*BY)),
     ] = "truth",
     fault: Annotated[
         list[str] | None,
-        typer.Option(help="What fails in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
+        typer.Option(help="A fault in each flight, such as 'kind: sensor, sensor: dvl, mode: off, at_s: 60'."),
     ] = None,
     time_limit: Annotated[
         float | None,

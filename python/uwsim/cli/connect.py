@@ -1,4 +1,4 @@
-"""`uwsim connect`: a live simulator joins a ROS graph through a rosbridge_server."""
+"""`uwsim connect`: join a live simulator to a ROS graph through a rosbridge_server."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def connect(
 
     As the paper's simulator did. Ctrl-C ends it.
 
-    It connects again whenever the connection is lost. Every topic is sent at its rate: rosbridge does not tell who
-    listens.
+    It reconnects whenever the connection is lost. Every topic is sent at its rate: rosbridge does not report the
+    subscribers.
     """
     import logging
     from contextlib import ExitStack
@@ -54,7 +54,7 @@ def connect(
         simulator,
         wire=wire,  # type: ignore[arg-type]  # checked there
         origin=origin,
-        may_wait=lambda: live.speed == "max",  # on the wall clock the pace comes first
+        may_wait=lambda: live.speed == "max",  # on the wall clock, the pace has priority
     )
     if wire != "published":
         said.append(diagnostics_channel(live))

@@ -34,13 +34,13 @@ def dataset(
     write: Annotated[
         str,
         typer.Option(
-            help="What of each frame, comma-separated: rgb, depth, normals, instances, classes, boxes, yolo, arrays, "
+            help="Outputs, comma-separated: rgb, depth, normals, instances, classes, boxes, yolo, arrays, "
             "sonar, multibeam."
         ),
     ] = "rgb,depth,normals,instances,classes,boxes",
     pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",
     effects: Annotated[str, typer.Option(help="on, off, or effects joined by +.")] = "on",
-    without: Annotated[str, typer.Option(help="Effects that are off, comma-separated, such as wobble.")] = "",
+    without: Annotated[str, typer.Option(help="Effects to leave out, comma-separated, such as wobble.")] = "",
     along: Annotated[
         Path | None,
         typer.Option(
@@ -49,47 +49,52 @@ def dataset(
         ),
     ] = None,
     mission: Annotated[
-        Path | None, typer.Option(help="Fly this mission first, and take its poses.", callback=readable)
+        Path | None, typer.Option(help="Fly this mission first, and use its poses.", callback=readable)
     ] = None,
     look_at: Annotated[
         str | None, typer.Option(help="Names or classes, comma-separated, such as gate,pipeline. Default: everything.")
     ] = None,
     distance: Annotated[
         str | None,
-        typer.Option(help="To what is looked at [m], LOW..HIGH. Default: to 0.6 of the water's visibility."),
+        typer.Option(help="Distance to the target [m], LOW..HIGH. Default: up to 0.6 of the water's visibility."),
     ] = None,
     clearance: Annotated[
-        float | None, typer.Option(help="Around hull and camera [m]. Default: 0.2.", callback=within(0, 100, "m"))
+        float | None,
+        typer.Option(help="Free space around hull and camera [m]. Default: 0.2.", callback=within(0, 100, "m")),
     ] = None,
     pitch_max: Annotated[
         float | None,
-        typer.Option(help="Of the vehicle, up and down [deg]. Default: 15.", callback=within(0, 90, "deg")),
+        typer.Option(
+            help="Largest pitch of the vehicle, up and down [deg]. Default: 15.", callback=within(0, 90, "deg")
+        ),
     ] = None,
     roll_max: Annotated[
         float | None,
-        typer.Option(help="Of the vehicle, to either side [deg]. Default: 5.", callback=within(0, 180, "deg")),
+        typer.Option(
+            help="Largest roll of the vehicle, to either side [deg]. Default: 5.", callback=within(0, 180, "deg")
+        ),
     ] = None,
     vary: Vary = None,
     sonar: Annotated[str | None, typer.Option(help="The forward-looking sonar. Default: the first.")] = None,
     label_range: Annotated[
         float | None,
         typer.Option(
-            help="Things farther away have no labels [m]. Default: the water's visibility.",
+            help="Objects farther away have no labels [m]. Default: the water's visibility.",
             callback=within(0.01, 1e6, "m"),
         ),
     ] = None,
-    min_pixels: Annotated[int, typer.Option(help="Smaller things have no box.", callback=within(1, 1e9))] = 16,
+    min_pixels: Annotated[int, typer.Option(help="Smaller objects have no box.", callback=within(1, 1e9))] = 16,
     val_share: Annotated[float, typer.Option(help="Share of the frames for validation.", callback=within(0, 1))] = 0.2,
     seed: Seed = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Make what is missing in --out.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Make the frames that are missing in --out.")] = False,
 ) -> None:
     """Make a dataset of labelled pictures.
 
     Colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, poses (transforms.json), split into
-    training and validation. Poses are drawn, in free water with something in view, or taken from a track. The same
-    bytes whatever the number of workers. Ctrl-C and kills lose only the frames under way: --resume makes the rest.
+    training and validation. Poses are drawn in free water with something in view, or taken from a track. The bytes do
+    not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume makes the rest.
     """
     from uwsim.datasets import make_dataset
     from uwsim.stoppable import stop_on_signals

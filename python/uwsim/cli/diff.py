@@ -1,4 +1,4 @@
-"""`uwsim diff`: where two recordings part."""
+"""`uwsim diff`: find where two recordings diverge."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def diff(
     second: Annotated[Path, typer.Argument(help="Another.", metavar="B.mcap", callback=readable)],
     out: Annotated[Path, typer.Option(help="The figure to write if they differ, a PNG.")] = Path("divergence.png"),
 ) -> None:
-    """Compare two recordings and say where they part.
+    """Compare two recordings and find where they diverge.
 
-    The first tick and channel that differ, by how much, and a plot of the divergence.
+    Prints the first tick and channel that differ and by how much, and plots the divergence.
 
     Exits with 1 if any message differs.
     """

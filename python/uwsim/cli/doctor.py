@@ -1,4 +1,4 @@
-"""`uwsim doctor`: why two sides do not see each other."""
+"""`uwsim doctor`: find out why two sides cannot see each other."""
 
 from __future__ import annotations
 
@@ -18,15 +18,17 @@ def doctor(
     ros_domain_id: RosDomain = None,
     ros_reach: RosReach = None,
     ros_peer: RosPeers = None,
-    port: Annotated[int, typer.Option(help="Where the rosbridge is, or shall be.", callback=within(1, 65535))] = 9090,
-    foxglove_port: Annotated[int, typer.Option(help="Where Foxglove connects.", callback=within(1, 65535))] = 8765,
+    port: Annotated[
+        int, typer.Option(help="Port of the rosbridge, running or planned.", callback=within(1, 65535))
+    ] = 9090,
+    foxglove_port: Annotated[int, typer.Option(help="Port for Foxglove.", callback=within(1, 65535))] = 8765,
     listen: Annotated[
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
 ) -> int:
-    """Look for what keeps ROS and the simulator apart.
+    """Find what keeps ROS and the simulator apart.
 
-    Domain, interface, multicast, versions, ports, missing packages. Exits with 1 when something is wrong.
+    Domain, interface, multicast, versions, ports, missing packages. Exits with 1 if something is wrong.
     """
     from rich.console import Console
     from rich.table import Table

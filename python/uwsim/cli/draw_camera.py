@@ -13,15 +13,15 @@ from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.contact_sheet import contact_sheet
 from uwsim.simulator import Simulator
 
-LONGEST_WAIT_S = 36_000.0  # takes minutes to simulate
+LONGEST_WAIT_S = 36_000.0  # minutes of wall time
 
 
 @dataclass(frozen=True)
 class CameraRequest:
-    """Which camera to capture with, from where, and in what light.
+    """The camera of a picture, its pose and its light.
 
     effects: those of each picture: "on", "off", or names joined by "+". pose: X,Y,Z[,YAW[,PITCH[,ROLL]]] of the
-    vehicle, metres and degrees, positive pitch is down; by default its start. lamps: names of the switches that are on.
+    vehicle, metres and degrees, positive pitch is down; by default its start. lamps: names of the switches to turn on.
     at_s: simulated time. vehicle: its name; by default the first.
     """
 
@@ -38,9 +38,9 @@ class CameraRequest:
 def draw(
     scenario: str, request: CameraRequest, out: Path, *, seed: int | None = None, threads: int | None = None
 ) -> list[Frame]:
-    """Capture the pictures, write them side by side to out (.png or .jpg, whole or not at all) and return them.
+    """Capture the pictures, write them side by side to out (.png or .jpg, atomically) and return them.
 
-    Raises ValueError for unknown names, malformed poses and places below the ground, OSError.
+    Raises ValueError for unknown names, malformed poses and positions below the ground, OSError.
     """
     check_suffix("out", out)
     if not out.parent.is_dir():
@@ -54,7 +54,7 @@ def draw(
 
 
 def set_up(sim: Simulator, request: CameraRequest) -> Camera:
-    """Set lamps, light, pose and time as requested and return the camera. Raises ValueError."""
+    """Set lamps, light, pose and time as requested, and return the camera. Raises ValueError."""
     rov = chosen_vehicle(sim, request.vehicle)
     cameras = {**sim.cameras, **rov.cameras}
     if request.camera not in cameras:
@@ -70,9 +70,9 @@ def set_up(sim: Simulator, request: CameraRequest) -> Camera:
         sim.set_optics(sun_elevation_deg=request.sun_deg)
     if request.pose is not None:
         place_as_typed(rov, request.pose)
-    if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # false for nan, too
+    if not 0.0 <= request.at_s <= LONGEST_WAIT_S:  # also false for NaN
         raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(request.at_s)
     if request.pose is not None and request.at_s:
-        place_as_typed(rov, request.pose)  # again: it is free, and may have drifted
+        place_as_typed(rov, request.pose)  # again, since it may have drifted
     return cameras[request.camera]

@@ -1,4 +1,4 @@
-"""`uwsim sonar`: draw pings of a vehicle's multibeam and of imaging sonars from one place."""
+"""`uwsim sonar`: draw pings of a vehicle's multibeam and of imaging sonars from one pose."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Request:
 
 
 def run_sonar(request: Request) -> list[str]:
-    """Draw the request and return a summary in lines. Raises ValueError or OSError; no file is left incomplete."""
+    """Draw the request and return a summary as lines. Raises ValueError or OSError; no file is left incomplete."""
     if request.kind not in KINDS:
         raise ValueError(f"--kind {request.kind}: must be one of {', '.join(KINDS)}")
     _require_picture(request.out)
@@ -90,7 +90,7 @@ def _require_in_the_water(sim: Simulator, rov: Vehicle) -> None:
 
 
 def _ahead(rov: Vehicle) -> NDArray[np.float64]:
-    """Return the vehicle's horizontal heading (3,). Raises ValueError if the vehicle is vertical."""
+    """Return the vehicle's horizontal heading (3,). Raises ValueError if it points straight up or down."""
     ahead = rov.pose.world_from_body[:3, 0] * (1.0, 1.0, 0.0)
     length = float(np.linalg.norm(ahead))
     if not length > 1e-6:
@@ -99,7 +99,7 @@ def _ahead(rov: Vehicle) -> NDArray[np.float64]:
 
 
 class _Sheet:
-    """Panels in one or two columns, each WIDTH_IN wide, from the top down; saving crops the figure to its content."""
+    """Panels in one or two columns, each WIDTH_IN wide, from top to bottom; saving crops the figure to its content."""
 
     def __init__(self, sim: Simulator, request: Request) -> None:
         self._sim = sim
@@ -110,7 +110,7 @@ class _Sheet:
         self._summary: list[str] = []
 
     def draw(self) -> tuple[Figure, list[str]]:
-        """Draw the requested panels; returns the figure and a summary in lines."""
+        """Draw the requested panels; return the figure and a summary as lines."""
         kind = self._request.kind
         right, left_in, right_in = (1 if kind == "all" else 0), 0.0, 0.0
         if kind in ("all", "fan"):
@@ -142,7 +142,7 @@ class _Sheet:
         return height_in + GAP_IN + SECTION_IN + GAP_IN
 
     def _profile(self, top_in: float) -> float:
-        """Step a pencil beam across the track, to either side of straight down."""
+        """Draw a pencil beam's profile across the track, to either side of straight down."""
         model = SingleBeam(range_max_m=PROFILE_REACH_M, range_bins=round(PROFILE_REACH_M / PROFILE_BIN_M))
         body, head = self._rov.pose.world_from_body, self._rov.sonar.ping().world_from_sonar[:3, 3]
         pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)

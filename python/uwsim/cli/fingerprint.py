@@ -1,4 +1,4 @@
-"""`uwsim fingerprint`: one hash over what a short run says, to compare two machines by."""
+"""`uwsim fingerprint`: one hash of everything a short run produces, to compare two machines."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ def fingerprint(
 ) -> None:
     """Fly for some seconds and print a hash of all results.
 
-    Poses, samples, pings in both modes, pictures and maps; and what they may depend on. Two machines that print the
-    same last line, for the same scenario and seed, have the same results; where it differs, the lines before it tell in
-    which. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes processors of different kinds
-    alike.
+    Poses, samples, pings in both modes, pictures and maps, and the properties of the machine that may matter. Two
+    machines that print the same last line for the same scenario and seed have the same results; if it differs, the
+    lines before it show which results do. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes
+    processors of different kinds agree.
     """
     import orjson
 
@@ -39,7 +39,7 @@ def fingerprint(
         return
     width = max(map(len, (*found.machine, *found.parts)))
     for title, rows in (
-        ("What results may depend on", {"scenario": found.scenario, "seed": found.seed, **found.machine}),
+        ("Results may depend on", {"scenario": found.scenario, "seed": found.seed, **found.machine}),
         ("Hashes of the results", {**found.parts, "all": found.whole}),
     ):
         typer.echo(f"{title}:")

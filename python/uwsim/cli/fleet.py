@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
 def fleet(
     scenario: ScenarioName,
-    tile: Annotated[
-        float, typer.Option(help="Edge of the tiles [m]; they are at most as long.", callback=within(1, 1e5, "m"))
-    ],
+    tile: Annotated[float, typer.Option(help="Largest edge of a tile [m].", callback=within(1, 1e5, "m"))],
     out: Annotated[Path, typer.Option(help="Folder for map.bt, summary.json, tiles.png and the tiles' maps.")] = Path(
         "fleet"
     ),
@@ -29,7 +27,7 @@ def fleet(
     vehicles: Annotated[
         int,
         typer.Option(
-            help="Vehicles that share the tiles, for the time that the fleet is out; not for the map.",
+            help="Vehicles that share the tiles: determines the fleet's time at sea, not the map.",
             callback=within(1, 100_000),
         ),
     ] = 1,
@@ -38,15 +36,15 @@ def fleet(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Fly the tiles that are missing in --out.")] = False,
     retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="With --resume: also those that failed.")
+        bool, typer.Option("--retry-failed", help="With --resume: also fly those that failed.")
     ] = False,
 ) -> None:
     """Survey an area in tiles, on many workers, and merge the maps.
 
-    Each tile is flown by a vehicle of its own, and the whole is scored. A worker builds only its tile's part of the
-    terrain, so that the area may be larger than one process could hold. The map has the same bytes whatever the
-    number of workers and the order in which tiles are finished. Ctrl-C and kills lose only the tiles under way:
-    --resume flies the rest. Ends with 1 if a tile failed.
+    Each tile is flown by a vehicle of its own, and the whole map is scored. A worker builds only its tile's part of the
+    terrain, so the area may be larger than one process could hold. The bytes of the map do not depend on the number of
+    workers or the order in which tiles are finished. Ctrl-C and kills lose only the tiles in progress: --resume flies
+    the rest. Exits with 1 if a tile failed.
     """
     from uwsim.fleet import run_fleet
     from uwsim.stoppable import stop_on_signals
@@ -91,7 +89,7 @@ def _print(flown: Fleet) -> None:
         ("path flown while pinging", f"{1e-3 * of['path_length_m']:,.1f} km"),
         ("pings", f"{of['pings']:,}"),
         ("simulated", duration_text(of["simulated_s"])),
-        (f"out, with {of['vehicles']:,} vehicles", duration_text(of["fleet_out_s"])),
+        (f"at sea, with {of['vehicles']:,} vehicles", duration_text(of["fleet_out_s"])),
         ("collisions", f"{of['collisions']:,}"),
     ]
     if of.get("coverage") is not None:

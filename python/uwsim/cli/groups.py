@@ -1,4 +1,4 @@
-"""Commands that have commands of their own."""
+"""Command groups: commands that have subcommands."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ import typer
 
 
 def show_help(context: typer.Context) -> None:
-    """Print a group's help if none of its commands is named: the callback of its typer program."""
+    """Print a group's help if no subcommand is given: the callback of its typer program."""
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())

@@ -1,4 +1,4 @@
-"""`uwsim link`: try a link, and draw delay, delivery and goodput against range and time."""
+"""`uwsim link`: test a link, and draw delay, delivery and goodput against range and time."""
 
 from __future__ import annotations
 
@@ -22,15 +22,13 @@ def link(
             autocompletion=modems,
         ),
     ] = None,
-    depth: Annotated[
-        float, typer.Option(help="At which the vehicle goes [m].", callback=within(0.5, 10_000, "m"))
-    ] = 10.0,
+    depth: Annotated[float, typer.Option(help="Depth of the vehicle [m].", callback=within(0.5, 10_000, "m"))] = 10.0,
     seed: Seed = None,
 ) -> None:
-    """Try a link: a vehicle goes away from the station and back.
+    """Test a link with a vehicle that leaves the station and returns.
 
-    Its modem sends all it can. Draws delay, delivery and goodput against range and time, beside what the sonar equation
-    says for open water.
+    Its modem sends as much as it can. Draws delay, delivery and goodput against range and time, with the values of the
+    sonar equation for open water.
     """
     from uwsim.figures.link_trial import draw_link_trial
     from uwsim.link.table import text_table

@@ -1,6 +1,6 @@
-"""The `uwsim` command: its list of commands, and how errors and signals end it.
+"""The `uwsim` command: its subcommands, and its reaction to errors and signals.
 
-Each command is a file of its own and imports what it needs when it runs, so that --help answers at once.
+Each subcommand has a file of its own and imports its dependencies when it runs, so that --help is fast.
 """
 
 from __future__ import annotations
@@ -99,14 +99,14 @@ app.add_typer(scenario_app, name="scenario")
 
 
 def main() -> NoReturn:
-    """Entry point: a user's mistake is one line on stderr and a non-zero exit code, without a traceback."""
+    """Run the command. A user's mistake is one line on stderr and a non-zero exit code, without a traceback."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _exit_on_signal)
     _spare_address_space()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for terminals that know only ASCII
     warnings.showwarning = _show_warning
-    if "_UWSIM_COMPLETE" in os.environ:  # a shell asks what it may offer
+    if "_UWSIM_COMPLETE" in os.environ:  # a shell asks for completions
         from uwsim.cli.values import offer_fast
 
         offer_fast()
@@ -115,10 +115,10 @@ def main() -> NoReturn:
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
         _exit_on_signal(signal.SIGINT, None)
-    except (ValueError, OSError, MemoryError, ImportError) as error:  # the last: a library that memory has no room for
+    except (ValueError, OSError, MemoryError, ImportError) as error:  # the last: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # of a scenario's file
+        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # a scenario file's
             _print_error(mistake)
         sys.exit(FAILED)
     except Exception as error:
@@ -140,7 +140,7 @@ def _told(error: Exception) -> str:
 
 
 def _require_no_empty_word(words: list[str]) -> None:
-    """Raise UsageError for an empty word, which a shell makes of an unset variable: it would mean a default."""
+    """Raise UsageError for an empty word, as from an unset shell variable: it would mean a default."""
     for before, word in zip(["", *words], words, strict=False):
         option = re.fullmatch(r"(--[\w-]+)=", word)
         if not word or option:
@@ -149,21 +149,21 @@ def _require_no_empty_word(words: list[str]) -> None:
 
 
 def _spare_address_space() -> None:
-    """Let OpenBLAS have one thread where the address space is limited.
+    """Limit OpenBLAS to one thread if the address space is limited.
 
-    While it is loaded it claims 33 MB for each thread, and where it does not get them it tries for ever, or interrupts.
+    When loaded it claims 33 MB per thread, and if it does not get them it retries for ever or interrupts.
     """
     if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _print_error(message: str) -> None:
-    """Print a message on one line, even if a library wrote it on several."""
+    """Print a message on one line, even if a library wrote several."""
     typer.echo(f"uwsim: error: {_printable(' '.join(message.split()))}", err=True)
 
 
 def _printable(text: str) -> str:
-    """Escape what would command a terminal: a stranger's file may name anything."""
+    """Escape control characters for the terminal: names in an untrusted file may hold any."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
@@ -172,12 +172,12 @@ def _exit_on_signal(number: int, frame: object) -> NoReturn:
     if (files := sys.modules.get("uwsim.atomic_file")) is not None:
         files.remove_unfinished()
     if (core := sys.modules.get("uwsim._core")) is not None:
-        core.remove_unfinished_files()  # of other threads
+        core.remove_unfinished_files()  # those of other threads
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    """Print warnings about a user's scenario; those for programmers, from libraries, are discarded."""
+    """Print warnings about a user's scenario; discard those for programmers, from libraries."""
     if issubclass(category, UserWarning):
         typer.echo(f"uwsim: warning: {_printable(' '.join(str(message).split()))}", err=True)

@@ -1,4 +1,4 @@
-"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Commands import what they need when they run."""
+"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Each command imports what it needs on call."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def convert(
 ) -> None:
     """Convert a map or a cloud to another format.
 
-    A .tif holds the median depth and the count of each cell. A .bt holds no probabilities: an .ot made from it has all
-    its voxels at the clamping limits.
+    A .tif holds the median depth and the count of each cell. A .bt holds no probabilities: in an .ot made from it, all
+    voxels are at the clamping limits.
     """
     from uwsim.cli.map_convert import convert as convert_file
 
@@ -83,9 +83,11 @@ def from_recording(
     report: Annotated[
         Path | None, typer.Option(help="Also write the survey's report into this folder (of a survey only).")
     ] = None,
-    vehicle: Annotated[str | None, typer.Option(help="Whose pings. Default: the first that has some.")] = None,
+    vehicle: Annotated[
+        str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
+    ] = None,
 ) -> None:
-    """Make the map from a recording alone, with the run's own bytes."""
+    """Make the map from a recording alone, with the same bytes as in the run."""
     from uwsim.mapping.files.map_files import MAP_SUFFIXES
     from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.reader import Recording
@@ -150,7 +152,7 @@ def score(
 ) -> None:
     """Compare a map with the true world.
 
-    Gives coverage, precision, recall, distances, and the seabed by IHO S-44.
+    Reports coverage, precision, recall, distances, and the seabed by IHO S-44.
     """
     from rich.console import Console
 
@@ -160,7 +162,7 @@ def score(
     scored = score_map_file(source, scenario, track, origin)
     Console().print(score_table(scored, f"{source.name} against {scenario}"), highlight=False)
     if not scored.path_known:
-        typer.echo("no track of the survey (--track): coverage and recall are unknown, since they depend on it")
+        typer.echo("no track of the survey (--track): coverage and recall need it and are unknown")
     figure = _require_png(out or source.with_name(f"{source.stem}.score.png"))
     draw_map_errors(figure, scored.score, scored.track.area_world_m)
     if json is not None:
@@ -188,7 +190,7 @@ def render(
 ) -> None:
     """Draw a map in 3D, without a display.
 
-    Its occupied voxels are coloured by height, as octovis does.
+    Occupied voxels are coloured by height, as in octovis.
     """
     from uwsim.figures.map_render import Viewpoint, draw_map
     from uwsim.mapping.files.map_files import open_map
@@ -207,7 +209,7 @@ def diff(
 ) -> None:
     """Count the voxels whose states differ between two maps.
 
-    The maps must have the same resolution. With --out the voxels are drawn, too.
+    The maps must have the same resolution. With --out, the voxels are also drawn.
     """
     from uwsim.figures.map_difference import draw_map_difference
     from uwsim.mapping.difference import STATES, map_difference
@@ -231,18 +233,18 @@ def diff(
 def slice_(
     source: MapFile,
     x: Annotated[
-        float | None, typer.Option(help="Cut upright at this x (east) [m].", callback=within(-1e7, 1e7, "m"))
+        float | None, typer.Option(help="Vertical cut at this x (east) [m].", callback=within(-1e7, 1e7, "m"))
     ] = None,
     y: Annotated[
-        float | None, typer.Option(help="Cut upright at this y (north) [m].", callback=within(-1e7, 1e7, "m"))
+        float | None, typer.Option(help="Vertical cut at this y (north) [m].", callback=within(-1e7, 1e7, "m"))
     ] = None,
     z: Annotated[
-        float | None, typer.Option(help="Cut level at this height [m].", callback=within(-1e7, 1e7, "m"))
+        float | None, typer.Option(help="Horizontal cut at this height [m].", callback=within(-1e7, 1e7, "m"))
     ] = None,
     out: FigureFile = None,
     origin: MapOrigin = ZERO,
 ) -> None:
-    """Draw a level or upright slice of a map.
+    """Draw a horizontal or vertical slice of a map.
 
     It shows occupied, free and unknown voxels. Give one of --x, --y, --z.
     """

@@ -1,4 +1,4 @@
-"""Converts a map or a cloud to another format, chosen by the target's suffix."""
+"""Conversion of a map or a cloud to another format, chosen by the target's suffix."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def convert(
     cell_m: float | None = None,
     scenario: str | None = None,
 ) -> str:
-    """Write `source` as `target` atomically; returns a description of the content.
+    """Write `source` as `target` atomically; return a description of the content.
 
     .bt, .ot: from a map only. .ply, .pcd, .las, .xyz: the centres of a map's occupied voxels, or a cloud's points.
     .tif: a depth grid with cells of cell_m (by default the map's voxels), placed on Earth by the scenario's terrain.
@@ -37,7 +37,7 @@ def convert(
         need("a target that ends in .tif", cell=cell_m, scenario=scenario)
     if suffix in MAP_SUFFIXES:
         if source.suffix.lower() in CLOUD_FORMATS:
-            raise ValueError(f"source '{source}': a cloud does not say what is free, so it cannot become a map")
+            raise ValueError(f"source '{source}': a cloud has no free space, so it cannot become a map")
         open_map(source, origin_world_m).write(target)
         return "a map"
     points, resolution_m = open_points(source, origin_world_m)

@@ -17,23 +17,23 @@ def nodes(
     name: Annotated[
         str,
         typer.Argument(
-            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, each a process.",
+            help="string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap; or all, one process each.",
             **one_of("all", "string_decoder", "scan_publisher", "laser_to_cloud", "tf_broadcaster", "octomap"),
         ),
     ] = "all",
     url: Annotated[str, typer.Option(help="The rosbridge, such as that of uwsim serve --wire published.")] = (
         "ws://127.0.0.1:9090"
     ),
-    out: Annotated[Path | None, typer.Option(help="Where the octomap node writes its map. Default: nodes.bt.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Map file of the octomap node. Default: nodes.bt.")] = None,
     patience: Annotated[
         float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
     ] = 10.0,
 ) -> None:
     """Run the paper's chain as ROS nodes over rosbridge.
 
-    Depth strings and poses in, a saved map out. Ctrl-C ends them.
+    They turn depth strings and poses into a saved map. Ctrl-C ends them.
 
-    The simulator's own topics have the same names: use uwsim serve --wire published.
+    The simulator's own topics have the same names, so run uwsim serve --wire published.
     """
     from uwsim.bridges.nodes.chain import NODES
     from uwsim.bridges.nodes.processes import run_all, run_one

@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and how their text is read."""
+"""Arguments and options that several commands share, and the parsing of their text."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ MissionTime = Annotated[
 Link = Annotated[
     str | None,
     typer.Option(
-        help="Joins station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
+        help="Link between station and vehicles: none, tether, ideal_acoustic, micromodem, s2cm_hs, or a YAML file. "
         "Replaces the scenario's modem.",
         autocompletion=modems,
     ),
@@ -70,7 +70,7 @@ SurveyTopics = Annotated[
     list[str] | None,
     typer.Option(
         "--record-topic",
-        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what readers get of the "
+        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what clients get of the "
         "survey's pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
     ),
 ]
@@ -83,13 +83,13 @@ Threads = Annotated[
 
 
 class WithoutEffectError(UsageError):
-    """An option that would be without effect."""
+    """An option that would have no effect."""
 
 
 def need(needed: str, **options: object) -> None:
     """Raise WithoutEffectError for options that were given without the one that they need.
 
-    needed: such as "--record". options: by the names of their arguments; None, False and empty lists were not given.
+    needed: such as "--record". options: by argument name; None, False and empty lists were not given.
     """
     given = [
         f"--{name.replace('_', '-')}"
@@ -101,5 +101,5 @@ def need(needed: str, **options: object) -> None:
 
 
 def sonar_model(text: str | None) -> int | str | None:
-    """Return a number of the protocol as int; a name or path as it is."""
+    """Return a number of the protocol as int; a name or path unchanged."""
     return int(text) if text is not None and text.isascii() and text.isdigit() else text

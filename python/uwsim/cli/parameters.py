@@ -1,4 +1,4 @@
-"""`uwsim parameters`: the figures of a scenario that may be changed while it runs."""
+"""`uwsim parameters`: the parameters of a scenario that may be changed while it runs."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ def parameters(
     scenario: Annotated[
         str, typer.Argument(help="A packaged scenario, or the path of a YAML file.", autocompletion=scenarios)
     ],
-    prefix: Annotated[str, typer.Argument(help="List those at and below this name, such as rov.drag.")] = "",
+    prefix: Annotated[str, typer.Argument(help="List only those at and below this name, such as rov.drag.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list instead of a table.")] = False,
 ) -> None:
-    """List what may be changed while a scenario runs.
+    """List the parameters that may be changed while a scenario runs.
 
-    Name, value, unit, range and description of each.
+    Prints name, value, unit, range and description of each.
 
     `sim.parameters` sets them in Python; ROS clients set them as parameters (/rov/drag/linear/surge) or by services.
     """

@@ -1,4 +1,4 @@
-"""Reads the text of --pose: X,Y,Z[,YAW[,PITCH[,ROLL]]]."""
+"""Parsing of --pose: X,Y,Z[,YAW[,PITCH[,ROLL]]]."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def parsed_pose(text: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def place_as_typed(vehicle: Vehicle, text: str) -> None:
-    """Place a vehicle at the pose of --pose. Raises ValueError for an invalid pose or an impossible place."""
+    """Place a vehicle at the pose of --pose. Raises ValueError for an invalid pose or position."""
     position, quaternion = parsed_pose(text)
     try:
         vehicle.place(position, quaternion)
@@ -41,5 +41,5 @@ def place_as_typed(vehicle: Vehicle, text: str) -> None:
 
 
 def chosen_vehicle(sim: Simulator, name: str | None) -> Vehicle:
-    """Return the vehicle of an option --vehicle; by default the first. Raises ValueError for an unknown name."""
+    """Return the vehicle of --vehicle; by default the first. Raises ValueError for an unknown name."""
     return sim.rov if name is None else sim.vehicles[name]

@@ -1,4 +1,4 @@
-"""`uwsim recording`: what a recording holds."""
+"""`uwsim recording`: list a recording's contents."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.cli.bounds import readable
 def recording(
     source: Annotated[Path, typer.Argument(help="A recording.", metavar="FILE.mcap", callback=readable)],
 ) -> None:
-    """List what a recording holds: run, commands, channels."""
+    """List the contents of a recording: run, commands, channels."""
     from uwsim.recording.commands import COMMANDS
     from uwsim.recording.reader import Recording
 

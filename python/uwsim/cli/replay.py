@@ -39,7 +39,9 @@ def replay(
     host: Annotated[
         str | None, typer.Option(help="With --as-topics: address to listen on. Default: 127.0.0.1.")
     ] = None,
-    wait: Annotated[bool, typer.Option("--wait", help="With --as-topics: begin when the first client comes.")] = False,
+    wait: Annotated[
+        bool, typer.Option("--wait", help="With --as-topics: begin when the first client connects.")
+    ] = False,
     ros2: Ros2 = False,
     ros_distro: RosDistro = None,
     ros_domain_id: RosDomain = None,
@@ -57,7 +59,7 @@ def replay(
     """Repeat a recorded run and compare every message.
 
     The run is flown again with its scenario, seed and commands, and must give the same bytes. Exits with 1 at the first
-    difference, which it names, and for a file that is damaged; with 4 if all is the same up to where the recording was
+    difference, which it names, and for a damaged file; with 4 if all is equal up to the point where the recording was
     cut off. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to ROS 2, ROS 1 and
     Foxglove.
     """
@@ -65,7 +67,7 @@ def replay(
     from uwsim.recording.pacer import Pacer
     from uwsim.recording.reader import Recording
 
-    if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # false for nan, too
+    if not 0.0 <= from_s <= (from_s if until_s is None else until_s):  # also false for NaN
         raise ValueError(f"--from {from_s:g} s, --until {until_s} s: must be 0 or more, and in this order")
     if as_topics:
         need("a replay without --as-topics", threads=threads)

@@ -1,4 +1,4 @@
-"""`uwsim scenario`: list, begin and check scenarios; their schemas. Commands import what they need when they run."""
+"""`uwsim scenario`: list, create and check scenarios, and print their schemas. Commands import what they need."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem")
 
 
 class ScenarioCommands(TyperGroup):
-    """They say what to type instead of a command that is the name of a scenario."""
+    """Scenario commands; for a scenario's name instead of a command, the error suggests the right command."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises UsageError."""
@@ -63,17 +63,17 @@ def new(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file if there is one.")] = False,
 ) -> None:
-    """Write a scenario to begin with.
+    """Create a scenario file to start from.
 
     It is commented and ready to run. Its first line names the packaged schema, so that editors with a YAML language
-    server complete and check.
+    server complete and check it.
     """
     from uwsim.scenario.new import new_scenario
 
     try:
         path = new_scenario(name, out, like, overwrite=force)
     except FileExistsError as error:
-        raise FileExistsError(f"{error.filename}: is there already; --force overwrites it") from None
+        raise FileExistsError(f"{error.filename}: exists already; --force overwrites it") from None
     typer.echo(f"{path}: edit it, then uwsim scenario check {path}")
 
 
@@ -88,15 +88,15 @@ def check(
     kind: Annotated[
         str,
         typer.Option(
-            help="What the files hold: scenario, vehicle, thruster, sonar, sensors or modem.", **one_of(*KINDS)
+            help="Contents of the files: scenario, vehicle, thruster, sonar, sensors or modem.", **one_of(*KINDS)
         ),
     ] = "scenario",
 ) -> None:
-    """Check files, and report what they will look like.
+    """Check files, and describe their contents.
 
-    All mistakes of a file are listed at once. If it has none, what it describes is built, to report what is where, how
-    each vehicle floats and steers, and what may surprise. Exits with 0 without a mistake, with 1 if a file has one, or
-    with --strict a warning, and with 2 for a wrong option.
+    All mistakes of a file are listed at once. If there are none, its contents are built, to report what is where, how
+    each vehicle floats and steers, and what may be unintended. Exits with 0 without a mistake, with 1 if a file has
+    one, or with --strict a warning, and with 2 for a wrong option.
     """
     from uwsim.scenario_check import check_file, check_part
 

@@ -33,7 +33,7 @@ Origin = Annotated[
         **one_of("world", "published"),
     ),
 ]
-Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume begins.")]
+Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume starts it.")]
 
 
 def serve(
@@ -41,9 +41,9 @@ def serve(
         str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
     ] = "lake",
     port: Annotated[
-        int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
+        int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
     ] = 9090,
-    host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
+    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any but this machine's own.")] = (
         "127.0.0.1"
     ),
     speed: Speed = "1",
@@ -54,7 +54,7 @@ def serve(
     ros: Annotated[
         int,
         typer.Option(
-            help="Whose times and headers clients get that name types like std_msgs/String: 1 or 2.",
+            help="Generation of ROS for clients that name types like std_msgs/String: 1 or 2.",
             callback=within(1, 2),
         ),
     ] = 1,
@@ -116,7 +116,7 @@ def serve(
         )
 
         def recorded(channels: list[Channel]) -> list[Channel]:
-            """Begin to record, if that is asked for; return the channels that clients see."""
+            """Start recording, if requested; return the channels for clients."""
             if record is None:
                 return channels
             from uwsim.recording import Recorder
@@ -147,7 +147,7 @@ def serve(
 
 
 def page_url(server_url: str, token: str | None) -> str:
-    """Return the page's address."""
+    """Return the address of the station's page."""
     return server_url.replace("ws", "http", 1) + (f"/?token={token}" if token else "/")
 
 

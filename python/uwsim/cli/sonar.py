@@ -1,4 +1,4 @@
-"""`uwsim sonar`: draw what a vehicle's sonars see from a pose."""
+"""`uwsim sonar`: draw the pictures of a vehicle's sonars from a pose."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def sonar(
     seed: Seed = None,
     frequency: Frequency = None,
 ) -> None:
-    """Draw what the sonars see from a pose.
+    """Draw the sonars' pictures from a pose.
 
-    The fan over the true bed, a profile, a sonar image and a side-scan waterfall.
+    A fan over the true bed, a profile, a sonar image and a side-scan waterfall.
     """
     from uwsim.cli.draw_sonar import Request, run_sonar
 

@@ -1,4 +1,4 @@
-"""`uwsim station`: the operator's station, a web page to choose, fly and map by."""
+"""`uwsim station`: the operator's station, a web page to choose, fly and map."""
 
 from __future__ import annotations
 
@@ -16,29 +16,32 @@ from uwsim.cli.serve import Origin, Wire, page_url
 from uwsim.cli.values import modems, scenarios
 
 Truth = Annotated[
-    bool, typer.Option("--truth/--no-truth", help="Whether pilots see the true position, or what instruments tell.")
+    bool, typer.Option("--truth/--no-truth", help="Show pilots the true position, or only the instruments' values.")
 ]
 
 
 def station(
     scenario: Annotated[
-        str, typer.Argument(help="What the start screen begins with: a name or a YAML file.", autocompletion=scenarios)
+        str,
+        typer.Argument(
+            help="Scenario preselected on the start screen: a name or a YAML file.", autocompletion=scenarios
+        ),
     ] = "lake",
     port: Annotated[
-        int, typer.Option(help="Where to listen; 0 chooses a free port.", callback=within(0, 65535))
+        int, typer.Option(help="Port to listen on; 0 chooses a free one.", callback=within(0, 65535))
     ] = 9090,
-    host: Annotated[str, typer.Option(help="Address to listen on. Others than this machine's own are warned of.")] = (
+    host: Annotated[str, typer.Option(help="Address to listen on. Warns about any but this machine's own.")] = (
         "127.0.0.1"
     ),
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
     link: Annotated[
         str | None,
-        typer.Option(help="The modem that the start screen begins with: a packaged one's name.", autocompletion=modems),
+        typer.Option(help="Modem preselected on the start screen: a packaged one's name.", autocompletion=modems),
     ] = None,
     truth: Truth = True,
     wire: Wire = "both",
     origin: Origin = "world",
-    token: Annotated[str | None, typer.Option(help="Pages must know it: http://HOST:PORT/?token=TOKEN.")] = None,
+    token: Annotated[str | None, typer.Option(help="Pages must pass it: http://HOST:PORT/?token=TOKEN.")] = None,
     certfile: Certfile = None,
     keyfile: Keyfile = None,
     page: Page = None,
@@ -56,7 +59,7 @@ def station(
     from uwsim.station import Site, Station
 
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
-    load(scenario)  # a mistake is said here, not on the page
+    load(scenario)  # reports mistakes here, not on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
     hub = Station(offered=scenario, link=link, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
@@ -75,5 +78,5 @@ def station(
 
 
 def _has_display() -> bool:
-    """Whether a browser would open a window, rather than take this terminal."""
+    """Return whether a browser would open a window, rather than take over this terminal."""
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

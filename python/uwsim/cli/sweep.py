@@ -1,4 +1,4 @@
-"""`uwsim sweep`: fly a survey or a mission many times, with other values each time."""
+"""`uwsim sweep`: fly a survey or a mission many times with different values."""
 
 from __future__ import annotations
 
@@ -17,39 +17,41 @@ if TYPE_CHECKING:
 Workers = Annotated[
     int | None,
     typer.Option(
-        help="Processes on this machine; 0: none, this one works. Default: one per core.", callback=within(0, 4096)
+        help="Processes on this machine; 0: none, work in this one. Default: one per core.", callback=within(0, 4096)
     ),
 ]
 Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a Dask cluster that works instead, such as tcp://10.0.0.1:8786.")
+    str | None, typer.Option(help="Address of a Dask cluster to use instead, such as tcp://10.0.0.1:8786.")
 ]
 
 
 def sweep(
     source: Annotated[
         Path,
-        typer.Argument(help="The sweep: what is flown, and what is varied.", metavar="SWEEP.yaml", callback=readable),
+        typer.Argument(help="The sweep: what to fly, and what to vary.", metavar="SWEEP.yaml", callback=readable),
     ],
     out: Annotated[Path, typer.Option(help="Folder for runs.parquet, report.html and the worst runs.")] = Path("runs"),
     workers: Workers = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Fly what is missing in --out.")] = False,
-    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="With --resume: also what failed.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Fly the runs that are missing in --out.")] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="With --resume: also fly those that failed.")
+    ] = False,
     again: Annotated[
         int | None,
         typer.Option(
-            help="Only fly this run again, with recording, map and full report in --out.",
+            help="Fly only this run again, with recording, map and full report in --out.",
             metavar="RUN",
             callback=within(0, 1e9),
         ),
     ] = None,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write the table alone.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write only the table.")] = False,
 ) -> None:
     """Fly a survey or a mission many times, varied each time.
 
-    Other parameters, faults, missions or seeds each time. One table of all runs, a report of what matters, the
-    worst runs with their recordings. Ctrl-C and kills lose only the runs under way: --resume flies the rest. A run
-    that fails is a row with its error. Ends with 1 if one failed, or is outside what the sweep requires.
+    Varies parameters, faults, missions or seeds. Writes one table of all runs, a report of the important factors, and
+    the worst runs with their recordings. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
+    run that fails is a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
     """
     from uwsim.stoppable import stop_on_signals
     from uwsim.survey.terminal import Terminal
@@ -90,7 +92,7 @@ def sweep(
 
 
 def _alone(**options: object) -> None:
-    """Refuse options that --again leaves without effect."""
+    """Refuse options that have no effect with --again."""
     for name, value in options.items():
         if value is not None and value is not False:
             option = f"--{name.replace('_', '-')}"

@@ -24,10 +24,10 @@ def teleop(
     scenario: Annotated[
         str | None,
         typer.Option(
-            help="What its own simulator flies: a name or a YAML file. Default: lake.", autocompletion=scenarios
+            help="Scenario of its own simulator: a name or a YAML file. Default: lake.", autocompletion=scenarios
         ),
     ] = None,
-    vehicle: Annotated[str | None, typer.Option(help="Which vehicle, where there are several. Default: the first.")] = (
+    vehicle: Annotated[str | None, typer.Option(help="The vehicle, if there are several. Default: the first.")] = (
         None
     ),
     seed: Seed = None,
@@ -35,9 +35,9 @@ def teleop(
     link: Link = None,
     threads: Threads = None,
 ) -> None:
-    """Fly a vehicle from the terminal, by keys or a gamepad.
+    """Fly a vehicle from the terminal with keys or a gamepad.
 
-    ? shows the keys; Ctrl-Q quits. Whatever ends it, the efforts are zero afterwards.
+    ? shows the keys; Ctrl-Q quits. However it ends, the efforts are zero afterwards.
     """
     from uwsim.extras import need_extra
 
@@ -67,9 +67,9 @@ def teleop(
 
 @contextmanager
 def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
-    """Let a simulator run and serve it on a free port of this machine: over its link, if it has one.
+    """Run and serve a simulator on a free port of this machine: over its link, if it has one.
 
-    Over a modem the vehicle tells what the terminal shows, unless the scenario says what the link carries.
+    Over a modem, the link carries the terminal's values, unless the scenario selects the channels.
     """
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.map import PLACED

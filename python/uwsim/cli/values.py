@@ -1,4 +1,4 @@
-"""What a shell offers for the values of arguments and options. Where nothing fits, it offers files."""
+"""Shell completion for the values of arguments and options. Without a match, the shell offers files."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any
 from typer.core import TyperArgument, TyperOption
 
 Completer = Callable[[str], list[str]]
-"""Typer's autocompletion: from the beginning of a word to the words that it may become."""
+"""Typer's autocompletion: from the beginning of a word to its possible completions."""
 
 
 def packaged_folder(name: str, in_sources: str) -> Path:
-    """Return a folder inside an installed package, or that of the source tree."""
+    """Return a folder of the installed package, or of the source tree."""
     package = Path(__file__).resolve().parents[1]
     return next(folder for folder in (package / name, package.parents[1] / in_sources) if folder.is_dir())
 
 
 def words(*known: str) -> Completer:
-    """Offer these."""
+    """Return the completion for these words."""
 
     def complete(incomplete: str) -> list[str]:
         return [word for word in known if word.startswith(incomplete)]
@@ -29,9 +29,9 @@ def words(*known: str) -> Completer:
 
 
 def packaged(kind: str, *others: str) -> Completer:
-    """Offer the packaged files of a folder of the assets, others, and the YAML files of the current folder.
+    """Return the completion for packaged files of a folder, other words, and YAML files of the current folder.
 
-    It lists folders itself, since `uwsim.scenario` is slow to import.
+    It lists the folders itself, since `uwsim.scenario` is slow to import.
     """
 
     def complete(incomplete: str) -> list[str]:
@@ -48,9 +48,9 @@ modems = packaged("modems")
 
 
 def offer_fast() -> None:
-    """Keep typer from what takes most of the time in a process that only tells a shell what to offer.
+    """Skip typer's slow imports in a process that only completes words.
 
-    For values, which nothing uses there, it imports pydantic; for markup, which our help has none of, rich.
+    It imports pydantic for values, which nothing uses there, and rich for markup, which our help does not have.
     """
 
     def process_value(self: Any, ctx: Any, value: Any) -> Any:

@@ -1,1 +1,1 @@
-"""Short programs to copy from, numbered in reading order; each runs with `python -m uwsim.examples.<name>`."""
+"""Short programs to copy, numbered in reading order; each runs with `python -m uwsim.examples.<name>`."""

@@ -1,4 +1,4 @@
-"""Leave the dock, dive, read the panel and ping."""
+"""Leave the dock, dive, read the telemetry and ping."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ import uwsim
 
 
 def main() -> None:
-    """Fly for half a minute and print what the sonar sees."""
+    """Fly for half a minute and print the sonar's echoes."""
     with uwsim.Simulator("lake", seed=7) as sim:
         rov = sim.rov
         rov.release()

@@ -1,4 +1,4 @@
-"""A mission of your own: circle a point while facing it. docs/missions.md tells the rest."""
+"""A mission of your own: circle a point while facing it. See docs/missions.md for more."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Three imaging sonars in the lake: a picture ahead, a waterfall to both sides, a profile of the pipeline."""
+"""Three imaging sonars in the lake: a picture ahead, a side-scan waterfall, a profile of the pipeline."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 
 
 def main() -> None:
-    """Look at the gate, pass it with a side-scan sonar, and measure the pipeline's cross-section."""
+    """Image the gate, pass it with a side-scan sonar, and measure the pipeline's cross-section."""
     sim = Simulator("lake", seed=7)
 
     # A pose is world_from_sonar: x ahead, positive pitch nose down.

@@ -1,4 +1,4 @@
-"""Shows the least that a mission is: leave the dock, dive, look at the panel, come up."""
+"""A minimal mission: leave the dock, dive, read the altitude, come up."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps, dive_to, hold
@@ -16,7 +16,7 @@ def mission(vehicle: OwnVehicle, depth_m: float = 8.0) -> Steps[float]:
 
 
 def main() -> None:
-    """Fly it in the lake."""
+    """Fly the mission in the lake."""
     flown = uwsim.fly(mission, "lake")
     deepest_m = flown.samples["rov"]["depth_m"].max()
     print(f"{deepest_m:.1f} m deep, {flown.result:.1f} m above the bed, back after {flown.simulated_s:.0f} s")

@@ -1,4 +1,4 @@
-"""Shows the sonar: turn once on the spot, ping all the way round, and draw what came back as seen from above."""
+"""The sonar: turn on the spot, ping in all directions, and draw the echoes from above."""
 
 import math
 import tempfile
@@ -38,7 +38,7 @@ def plot(path: Path, echoes_m: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Fly it in the lake, and draw."""
+    """Fly the mission in the lake, and draw the echoes."""
     echoes_m = uwsim.fly(mission, "lake").result
     path = Path(tempfile.gettempdir()) / "echoes.png"
     plot(path, echoes_m)

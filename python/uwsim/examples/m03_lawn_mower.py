@@ -1,4 +1,4 @@
-"""Shows a survey as a step of a mission: the adaptive lawn-mower over a polygon, with a map and its score."""
+"""A survey as a step of a mission: the adaptive lawn-mower over a polygon, with a map and its score."""
 
 import tempfile
 
@@ -16,12 +16,12 @@ def mission(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def main() -> None:
-    """Fly it in the pool."""
+    """Fly the mission in the pool."""
     with tempfile.TemporaryDirectory() as out:
         flown = uwsim.fly(mission, "pool", out, map=True, report="json")
     assert flown.score is not None
     pings, share = len(flown.all_pings_world_m), flown.score.coverage
-    print(f"{pings} pings in {flown.simulated_s:.0f} s; {100 * share:.0f} % of what was in sight is mapped")
+    print(f"{pings} pings in {flown.simulated_s:.0f} s; {100 * share:.0f} % of the visible surface is mapped")
 
 
 if __name__ == "__main__":

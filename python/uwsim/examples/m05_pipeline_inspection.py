@@ -1,4 +1,4 @@
-"""Shows an inspection: sonar and camera lead along a pipeline, by either of which it would be followed, too."""
+"""An inspection: the vehicle follows a pipeline by sonar and camera; either would suffice."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps
@@ -6,13 +6,13 @@ from uwsim.missions.planners.pipeline import PipelineTrack, follow_pipeline
 
 
 def mission(vehicle: OwnVehicle, heading_rad: float = -0.3) -> Steps[PipelineTrack]:
-    """Look for a pipe 0.8 m wide near one of its ends, and follow it to the other."""
+    """Search for a pipe 0.8 m wide near one of its ends, and follow it to the other."""
     vehicle.undock()
     return (yield from follow_pipeline(vehicle, (-19.0, -5.0), heading_rad, diameter_m=0.8))
 
 
 def main() -> None:
-    """Fly it in the cove."""
+    """Fly the mission in the cove."""
     flown = uwsim.fly(mission, "cove")
     track = flown.result
     pictures = [event.values["contrast"] for event in flown.events if event.name == "picture"]

@@ -1,4 +1,4 @@
-"""Shows gate passing by sonar: the posts are found in level pings, and the vehicle goes through, there and back."""
+"""Gate passing by sonar: the vehicle finds the posts in level pings and goes through, there and back."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps, goto
@@ -6,7 +6,7 @@ from uwsim.missions.planners.gate import pass_gate
 
 
 def mission(vehicle: OwnVehicle) -> Steps[list[float]]:
-    """Pass a gate of which only the size and roughly the place are known, twice; return the widths measured."""
+    """Pass a gate of known size and approximate position twice; return the measured widths."""
     vehicle.undock()
     yield from goto(vehicle, (-13.0, 0.0), altitude_m=3.0)
     widths_m = []
@@ -17,7 +17,7 @@ def mission(vehicle: OwnVehicle) -> Steps[list[float]]:
 
 
 def main() -> None:
-    """Fly it in the cove."""
+    """Fly the mission in the cove."""
     flown = uwsim.fly(mission, "cove")
     widths = " and ".join(f"{width_m:.2f} m" for width_m in flown.result)
     print(f"passed twice in {flown.simulated_s:.0f} s, {flown.collisions} collisions; measured {widths}")

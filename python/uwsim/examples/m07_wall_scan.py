@@ -1,4 +1,4 @@
-"""Shows a wall scanned by sonar alone: face it, keep the distance by the middle beams, and go up and down along it."""
+"""A wall scan by sonar alone: face the wall, keep the distance with the middle beams, and go up and down along it."""
 
 import tempfile
 from pathlib import Path
@@ -25,7 +25,7 @@ def distance_m(vehicle: OwnVehicle) -> float:
 
 
 def along_wall(vehicle: OwnVehicle, heading_rad: float, aside_m: float, z_m: float) -> Steps[None]:
-    """Go aside to port (starboard if negative) and to a height, facing the wall at DISTANCE_M."""
+    """Go sideways to port (starboard if negative) and to a height, facing the wall at DISTANCE_M."""
     ahead = np.array([np.cos(heading_rad), np.sin(heading_rad)])
     port = np.array([-ahead[1], ahead[0]])
     start_m = np.asarray(vehicle.pose.position_world_m)
@@ -45,7 +45,7 @@ def along_wall(vehicle: OwnVehicle, heading_rad: float, aside_m: float, z_m: flo
 
 
 def mission(vehicle: OwnVehicle) -> Steps[list[float]]:
-    """Scan the wall to the east in three columns; return the distances kept."""
+    """Scan the wall to the east in three columns; return the distances that were kept."""
     vehicle.undock()
     vehicle.sonar.aim(0.0)
     yield from dive_to(vehicle, 2.0)
@@ -60,7 +60,7 @@ def mission(vehicle: OwnVehicle) -> Steps[list[float]]:
 
 
 def main() -> None:
-    """Fly it in the pool, to which a wall is added."""
+    """Fly the mission in the pool with an added wall."""
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     at = text.index("obstacles:") + len("obstacles:")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Shows station keeping in a gusting current of 0.5 m/s, by the vehicle's own instruments alone."""
+"""Station keeping in a gusting current of 0.5 m/s, with the vehicle's own instruments alone."""
 
 import tempfile
 from pathlib import Path
@@ -20,14 +20,14 @@ CURRENT = """
 
 
 def mission(vehicle: OwnVehicle) -> Steps[None]:
-    """Go to a place and stay there for a minute."""
+    """Go to a position and stay there for a minute."""
     yield from goto(vehicle, PLACE_M)
     vehicle.log("there")
     yield from hold(vehicle, 60.0, position_world_m=PLACE_M)
 
 
 def main() -> None:
-    """Fly it with the BlueROV2 Heavy of the packaged scenario `pair`, to which a current is added."""
+    """Fly the mission with the BlueROV2 Heavy of the packaged scenario `pair`, with an added current."""
     text = (assets_folder() / "scenarios" / "pair.yaml").read_text().replace("water:\n", "water:" + CURRENT)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "gusts.yaml"

@@ -1,4 +1,4 @@
-"""Shows two vehicles that share a survey: each flies half of the lanes, and one map is made of both sonars' pings."""
+"""Two vehicles that share a survey: each flies half of the lanes, and both sonars' pings go into one map."""
 
 import numpy as np
 
@@ -23,12 +23,12 @@ def mow_half(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def mission(vehicles: dict[str, OwnVehicle]) -> Steps[None]:
-    """Fly both at once."""
+    """Fly both vehicles at once."""
     yield from parallel(*(mow_half(vehicle) for vehicle in vehicles.values()))
 
 
 def main() -> None:
-    """Fly it in the basin of the packaged scenario `pair`."""
+    """Fly the mission in the basin of the packaged scenario `pair`."""
     flown = uwsim.fly(mission, "pair", map=True, voxel_m=0.5)
     assert flown.occupancy is not None
     pings = {name: len(path) for name, path in flown.pings_world_m.items()}

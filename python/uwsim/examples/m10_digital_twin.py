@@ -1,4 +1,4 @@
-"""Shows a digital twin: the map is mended where it is thin, the vehicle docks, a second visit finds what changed."""
+"""A digital twin: thin parts of the map are surveyed again, the vehicle docks, and a second visit finds changes."""
 
 import tempfile
 from pathlib import Path
@@ -14,12 +14,12 @@ LOST_CARGO = "\n  - {kind: box, name: cargo, position_m: [-4, -14, -8], size_m: 
 
 
 def mission(vehicle: OwnVehicle) -> Steps[Twin]:
-    """Make the area's twin, come back, and dock."""
+    """Make the area's twin, return, and dock."""
     return (yield from make_twin(vehicle, AREA_M))
 
 
 def main() -> None:
-    """Visit the cove twice; between the visits someone loses cargo."""
+    """Visit the cove twice; cargo is lost between the visits."""
     first = uwsim.fly(mission, "cove").result
     cove = (assets_folder() / "scenarios" / "cove.yaml").read_text()
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Shows one mission flown twice: in this process, and with a vehicle behind a rosbridge, as a real one would be."""
+"""One mission flown twice: in this process, and with a vehicle behind a rosbridge, like a real one."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from uwsim.missions import OwnVehicle, Steps, goto, turn_to
 
 
 def mission(vehicle: OwnVehicle) -> Steps[np.ndarray]:
-    """Leave the dock, go to a place, and look back; return where it is."""
+    """Leave the dock, go to a position, and look back; return the vehicle's position."""
     vehicle.undock()
     yield from goto(vehicle, (0.0, 3.0), altitude_m=2.0)
     yield from turn_to(vehicle, -2.0)

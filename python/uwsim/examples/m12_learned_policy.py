@@ -1,4 +1,4 @@
-"""Shows a learned policy flown as a mission: it holds its place in gusts, and so does the PID of the vehicle's file."""
+"""A learned policy flown as a mission: it holds its position in gusts, and is compared with the vehicle's PID."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ FOR_S = 40.0
 
 
 def mission(vehicle: OwnVehicle) -> Steps[None]:
-    """Hold the place by the packaged policy."""
+    """Hold the position with the packaged policy."""
     policy, effort = LinearPolicy.load("station_keeping"), np.zeros(6)
     for _ in range(round(FOR_S / StationKeeping.period_s)):
         now = Motion.of_one(vehicle)
@@ -27,7 +27,7 @@ def mission(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def by_pid(vehicle: OwnVehicle) -> Steps[None]:
-    """Hold the place by the loops of the vehicle's file."""
+    """Hold the position with the control loops in the vehicle's file."""
     controller = Controller(vehicle)
     for _ in range(round(FOR_S / controller.period_s)):
         controller.hold(PLACE_M, 0.0)
@@ -35,7 +35,7 @@ def by_pid(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def main() -> None:
-    """Fly both in the same gusts, from 1.5 m beside the place."""
+    """Fly both in the same gusts, from 1.5 m beside the position."""
     scenario = assets_folder() / "learning" / "open_water.yaml"
     for name, fly_it in (("learned", mission), ("PID", by_pid)):
         sim = uwsim.Simulator(scenario, seed=12)
