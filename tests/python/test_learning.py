@@ -176,7 +176,7 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"num_envs": 0}, "num_envs = 0"),
         ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping does not look"),
         ({"faults": [{"kind": "sensor", "sensor": "imu", "at_s": 1}]}, "'imu': StationKeeping reads none"),
-        ({"faults": [{"kind": "sonar", "at_s": 1}]}, "StationKeeping does not look through a sonar"),
+        ({"faults": [{"kind": "sonar", "at_s": 1}]}, "StationKeeping uses no sonar"),
         ({"faults": [{"kind": "camera", "camera": "front", "at_s": 1}]}, "camera = 'front': must be one of none"),
         ({"faults": [{"kind": "link", "at_s": 1}]}, "the scenario has no link"),
         ({"faults": [{"kind": "thruster", "thruster": "frnt", "at_s": 1}]}, "thruster = 'frnt': must be one of"),

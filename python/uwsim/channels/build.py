@@ -1,4 +1,4 @@
-"""Short ways to build messages: headers, times, poses and transforms from arrays."""
+"""Helpers that build messages from arrays: headers, times, poses and transforms."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FAN_XYZW = (
 
 
 def message(name: str, /, **fields: Any) -> Any:
-    """Return a message of a type, "sensor_msgs/msg/Imu"; fields that are not given have ROS's defaults."""
+    """Return a message of a type, such as "sensor_msgs/msg/Imu"; fields that are not given have ROS's defaults."""
     cls, defaults = _plan(name)
     if not fields.keys() <= defaults.keys():
         raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
@@ -39,7 +39,7 @@ def message(name: str, /, **fields: Any) -> Any:
 
 @cache
 def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
-    """Return a type's class and what makes the default of each field: only those that are not given are made."""
+    """Return a type's class and a factory for each field's default: only the fields that are not given need one."""
     if not fields_of(name, 2):
         return (lambda: default_message(name)), {}
     made: dict[str, Callable[[], Any]] = {
@@ -100,7 +100,7 @@ def transform(
 
 
 def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
-    """Return a mounting's rotation, (4,)."""
+    """Return a mount's rotation, (4,)."""
     return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()  # type: ignore[no-any-return]
 
 

@@ -45,7 +45,7 @@ def vehicle_cameras(source: Source, sim: Simulator, pictures: Pictures) -> list[
 
 
 def aim_channels(prefix: str, vehicle: str | None, name: str, camera: Camera) -> list[Channel]:
-    """Return what turns a camera: one channel for each axis of its motor that can turn."""
+    """Return the channels that turn a camera: one for each axis of its motor that can turn."""
     motor = camera.mount.pan_tilt
     if motor is None:
         return []
@@ -117,7 +117,7 @@ def depth_message(picture: Picture, frame_id: str) -> Any:
 
 
 def info_message(picture: Picture, frame_id: str) -> Any:
-    """Return the intrinsics of a picture as it is sent."""
+    """Return the intrinsics of a picture at the size sent."""
     info, stream = picture.frame.info, picture.stream
     scale = stream.width / info.width if stream.width else 1.0
     # Pixel centres are at whole numbers: u' + 0.5 = scale (u + 0.5).

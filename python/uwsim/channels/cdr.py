@@ -1,4 +1,4 @@
-"""ROS 2's own bytes (CDR) and what describes them: for DDS, recordings and Foxglove, which all carry the same."""
+"""ROS 2's serialisation (CDR) and its descriptions of types: for DDS, recordings and Foxglove, which share them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Distro = Literal["humble", "jazzy"]
 """A distribution of ROS 2. Messages here are Jazzy's; Humble lacks a few of their fields."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
-LARGE_BYTES = 1 << 16  # from which on it pays not to fill with zeros what is written anyway
+LARGE_BYTES = 1 << 16  # from this size on, it pays not to zero bytes that are overwritten
 BIG_ENDIAN = b"\x00\x00\x00\x00"
 
 
 class Schema(NamedTuple):
-    """A type as ROS 2 describes it. text: its definition with all that it contains, encoding "ros2msg".
+    """ROS 2's description of a type. text: its definition with all types that it contains, encoding "ros2msg".
 
-    type_hash: RIHS01 (REP 2016), by which ROS 2 from Iron on tells types apart.
+    type_hash: RIHS01 (REP 2016), by which ROS 2 from Iron on distinguishes types.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Schema(NamedTuple):
 
 @cache
 def store_of(distro: Distro) -> Typestore:
-    """Return the types as a distribution has them, with those of ours that it lacks."""
+    """Return the types of a distribution, with those of ours that it lacks."""
     if distro == "jazzy":
         return typestore()
     store, ours = get_typestore(Stores.ROS2_HUMBLE), typestore().fielddefs
@@ -43,12 +43,12 @@ def store_of(distro: Distro) -> Typestore:
 
 @cache
 def is_as_in_jazzy(name: str, distro: Distro) -> bool:
-    """Whether a type has the same fields, and so the same bytes, in a distribution as in Jazzy."""
+    """Return whether a type has the same fields, and so the same bytes, in a distribution as in Jazzy."""
     return schema(name, distro).text == schema(name).text
 
 
 def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
-    """Return a message in CDR, with its header of four bytes, padded with zeros to a multiple of four as DDS has it.
+    """Return a message in CDR, with its header of four bytes, zero-padded to a multiple of four as in DDS.
 
     The bytes are read-only. Readers ignore the padding.
     """
@@ -65,9 +65,9 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
 
 def _blank(size: int, message: Any) -> memoryview:
-    """Return so many bytes for a message, zero except where its field `data`, if that is large, will be written.
+    """Return a buffer for a message, zero except where its field `data`, if large, will be written.
 
-    What is not that field lies within `rest` bytes of both ends, wherever the field is.
+    All other fields lie within `rest` bytes of either end, wherever that field is.
     """
     field = getattr(message, "data", None)
     length = field.nbytes if isinstance(field, np.ndarray) else 0

@@ -1,4 +1,4 @@
-"""Channel and Service: one entry each of the table of what a vehicle says and hears."""
+"""Channel and Service: the entries of the table of a vehicle's topics and services."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator import Simulator
 
 COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
-"""Priorities over the link."""
+"""Priorities on the link."""
 
 
 def _says_nothing(sim: Simulator) -> Any:
@@ -26,20 +26,18 @@ class Channel:
     """A topic.
 
     name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
-    simulated time; None: one reading when somebody begins to listen. latched: whoever comes later gets the newest
+    simulated time; None: one reading when the first subscriber arrives. latched: later subscribers get the newest
     message at once. over_link: whether it goes over the acoustic link; priority: then, COMMAND to PICTURE, the lowest
-    number goes first; packing: how its messages become few bytes, a name in uwsim.link.packing.PACKINGS, or "" for
-    those that no modem can carry. late: whether on the wall clock it comes when it is ready, or not at all, as
-    pictures do; so when, but not what, depends on the machine. pieced: whether a late picture is pieced together from
-    those before, so that there what it shows depends on the machine, too.
-    catch_up: of a channel whose messages build on each other: returns one message with all since a cursor (None: since
-    the beginning), and the next cursor; called on any thread.
-    keep_up: called between two steps at rate_hz from when a server begins to offer the channel, whoever reads: what its
-    messages tell of goes on growing; see `keep_up`.
-    read: for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time,
-    of `messages.typestore()`, or None if there is nothing to say. apply: for "in", called on any thread; must not
-    block; raises ValueError for what cannot be done. abandoned: for "in", called likewise when the last client that
-    published has gone.
+    number goes first; packing: how its messages are packed into few bytes, a name in uwsim.link.packing.PACKINGS, or ""
+    for messages that no modem can carry. late: whether, on the wall clock, messages come when they are ready, or not at
+    all, as pictures do; so their timing, but not their content, depends on the machine. pieced: whether a late picture
+    is assembled from earlier ones, so that its content depends on the machine, too. catch_up: for a channel whose
+    messages build on each other: returns one message with everything since a cursor (None: since the beginning), and
+    the next cursor; called on any thread. keep_up: called between two steps at rate_hz from when a server begins to
+    offer the channel, with or without subscribers: the content of its messages continues to grow; see `keep_up`. read:
+    for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time, of
+    `messages.typestore()`, or None if there is none. apply: for "in", called on any thread; must not block; raises
+    ValueError for impossible commands. abandoned: for "in", called likewise when the last publisher has gone.
     """
 
     name: str
@@ -76,14 +74,14 @@ class Service:
 
 
 def require_live(live: LiveSimulator | None) -> LiveSimulator:
-    """Return the simulator that whoever commands or reads needs. Raises NotRunningError if there is none."""
+    """Return the simulator, for a command or a reading. Raises NotRunningError if there is none."""
     if live is None:
         raise NotRunningError("there is no simulator, only a recording")
     return live
 
 
 def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Subscription]:
-    """Begin what channels do whether or not somebody reads them; servers call it once, and cancel it when they end."""
+    """Start the work that channels do even without subscribers; servers call it once, and cancel it when they end."""
     going_on: list[Subscription] = []
     if live is None:
         return going_on
@@ -91,7 +89,7 @@ def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Sub
         if channel.keep_up is not None and channel.rate_hz is not None:
             try:
                 going_on.append(live.every(1.0 / channel.rate_hz, channel.keep_up, _ignored))
-            except NotRunningError:  # nothing goes on
+            except NotRunningError:  # the simulator does not run
                 return going_on
     return going_on
 

@@ -1,8 +1,8 @@
-"""Variances of readings from the sensors' own figures of noise, for the covariances of messages.
+"""Variances of readings, from the sensors' noise parameters, for the covariances of messages.
 
 A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the bias drawn at the start, the
 Gauss-Markov bias in its stationary state, the random walk that has grown with time, and rounding, quantum^2 / 12
-(uniform over one step). Their variances add up. Limits and lost samples are not part of it.
+(uniform over one step). Their variances add up. Limits and lost samples are not included.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
-UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of a covariance that nobody knows
+UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of an unknown covariance
 
 
 def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) -> float:
     """Return the variance of a channel's errors [unit^2] at a time since the start; 0 for an exact sensor.
 
-    rate_hz: at which it samples.
+    rate_hz: its sampling rate.
     """
     noise = mount.channels.get(channel) or mount.noise or Noise(std=mount.noise_std or 0.0)
     white = noise.std**2 + noise.density**2 * rate_hz

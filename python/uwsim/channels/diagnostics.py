@@ -1,4 +1,4 @@
-"""/diagnostics: how well a live simulator holds its pace, and whether all stop is set, as ROS's monitors show it."""
+"""/diagnostics: a live simulator's pace and each vehicle's all stop, for ROS's monitors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.simulator import Simulator
 
 RATE_HZ = 1.0
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/DiagnosticStatus
-HELD = 0.95  # of the speed that is asked for
+HELD = 0.95  # share of the requested speed
 
 
 def diagnostics_channel(live: LiveSimulator) -> Channel:
@@ -53,7 +53,7 @@ def diagnostics_channel(live: LiveSimulator) -> Channel:
 
 
 def _vehicles(sim: Simulator) -> list[Any]:
-    """Return whether each vehicle obeys. Over a link its telemetry tells that, late."""
+    """Return whether each vehicle obeys commands. Over a link, its telemetry reports that with a delay."""
     return [
         build.message(
             "diagnostic_msgs/msg/DiagnosticStatus",

@@ -15,11 +15,11 @@ from uwsim.estimation import Navigator
 from uwsim.simulator import Simulator
 
 RATE_HZ = 20.0
-TOPIC = "odometry/filtered"  # as robot_localization calls it
+TOPIC = "odometry/filtered"  # robot_localization's name
 
 
 def has_estimate(source: Source) -> bool:
-    """Whether a vehicle carries what its navigation needs."""
+    """Return whether a vehicle has what its navigation needs."""
     return any(sensor.kind == "imu" for sensor in source.entry.model.sensors.values())
 
 

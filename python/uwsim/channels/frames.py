@@ -1,4 +1,4 @@
-"""Time and place: /clock, /tf, /tf_static, odometry and joints."""
+"""Time and frames: /clock, /tf, /tf_static, odometry and joints."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def common_channels(sources: Sequence[Source]) -> list[Channel]:
 
 
 def vehicle_channels(source: Source) -> list[Channel]:
-    """Return odometry and joint states of a vehicle."""
+    """Return a vehicle's odometry and joint states."""
     found = [
         Channel(
             source.topic("odom"), "nav_msgs/msg/Odometry", "out",

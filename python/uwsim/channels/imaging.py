@@ -1,6 +1,6 @@
-"""Imaging sonars: their levels, and pictures as an operator sees them. One class a kind, in the table VIEWS.
+"""Imaging sonars: their levels, and pictures for an operator. One class for each kind, in the table VIEWS.
 
-All pings are made beside the steps, as the pictures of cameras are. The picture of a side-scan or of a profiling sonar
+Pings are computed in parallel with the steps, like cameras' pictures. The picture of a side-scan or profiling sonar
 needs several pings: each view keeps those that it shows.
 """
 
@@ -32,7 +32,7 @@ SOUND_SPEED_M_S = 1500.0
 
 
 class Look(NamedTuple):
-    """What a sonar saw. level_db: (bins, beams), with bearings_rad about its z axis, positive to port."""
+    """A sonar's echoes. level_db: (bins, beams), with bearings_rad about its z axis, positive to port."""
 
     time_ns: int
     level_db: Levels
@@ -42,12 +42,12 @@ class Look(NamedTuple):
 
 
 class View(Protocol):
-    """How a kind of sonar is watched. rate_hz: of looks, by default."""
+    """How a kind of sonar is displayed. rate_hz: of looks, by default."""
 
     rate_hz: float
 
     def begin(self, sonar: ImagingSonar, time_ns: int) -> Callable[[], tuple[Any, ...]]:
-        """Keep the present; return what gives level_db, bearings_rad, ranges_m and the picture (h, w, 3) of it."""
+        """Store the present; return a function for its level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
 
 
 class Ahead:
@@ -70,7 +70,7 @@ class Ahead:
 
 
 class Aside:
-    """A side-scan sonar: the picture is the waterfall of the last pings, the newest above, port to the left."""
+    """A side-scan sonar: the picture is the waterfall of the last pings, the newest at the top, port on the left."""
 
     rate_hz = RATE_HZ
 
@@ -103,7 +103,7 @@ class Aside:
 class Across:
     """A profiling sonar, whose beam a motor steps to and fro; the picture is the last echo in each direction.
 
-    In a period of 1 / RATE_HZ it pings as often as sound travels out and back.
+    In a period of 1 / RATE_HZ it pings as often as the sound's travel time allows.
     """
 
     rate_hz = RATE_HZ

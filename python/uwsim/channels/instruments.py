@@ -1,4 +1,4 @@
-"""Sensors as ROS messages, and the battery. One function a kind of sensor, in the table KINDS."""
+"""Sensors as ROS messages, and the battery. One function for each kind of sensor, in the table KINDS."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.sensors import Sample
 from uwsim.simulator import Simulator
 
-DEFAULT_HZ = 10.0  # of sensors without a rate of their own
+DEFAULT_HZ = 10.0  # for sensors without a rate of their own
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
 DVL_MODE_BOTTOM = 1
@@ -39,7 +39,7 @@ Write = Callable[[Any, Any, Errors], Any]
 
 
 class Kind(NamedTuple):
-    """How a kind of sensor is said. write(value, header, errors): the message. even_invalid: also without a fix."""
+    """The messages of a kind of sensor. write(value, header, errors): the message. even_invalid: also without a fix."""
 
     type: str
     write: Write
@@ -47,7 +47,7 @@ class Kind(NamedTuple):
 
 
 def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channels of a vehicle's sensors, named as the sensors are, and of its battery."""
+    """Return the channels of a vehicle's sensors, named like the sensors, and of its battery."""
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
@@ -84,7 +84,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Whether a sample is invalid since nothing answered, not since it was lost."""
+    """Return whether a sample is invalid because nothing answered, not because it was lost."""
     return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
 
 
@@ -101,7 +101,7 @@ def _battery(source: Source, sim: Simulator) -> Any:
 
 
 def _imu(value: Any, header: Any, errors: Errors) -> Any:
-    """Return an Imu. Acceleration is specific force, as REP 145 says."""
+    """Return an Imu message. Acceleration is specific force, as in REP 145."""
     return build.message(
         "sensor_msgs/msg/Imu",
         header=header,
@@ -164,19 +164,19 @@ def _dvl(value: Any, header: Any, errors: Errors) -> Any:
 
 
 def _plain(name: str, field: str, channel: str) -> Write:
-    """Return what writes a scalar with a header and its variance."""
+    """Return a function that writes a scalar with a header and its variance."""
     return lambda value, header, errors: build.message(
         name, header=header, variance=errors.variance(channel), **{field: value}
     )
 
 
 def _bare(name: str, convert: Callable[[float], Any]) -> Write:
-    """Return what writes a scalar alone."""
+    """Return a function that writes a scalar alone."""
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
 def _usbl(value: Any, header: Any, errors: Errors) -> Any:
-    """Return the position from the station along east, north and up, as the world's axes are."""
+    """Return the position from the station along east, north and up, the world's axes."""
     header.frame_id = "world"
     return build.message(
         "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
@@ -199,4 +199,4 @@ KINDS: dict[str, Kind] = {
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
-"""The message of each kind of sensor. A new kind is one entry; kinds without one (true motion) are said by /odom."""
+"""The message of each kind of sensor. A new kind is one entry; /odom has the kinds without one (true motion)."""

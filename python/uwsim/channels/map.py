@@ -1,4 +1,4 @@
-"""The map that the pings make since a server began: /octomap_binary whole, /map_changes as it grows, and its pings."""
+"""The map of all pings since a server began: /octomap_binary whole, /map_changes as it grows, and its pings."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
 HULL_MARGIN_M = 0.05
-WAITING_MAX = 64  # pings that may wait for the map; more make the steps wait
+WAITING_MAX = 64  # pings that may be queued for the map; with more, the steps wait
 
 
 class _Late:
-    """What a channel says: begun at a ping every period_ns, said one ping later; the first at once."""
+    """A channel's result: started at a ping every period_ns, published one ping later; the first at once."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
         self._newest_ns = -1
         self._begun: tuple[int, Future[Any]] | None = None  # at the newest ping
-        self._said: tuple[int, Future[Any]] | None = None  # by whoever reads at the newest ping
+        self._said: tuple[int, Future[Any]] | None = None  # by the first reader at the newest ping
 
     def at_ping(self, stamp_ns: int, interval_ns: int, begin: Callable[[], Future[Any]]) -> None:
-        """Take note of a ping, once."""
+        """Register a ping, once."""
         if stamp_ns == self._newest_ns:
             return
         is_first = self._newest_ns < 0 or stamp_ns < self._newest_ns
@@ -56,15 +56,15 @@ class _Late:
 
     @property
     def said(self) -> tuple[int, Any] | None:
-        """The stamp and the result that are due now, which is waited for."""
+        """Return the stamp and the result that are due now, once it is ready."""
         return None if self._said is None else (self._said[0], self._said[1].result())
 
 
 class PingMap:
-    """A map in the odom frame of every ping since a server began to offer it, whoever reads.
+    """A map, in the odom frame, of every ping since a server began to offer it, with or without subscribers.
 
-    Each ping costs the steps the cast of its rays and the chain; inserting and writing happen in order on a thread of
-    its own. A map that is said arrives one ping later, the first at once.
+    Each ping costs the steps the casting of its rays and the chain; inserting and writing happen in order on a
+    separate thread. A published map arrives one ping later, the first at once.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:
@@ -83,7 +83,7 @@ class PingMap:
         return self._map is not None
 
     def channels(self) -> list[Channel]:
-        """Return the channels: of the map, and of the pings from which another one can be made."""
+        """Return the channels of the map, and of the pings from which another map can be made."""
         placed = Channel(
             self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,
@@ -109,14 +109,14 @@ class PingMap:
         ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
-        """Insert the newest ping; return the map that was begun at the last reading, once a second, else None."""
+        """Insert the newest ping; once a second, return the map that was started at the last reading, else None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Insert the newest ping; return what had changed at the last reading, four times a second, if anything."""
+        """Insert the newest ping; four times a second, return the changes up to the last reading, if any."""
         self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
@@ -125,7 +125,7 @@ class PingMap:
         return self._changes_message(said[0], (said[1], None))[0]
 
     def go_on_from(self, path: Path) -> None:
-        """Let a map from a file grow on, before the first ping. Raises ValueError, OSError."""
+        """Continue a map from a file, before the first ping. Raises ValueError, OSError."""
         self._map = OccupancyMap.read(path, on_outside="count")
         self._worker.submit(self.changes.forget, self._map.resolution_m)
 
@@ -152,7 +152,7 @@ class PingMap:
             self._insert(sim, taken)
 
     def _insert(self, sim: Simulator, taken: TakenPing) -> None:
-        """Pass a ping through the chain towards the map: a new one if time has gone back."""
+        """Pass a ping through the chain to the map; begin a new map if time has gone back."""
         if self._map is None or taken.ping.time_ns < self._newest_ns:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
@@ -168,7 +168,7 @@ class PingMap:
             self._waiting.popleft().result()
 
     def _read_placed(self, sim: Simulator) -> Any:
-        """Return the newest ping with its place."""
+        """Return the newest ping with its pose."""
         taken = self._pings.newest(sim)
         stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
         header = build.header(stamp_ns, self._source.frame("odom"))
@@ -179,7 +179,7 @@ class PingMap:
         return build.message(PLACED_PING, header=header, sonar=pose, ranges=ranges_m, **angles)
 
     def _note_changes(self) -> Any:
-        """Move what has changed from the map to the list of changes, on the worker's thread."""
+        """Move changes from the map to the list of changes, on the worker's thread."""
         assert self._map is not None
         return self.changes.note(self._map.changed_occupancy())
 
@@ -226,14 +226,14 @@ def hull_box_m(model: VehicleModel) -> Box:
 
 
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
-    """Pass a ping through the chain: scan, cloud, body without its own hull, odom. Returns (n, 3)."""
+    """Return a ping's points (n, 3), passed through the chain: scan, cloud, body without its own hull, odom."""
     body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
     points = ranging.transform_points(ranging.to_point_cloud(scan_of(head, taken)), body_from_sonar)
     return ranging.transform_points(ranging.remove_box(points, *hull), taken.odom_from_body)
 
 
 def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:
-    """Return which beams (n,) of a scan met the vehicle's own hull."""
+    """Return which beams (n,) of a scan hit the vehicle's own hull."""
     angles_rad = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     met = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0).astype(np.float64)
     sonar = np.column_stack([met * np.cos(angles_rad), met * np.sin(angles_rad), np.zeros_like(met), np.ones_like(met)])
@@ -243,6 +243,6 @@ def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.
 
 
 def binary(occupancy: OccupancyMap | None) -> bytes:
-    """Return what octomap_msgs::binaryMsgToMap reads: the file without its header."""
+    """Return the bytes that octomap_msgs::binaryMsgToMap reads: the file without its header."""
     assert occupancy is not None
     return occupancy.to_bytes("bt").partition(b"\ndata\n")[2]

@@ -1,4 +1,4 @@
-"""The occupied voxels of a growing map as bits in blocks, and what became of them: for live views."""
+"""The occupied voxels of a growing map as bits in blocks, and their changes: for live views."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from uwsim.mapping import OccupancyChanges
 
 EDGE = 16  # voxels of a block
-REMEMBERED = 400  # changes, after which a reader gets a snapshot instead
+REMEMBERED = 400  # number of changes, beyond which a reader gets a snapshot instead
 OCCUPIED = 0x8000
 
 
 class Part(NamedTuple):
-    """The fields of a MapChanges message but its header."""
+    """The fields of a MapChanges message, without its header."""
 
     sequence: int
     snapshot: bool
@@ -28,7 +28,7 @@ class Part(NamedTuple):
 
 
 class MapChanges:
-    """Notes changes on one thread, and tells readers on others what they lack.
+    """Records changes on one thread, and gives readers on other threads those that they lack.
 
     A cursor is the number of changes that a reader has.
     """
@@ -37,24 +37,24 @@ class MapChanges:
         self._lock = threading.Lock()
         self._resolution_m = 0.0
         self._sequence = 0
-        self._oldest = 0  # the number of changes before those that are remembered
+        self._oldest = 0  # the number of changes that are no longer remembered
         self._remembered: deque[Part] = deque()
         self._rows: dict[tuple[int, int, int], int] = {}
         self._bits = np.zeros((0, EDGE**3 // 8), np.uint8)
 
     def forget(self, resolution_m: float) -> None:
-        """Begin anew: readers will get a snapshot."""
+        """Start over: readers will get a snapshot."""
         with self._lock:
             self._begin_anew(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
-        """Take the map's changes since the last call; return them as a message says them."""
+        """Record the map's changes since the last call; return them as a message's fields."""
         blocks, counts, cells = in_blocks(changes)
         with self._lock:
             return self._add(Part(0, False, self._resolution_m, blocks.ravel(), counts, cells))
 
     def take(self, part: Part) -> None:
-        """Take what another has noted, message by message; a snapshot begins anew."""
+        """Apply changes from messages, one by one; a snapshot starts over."""
         with self._lock:
             if part.snapshot or part.resolution != self._resolution_m:
                 self._begin_anew(part.resolution)
@@ -79,7 +79,7 @@ class MapChanges:
         return part
 
     def since(self, cursor: int | None) -> tuple[Part, int]:
-        """Return what a reader lacks who has `cursor` changes, and its next cursor."""
+        """Return the changes after the first `cursor` ones, and the next cursor."""
         with self._lock:
             if cursor is None or not self._oldest <= cursor <= self._sequence:
                 return self._snapshot(), self._sequence
@@ -122,7 +122,7 @@ _EMPTY = {"blocks": np.zeros(0, np.int16), "counts": np.zeros(0, np.uint16), "ce
 
 
 def in_blocks(changes: OccupancyChanges) -> tuple[NDArray[np.int16], NDArray[np.uint16], NDArray[np.uint16]]:
-    """Return changes, which are in Morton order, as blocks (n, 3), counts (n,) and cells, as a message has them."""
+    """Return changes, which are in Morton order, as blocks (n, 3), counts (n,) and cells, the message's fields."""
     blocks, inside = changes.cells >> 4, (changes.cells & 15).astype(np.uint16)
     cells = inside[:, 0] | inside[:, 1] << 4 | inside[:, 2] << 8 | np.where(changes.occupied, OCCUPIED, 0)
     begins = np.flatnonzero(np.r_[len(blocks) > 0, (blocks[1:] != blocks[:-1]).any(axis=1)])

@@ -1,7 +1,7 @@
-"""What a message costs in memory, known before it is made, and what one that there is holds.
+"""A message's cost in memory, known before it is made, and the memory held by an existing one.
 
-A message without lists has a size of its own, which its type fixes; all else that a client can add lies in lists, and
-those say how long they are. So a bound on both holds before anything is made.
+A message without lists has a fixed size, which depends on its type; all else that a client can add is in lists, whose
+lengths are known. So both are bounded before anything is made.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from uwsim.channels.message_out import NUMBERS, default_message, numpy_type, to_
 from uwsim.channels.message_types import Kind, fields
 
 SLICE_OBJECTS = 500
-"""Objects that are made before others get a turn."""
+"""Objects that are made before other tasks get a turn."""
 SLICE_NUMBERS = 16_384
-"""Numbers of a list, likewise."""
+"""Numbers of a list that are made before other tasks get a turn."""
 SLOT_BYTES = 8
 OBJECT_BYTES = 72
-FEW_FIELDS = 16  # with more, the objects of a class have a dict each
+FEW_FIELDS = 16  # with more fields, each object has a dict
 ARRAY_BYTES = 232  # of an empty array, and of its tag in CBOR
 NUMBER_BYTES = 32
 STRING_BYTES = 64
@@ -32,7 +32,7 @@ LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the 
 
 
 class Cost(NamedTuple):
-    """Of one message whose lists are empty. written_bytes: to write it, as plain values and as JSON, twice."""
+    """The cost of one message with empty lists. written_bytes: to write it, as plain values and as JSON, twice."""
 
     objects: int
     made_bytes: int
@@ -83,17 +83,17 @@ def element_cost(kind: Kind) -> Cost:
     if kind.base == "bool":
         return Cost(0, 9, 2 * 6)
     if kind.base in NUMBERS:
-        # while it is made there is an array of NumPy's choice, too
+        # while it is made, there is also an array of NumPy's choice
         return Cost(0, SLOT_BYTES + numpy_type(kind.base).itemsize, 2 * _digits(kind.base))
     return Cost(0, SLOT_BYTES, SLOT_BYTES + 6)
 
 
 class Meter:
-    """Counts what one frame makes, and refuses before it is made what would be too much.
+    """Counts what one frame creates, and refuses what would be too much before it is made.
 
-    limit_bytes: for the decoded frame and the message together, and later for the message and what is written of it.
+    limit_bytes: for the decoded frame and the message together, and later for the message and its written form.
     spent_bytes: of the decoded frame. objects: the most messages within the message. pause: called between slices of
-    the work. made_bytes: what the message holds, by the count.
+    the work. made_bytes: counted size of the message.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Meter:
         self._pause = pause
 
     def charge(self, cost: Cost, count: int, path: str) -> None:
-        """Count elements that are about to be made. Raises ValueError if they are too much."""
+        """Count elements that are about to be made. Raises ValueError if they are too many."""
         self.objects += count * cost.objects
         self.made_bytes += count * cost.made_bytes
         self._written_bytes += count * cost.written_bytes
@@ -125,14 +125,14 @@ class Meter:
             raise ValueError(f"{path}: a message that takes {needed / 1e6:.1f} MB: one of this size {rule}")
 
     def pause(self) -> None:
-        """Let others have a turn."""
+        """Give other tasks a turn."""
         self.pauses += 1
         if self._pause is not None:
             self._pause()
 
 
 def held_bytes(message: Any) -> int:
-    """Return about what a message holds in memory: its type's share, and its lists, arrays and strings."""
+    """Return the approximate memory of a message: its type's share, and its lists, arrays and strings."""
     return _holder(message.__msgtype__)(message)
 
 
@@ -152,7 +152,7 @@ def _holder(name: str) -> Callable[[Any], int]:
 
 
 def _part_holder(kind: Kind) -> Callable[[Any], int] | None:
-    """Return what measures a field beyond its type's share; None if nothing can be there."""
+    """Return a function that measures a field beyond its type's share; None if it has nothing more."""
     if kind.is_message:
         if kind.length is None:
             return lambda value: _holder(kind.base)(value) if _varies(kind.base) else 0

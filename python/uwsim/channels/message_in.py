@@ -1,9 +1,9 @@
-"""Plain values, as a client sent them in JSON or CBOR, made a message object: checked field by field.
+"""Conversion of plain values, from a client's JSON or CBOR, to a message object, with a check of every field.
 
-A missing field, or a null one, gets its default; but null for a floating-point number is NaN, as it leaves us. An
+A missing or null field gets its default; but null for a floating-point number is NaN, as in our own output. An
 error names the field's path, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
 
-What a list will make is charged to a meter before it is made, and the work is done in slices.
+The contents of a list are charged to a meter before they are made, and the work is done in slices.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from uwsim.channels.message_types import TIMES, Field, Kind, Ros, fields, shorte
 
 Reader = Callable[[Any, str, Meter], Any]  # value, path, what counts
 
-SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # of times, in ROS 1 and elsewhere
-IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's, which nobody reads
+SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # for times, in ROS 1 and elsewhere
+IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's, which is not used
 _ARRAYS = {tag: np.dtype(name).newbyteorder("<") for name, tag in TYPED_ARRAY_TAGS.items()} | {
     64: np.dtype("u1"),
     68: np.dtype("u1"),
@@ -48,9 +48,9 @@ _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 
 
 def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
-    """Return the message of type `name` that plain values describe, in ROS 1's or ROS 2's spelling of fields.
+    """Return the message of type `name` for plain values, in ROS 1's or ROS 2's spelling of fields.
 
-    meter: bounds what is made; None: nothing does. Raises ValueError, which names path, value and rule.
+    meter: bounds what is made; None: no bound. Raises ValueError, which names path, value and rule.
     """
     meter = Meter() if meter is None else meter
     meter.charge(cost_of(name), 1, path)
@@ -223,14 +223,14 @@ def _array_reader(kind: Kind) -> Reader:
         if not good:
             wrong = _first_bad(value, kind, start)
             raise ValueError(f"{path}{wrong}: must be {_rule(element)}, each ({kind.base}[])")
-        with np.errstate(over="ignore"):  # beyond a float32 is infinite
+        with np.errstate(over="ignore"):  # values beyond float32 become infinite
             return array.astype(element)
 
     return read
 
 
 def _count(value: Any) -> int:
-    """Return how many numbers a value may hold: of base64 four characters hold three."""
+    """Return how many numbers a value can hold: four characters of base64 hold three."""
     if isinstance(value, cbor2.CBORTag):
         return len(value.value) if isinstance(value.value, bytes) else 0
     if isinstance(value, np.ndarray):
@@ -254,13 +254,13 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
 
 
 def _numbers(value: list[Any], kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
-    """Return numbers as NumPy chooses to hold them, or an array of strings if not all are numbers."""
+    """Return numbers in NumPy's choice of type, or an array of strings if not all are numbers."""
     types = set(map(type, value))
     if kind.base.startswith("float") and type(None) in types:
         value = [np.nan if v is None else v for v in value]
         types = types - {type(None)} | {float}
     try:
-        # Types are asked before NumPy is, for it would make numbers of true and false.
+        # Types are checked before NumPy, which would turn true and false into numbers.
         wrong = not types <= ({bool} if kind.base == "bool" else {int, float})
         return np.array(["no number"] if wrong else value)
     except (ValueError, OverflowError):

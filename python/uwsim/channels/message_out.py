@@ -1,6 +1,6 @@
-"""A message object as plain values: for JSON (orjson) or CBOR (cbor2), or as bytes in ROS's own formats.
+"""Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to ROS's own serialisations.
 
-One function a type is put together when it is first needed, so that writing a message asks nothing about types.
+A function for each type is composed on first use, so that writing a message does not inspect types.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def numpy_type(base: str) -> np.dtype[Any]:
 
 
 def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
-    """Return a message as a dict, spelled as a client of `ros` expects.
+    """Return a message as a dict, with the field names that a client of `ros` expects.
 
     form "json": numbers may be NaN and arrays are NumPy's, both for orjson (which writes null and lists); uint8[] is
     base64. form "cbor": arrays of numbers are typed arrays of RFC 8746, uint8[] is bytes.
@@ -63,10 +63,10 @@ def to_bytes(message: Any, ros: Ros = 2) -> bytes:
 
 
 def from_bytes(data: bytes, name: str) -> Any:
-    """Read a message of a type from ROS 2's serialisation. Raises ValueError if it is none."""
+    """Return a message of a type from ROS 2's serialisation. Raises ValueError if it is not valid."""
     try:
         return typestore().deserialize_cdr(data, name)
-    except Exception as error:  # of the generated code: whatever damaged bytes make of it
+    except Exception as error:  # the generated code raises any error for damaged bytes
         raise ValueError(f"{name}: {len(data)} bytes that are not its serialisation ({error})") from None
 
 
@@ -95,12 +95,12 @@ def _writer(name: str, ros: Ros, form: Form) -> Writer:
 def _getter(field: Field, ros: Ros, form: Form) -> Callable[[Any], Any]:
     if field.attribute is not None:
         return attrgetter(field.attribute)
-    default = default_value(field.kind)  # such as a header's seq, which ROS 2 gave up
+    default = default_value(field.kind)  # such as a header's seq, which ROS 2 has dropped
     return lambda message: default
 
 
 def _value_writer(kind: Kind, ros: Ros, form: Form) -> Writer | None:
-    """Return what makes a field's value plain; None if it is already."""
+    """Return a function that makes a field's value plain; None if it already is."""
     if kind.is_message:
         write = _writer(kind.base, ros, form)
         return write if kind.length is None else lambda values: [write(value) for value in values]
@@ -136,7 +136,7 @@ def _array_writer(base: str, form: Form) -> Writer:
 
 
 def default_value(kind: Kind) -> Any:
-    """Return what ROS gives to a field that nobody sets: zero, "", an empty or a zero array, a message of defaults."""
+    """Return ROS's default for a field that is not set: zero, "", an empty or zero array, a message of defaults."""
     if kind.length is None:
         return default_message(kind.base) if kind.is_message else DEFAULTS.get(kind.base, 0)
     if kind.base in NUMBERS:
@@ -159,7 +159,7 @@ def _has_placeholder(cls: type) -> bool:
 
 @cache
 def _ros1_maker(name: str) -> Writer:
-    """Return what makes the object of ROS 1's own class, which has a few fields more or less."""
+    """Return a factory for the ROS 1 class, whose fields differ slightly."""
     cls = ros1_typestore().types[name]
     parts = []
     originals = without_placeholder(ros1_typestore().fielddefs[name][1])

@@ -1,7 +1,8 @@
-"""ROS messages without ROS: what a message is, and how it becomes JSON, CBOR or ROS's own bytes, and comes back.
+"""ROS messages without ROS: message objects, and their conversion to and from JSON, CBOR and ROS's serialisations.
 
-A message is an object of `typestore().types["std_msgs/msg/String"]`. `to_plain(message, ros=1)` gives {"data": "hello"}
-for orjson or cbor2; `from_plain("std_msgs/msg/String", plain)` checks, fills in defaults and gives the message.
+A message is an object of `typestore().types["std_msgs/msg/String"]`. `to_plain(message, ros=1)` returns
+{"data": "hello"} for orjson or cbor2; `from_plain("std_msgs/msg/String", plain)` checks it, fills in defaults and
+returns the message.
 """
 
 from uwsim.channels.message_in import from_plain, typed_array

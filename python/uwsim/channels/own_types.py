@@ -1,4 +1,7 @@
-"""Message types of our own, as .msg texts: what no package has. docs/station-wire.md explains the fields."""
+"""Message types of our own, as .msg texts, for which no package has a type.
+
+docs/station-wire.md explains the fields.
+"""
 
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
 MAP_CHANGES = "uwsim_msgs/msg/MapChanges"

@@ -1,4 +1,4 @@
-"""Services by which the simulator's parameters are listed, read, set and reset. Values are JSON in strings."""
+"""Services that list, get, set and reset the simulator's parameters. Values are JSON in strings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Request = dict[str, Any]
 
 
 def parameter_services() -> list[Service]:
-    """Return them. They answer success and message, and what was asked for."""
+    """Return these services. Each response has success, message and the requested values."""
     return [
         Service(
             "simulation/list_parameters", "uwsim_msgs/srv/ListParameters", _list,

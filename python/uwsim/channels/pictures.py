@@ -1,4 +1,4 @@
-"""Pictures of cameras and imaging sonars: each is made once for all, beside the steps, and arrives a period later."""
+"""Pictures of cameras and imaging sonars: each is made once for all clients, in parallel with the steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WIDTHS = (16, 4096)
 
 @dataclass(frozen=True)
 class Stream:
-    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: as it is made.
+    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: its original size.
 
     Raises ValueError.
     """
@@ -56,7 +56,7 @@ class Picture(NamedTuple):
 
 
 Begin = Callable[[Stream], Callable[[], Any]]
-"""Keeps the present, on the stepping thread; returns what makes the picture of it, on another."""
+"""Stores the present state, on the stepping thread; returns a function that makes its picture, on another."""
 
 
 @dataclass(eq=False)
@@ -68,14 +68,14 @@ class _Job:
 
 
 class Pictures:
-    """The last two pictures of each camera or imaging sonar, and how each is streamed.
+    """The last two pictures of each camera or imaging sonar, and its stream settings.
 
-    Simulated time is cut into periods of 1 / RATE_HZ. The first reading in a period begins the picture of that moment,
-    on a thread of its own. If the steps may wait, the next readings in a later period get it, and the first picture is
-    waited for: what is read does not depend on how long pictures take. If not, readings get it in the first period in
-    which it is ready, and no other is begun before: pictures that the machine is too slow for are left out.
+    Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts the picture of that
+    moment, on a separate thread. If the steps may wait, the next reading in a later period waits for it and returns it:
+    what is read does not depend on how long pictures take. If not, readings return it in the first period in which it
+    is ready, and no other picture is started before: pictures that the machine is too slow for are skipped.
 
-    may_wait: tells, at each reading, whether the steps may wait.
+    may_wait: returns, at each reading, whether the steps may wait.
     """
 
     def __init__(self, may_wait: Callable[[], bool] = lambda: True) -> None:
@@ -86,7 +86,7 @@ class Pictures:
 
     @property
     def streams(self) -> dict[str, Stream]:
-        """The settings that are not those by default."""
+        """The settings that differ from the defaults."""
         return dict(self._streams)
 
     def stream(self, name: str) -> Stream:
@@ -98,7 +98,7 @@ class Pictures:
         self._streams[name] = stream
 
     def forget(self) -> None:
-        """Begin with a first picture of each at the next reading."""
+        """Start over with a first picture of each at the next reading."""
         self._jobs = {}
 
     def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
@@ -117,7 +117,7 @@ class Pictures:
         return picture
 
     def read_made(self, sim: Simulator, name: str, begin: Begin) -> Any:
-        """Return what `begin` made in the last period, or None if nothing was due."""
+        """Return the result of `begin` from the last period, or None if none was due."""
         stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
         waits = self._may_wait()
@@ -131,12 +131,12 @@ class Pictures:
         return ready[0].picture.result() if ready else None
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
-        """Render something else on the pictures' thread, in turn."""
+        """Run another rendering task on the pictures' thread, in turn."""
         return self._worker.submit(function)
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Whether readings in this period get the picture: the first period after its own that has some."""
+    """Return whether readings in this period get the picture: the first period after its own with a reading."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):
@@ -149,7 +149,7 @@ def _jpeg(frame: Frame, stream: Stream) -> bytes:
 
 
 def as_jpeg(rgb: NDArray[np.uint8], stream: Stream) -> bytes:
-    """Return a picture (height, width, 3) as JPEG, in the stream's width and quality."""
+    """Return a picture (height, width, 3) as JPEG, with the stream's width and quality."""
     from PIL import Image
 
     picture = Image.fromarray(rgb)

@@ -1,4 +1,4 @@
-"""The newest ping of a vehicle, as a real head delivers it: one travel time of sound after the other."""
+"""The newest ping of a vehicle, timed like a real head's: pings follow each other by the sound's travel time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from uwsim.channels.source import Source
 from uwsim.simulator import Simulator
 
 SLOT_S = 0.02
-"""Pings fall on readings at 50 Hz, so that poses that are said at 50 Hz are those of the pings."""
+"""Pings coincide with readings at 50 Hz, so that poses published at 50 Hz are those of the pings."""
 
 
 @dataclass(frozen=True, eq=False)
 class TakenPing:
-    """A ping, and where the vehicle was: odom_from_body, odom_from_sonar (4, 4)."""
+    """A ping, and the vehicle's pose: odom_from_body, odom_from_sonar (4, 4)."""
 
     ping: _core.Ping
     odom_from_body: NDArray[np.float64]
@@ -28,7 +28,7 @@ class TakenPing:
 class Pings:
     """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
 
-    Everybody who reads at one time gets the same ping; without readers none is computed. model: of the newest ping.
+    All readers at one time get the same ping; without readers none is computed. model: of the newest ping.
     """
 
     def __init__(self, source: Source, sim: Simulator) -> None:
@@ -47,7 +47,7 @@ class Pings:
         return 1.0 / self.interval_s
 
     def newest(self, sim: Simulator) -> TakenPing:
-        """Return the newest ping; ping now if the interval since the last has begun anew, or time has gone back."""
+        """Return the newest ping; ping now if a new interval has begun since the last, or time has gone back."""
         now_ns, last = sim.time_ns, self._newest
         if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
             vehicle = self.source.of(sim)
@@ -61,7 +61,7 @@ class Pings:
         return last
 
     def forget(self) -> None:
-        """Ping anew at the next reading: what is read from now on does not depend on what was read before."""
+        """Ping again at the next reading, so that later readings do not depend on earlier ones."""
         self._newest = None
 
     def _interval(self, time_ns: int) -> int:

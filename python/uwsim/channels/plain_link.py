@@ -1,4 +1,4 @@
-"""The `link` channel of a scenario without a link: whether a fault has cut the vehicle off."""
+"""The `link` channel of a scenario without a link: reports whether a fault has cut the vehicle off."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NONE = "none"
 
 
 def plain_link_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channel, or none where the scenario has a link: that tells of itself."""
+    """Return the channel; none if the scenario has a link, which has a channel of its own."""
     if sim.link is not None:
         return []
 

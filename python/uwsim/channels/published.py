@@ -1,4 +1,4 @@
-"""The wire of the paper's own simulator: what it says and hears, as its nodes expect it.
+"""The wire of the paper's own simulator: its topics and strings, in the form that its nodes expect.
 
 Numbers in its strings are C#'s: up to seven significant digits, each number followed by the letter a.
 """
@@ -31,7 +31,7 @@ TILT_LIMIT_RAD = 0.5 * math.pi
 
 
 def csharp_number(value: float) -> str:
-    """Write a float32 as C# does by default: "12.31", "1E-05", "Infinity"."""
+    """Return a float32 in C#'s default format: "12.31", "1E-05", "Infinity"."""
     single = float(np.float32(value))
     if math.isinf(single):
         return "Infinity" if single > 0 else "-Infinity"
@@ -39,7 +39,7 @@ def csharp_number(value: float) -> str:
 
 
 def join(values: Iterable[float]) -> str:
-    """Write the numbers, each followed by the letter a."""
+    """Return the numbers as text, each followed by the letter a."""
     return "".join(csharp_number(value) + "a" for value in values)
 
 
@@ -64,7 +64,7 @@ def state_text(sim: Simulator, source: Source) -> str:
 def published_channels(
     source: Source, sim: Simulator, pings: Pings | None, pictures: Pictures, steering: Steering
 ) -> list[Channel]:
-    """Return the published topics of a vehicle. depthArray needs one of the wire's four sonar models."""
+    """Return a vehicle's published topics. depthArray needs one of the wire's four sonar models."""
     topic, vehicle = source.topic, source.of(sim)
     found = [
         Channel(
@@ -187,7 +187,7 @@ def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], si
 
 
 def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:
-    """Command what a published `key` message says. Raises ValueError, commanding nothing."""
+    """Apply a published `key` message. Raises ValueError, with nothing applied."""
     linear, angular = message.position, message.orientation
     efforts = {
         "surge": linear.x, "sway": -linear.y, "heave": linear.z,
@@ -209,13 +209,13 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
 
 
 def let_go(live: LiveSimulator, steering: Steering) -> None:
-    """Put efforts to zero if the keyboard gave them: it is gone, and with it the pilot's hands."""
+    """Set efforts to zero if they came from the keyboard: it is gone, and with it the pilot."""
     if steering.by_keys:
         steering.give(live, "set_effort")
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
-    """Return the command of each function; "" where the vehicle has no such part: the keyboard has no such key."""
+    """Return the command of each function; "" if the vehicle has no such part: the keyboard then has no such key."""
     vehicle = source.of(live.simulator)
 
     def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""The multibeam's channels, and how a ping becomes the messages that follow from it alone."""
+"""The multibeam's channels, and the messages that depend on a ping alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FLOAT32 = 7  # PointField.FLOAT32
 
 
 class Head(Protocol):
-    """What a scan says about the multibeam: its model, and the time from ping to ping [s]."""
+    """The multibeam's properties that a scan needs: its model, and the time between pings [s]."""
 
     @property
     def model(self) -> _core.MultibeamModel:
@@ -33,10 +33,10 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic whose messages follow from a ping: live, from the newest; of a recording, from each that it holds.
+    """A topic whose messages depend on a ping: live, on the newest; of a recording, on each ping in it.
 
-    rate_hz: at which the newest is said; None: each ping once. make: of head, ping and frame; None if nothing is said.
-    packing: see Channel.
+    rate_hz: at which the newest is published; None: each ping once. make: called with head, ping and frame; returns
+    None for no message. packing: see Channel.
     """
 
     name: str
@@ -48,7 +48,7 @@ class PingTopic:
     packing: str = ""
 
     def channel(self, source: Source, pings: Pings) -> Channel:
-        """Return the channel that says a vehicle's newest ping."""
+        """Return the channel for a vehicle's newest ping."""
         frame_id = source.frame(self.frame) if self.frame else ""
         make = _once_a_ping(lambda taken: self.make(pings, taken, frame_id))
         return Channel(
@@ -59,7 +59,7 @@ class PingTopic:
 
 
 def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
-    """Return a ping as a LaserScan: ranges beyond the model's limit are infinite, as the published decoder has it."""
+    """Return a ping as a LaserScan: ranges beyond the model's limit are infinite, as in the published decoder."""
     ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
     return ranging.to_laser_scan(ranges, head.model, 1e-9 * taken.ping.time_ns, ping_interval_s=head.interval_s)
 
@@ -70,7 +70,7 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
 
 
 def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
-    """Return a function that gives the same message for the same ping: several are said of each."""
+    """Return a function that returns the same message for the same ping, since each ping is published several times."""
     last: tuple[TakenPing, Any] | None = None
 
     def made(taken: TakenPing) -> Any:
@@ -110,7 +110,7 @@ def _echoes(head: Head, taken: TakenPing, frame_id: str) -> Any:
 
 
 def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
-    if head.model.number not in ranging.MODELS:  # its parameters may have made it another
+    if head.model.number not in ranging.MODELS:  # parameters may have changed the model
         return None
     return build.text(ranging.encode_depth_string(taken.ping.ranges_m, head.model))
 
@@ -151,4 +151,4 @@ DEPTH_ARRAY = PingTopic(
     frame="", packing="depths",
 )  # fmt: skip
 PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY)
-"""Everything that follows from a ping."""
+"""All topics that depend on a ping."""

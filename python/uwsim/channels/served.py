@@ -1,4 +1,4 @@
-"""What a server tells its clients about a live simulator."""
+"""The channels that a server offers for a live simulator."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from uwsim.live import LiveSimulator
 def served_channels(
     live: LiveSimulator, *, wire: Wire = "both", origin: str | Sequence[float] = "world", truth: bool = True
 ) -> list[Channel]:
-    """Return `channels`, the pace, and /clock with any wire, for clients are told to use simulated time.
+    """Return `channels`, the pace, and /clock with any wire, since clients are to use simulated time.
 
-    On the wall clock steps do not wait for pictures: the pace comes first. Steps that are asked for while it is paused
-    do. Raises ValueError.
+    On the wall clock, steps do not wait for pictures: the pace has priority. Single steps while paused do wait. Raises
+    ValueError.
     """
     extra = [diagnostics_channel(live)]
     if wire == "published":
         extra = [channel for channel in channels(live.simulator) if channel.name == "clock"]
-    watched = ref(live)  # the table of a simulator lives as long as that: it must not keep it alive
+    watched = ref(live)  # the table is kept with its simulator and must not keep it alive
 
     def may_wait() -> bool:
         live = watched()

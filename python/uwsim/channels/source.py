@@ -1,4 +1,4 @@
-"""A vehicle as its channels know it: what its topics and frames are called, and where its odometry starts."""
+"""A vehicle as the source of channels: the names of its topics and frames, and the origin of its odometry."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A vehicle. entry: its figures at the start. prefix: of its topics and frames: "" when it is alone, else "NAME/".
+    """A vehicle. entry: its settings at the start. prefix: of its topics and frames: "" if it is alone, else "NAME/".
 
     Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; the world's origin
     is at origin_m (3,) in it. base_footprint and base_link are the body's frame, base_scan turns with the head.
@@ -37,7 +37,7 @@ class Source:
         return sim.vehicles[self.entry.name]
 
     def model(self, sim: Simulator) -> VehicleModel:
-        """Return the vehicle's model as its parameters have it now."""
+        """Return the vehicle's model with its current parameters."""
         return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
     def topic(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Environments for learning, on Gymnasium: `pip install 'uwsim[gym]'`, then `import uwsim.learning` registers them.
+"""Gymnasium environments for learning: `pip install 'uwsim[gym]'`, then `import uwsim.learning` registers them.
 
     import gymnasium
     import uwsim.learning

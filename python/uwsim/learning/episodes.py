@@ -1,7 +1,7 @@
-"""Runs a task in all members of a batch: draws and starts episodes, steps them, tells which have ended.
+"""The engine of all environments: draws and starts the episodes of a batch, steps them, and reports which have ended.
 
-The one engine of all environments; a lone environment is a batch of one, so that member i of a vector environment has
-the episodes of a lone one of its seed, to the last bit.
+A lone environment is a batch of one, so member i of a vector environment has the same episodes as a lone one with its
+seed, to the last bit.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SEED_MAX = 2**63
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Of one step, with a row for each member; figures: what `info` tells, by name."""
+    """The outcome of one step, one row per member; figures: the values in `info`, by name."""
 
     observation: Any
     reward: Floats
@@ -38,7 +38,7 @@ class Outcome:
 
 
 class Episodes:
-    """n members of one task. Each draws its episodes from a generator of its own."""
+    """n members of one task. Each draws its episodes from its own generator."""
 
     def __init__(self, kind: type[Task], n: int, options: EpisodeOptions) -> None:
         scenario = task_scenario(kind, options.scenario)
@@ -67,15 +67,15 @@ class Episodes:
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
-        """Give a member another generator; None: a random one if it has none yet."""
+        """Give a member a new generator; None: a random one if it has none yet."""
         if seed is not None or self.generators[member] is None:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 
     def begin(self, mask: Flags) -> Any:
-        """Begin episodes of the members of a mask (n,); return all observations."""
+        """Begin episodes of the members in a mask (n,); return all observations."""
         self._restart(mask)
         observation = self.observe()
-        self._judged()  # so that what is seen at the start is not paid for
+        self._judged()  # so that what is seen at the start earns no reward
         return observation
 
     def _restart(self, mask: Flags) -> None:
@@ -109,13 +109,13 @@ class Episodes:
 
     @property
     def motion(self) -> Motion:
-        """How the members moved when they were last observed."""
+        """The members' motion when they were last observed."""
         if self._motion is None:
             raise ValueError("motion: no episode has begun")
         return self._motion
 
     def observe(self) -> Any:
-        """Return all observations, as they are now."""
+        """Return all observations at the present time."""
         motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
         observation = self.task.observe(motion, self._actions)
         if self.eye is None:
@@ -124,7 +124,7 @@ class Episodes:
         return {**state, "camera": self.eye.pictures(self.batch)}
 
     def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
-        """Set actions (n, axes) and let a period pass; members of `anew` (n,) begin episodes instead, at no reward.
+        """Apply actions (n, axes) for one period; members in `anew` (n,) begin episodes instead, without reward.
 
         Raises ValueError for actions outside [-1, 1].
         """
@@ -161,16 +161,16 @@ class Episodes:
         values = np.asarray(actions, np.float64)
         if values.shape != self._actions.shape:
             raise ValueError(f"actions.shape = {values.shape}: expected {self._actions.shape}")
-        outside = ~(np.abs(values) <= 1.0)  # true for one that is not a number
+        outside = ~(np.abs(values) <= 1.0)  # also true for NaN
         if outside.any():
             member, column = np.argwhere(outside)[0].tolist()
             name = f"actions[{member}].{self.task.axes[column]}"
-            hint = "gymnasium.wrappers.ClipAction cuts them"
+            hint = "gymnasium.wrappers.ClipAction clips them"
             raise ValueError(f"{name} = {values[member, column]:g}: must be in [-1, 1]; {hint}")
         return values
 
     def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3) by a camera of the member's vehicle, as it is now."""
+        """Return a picture (height, width, 3) of the present, by a camera of the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
         seen = vehicle.cameras[camera]
         seen.change(seen.mount.model_copy(update={"width": width, "height": height}))
@@ -178,12 +178,12 @@ class Episodes:
 
 
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
-    """Return a task's scenario, or the one that is to replace it."""
+    """Return a task's scenario, or the one that replaces it."""
     return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
 
 
 def require_driven(task: Task) -> None:
-    """Raise ValueError unless the vehicle's drive has an effect on all axes that actions set."""
+    """Raise ValueError unless the vehicle has actuators for all axes that actions set."""
     driven = task.batch.simulator(0).vehicles[task.vehicle].controllable
     idle = [axis for axis in task.axes if axis not in driven]
     if idle:

@@ -1,4 +1,4 @@
-"""Pictures as a part of observations: one camera that is moved from member to member."""
+"""Pictures as part of observations, by one camera that is moved from member to member."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exp
 
 
 class Eye:
-    """The camera of one simulator, which takes the pictures of all members from where each of them is.
+    """One simulator's camera, which takes the pictures of all members from their poses.
 
-    Noise is keyed by the scenario's seed and the member's time, not by the member's seed. The light is the scenario's.
+    Noise depends on the scenario's seed and the member's time, not on the member's seed. The light is the scenario's.
     """
 
     def __init__(self, scenario: Scenario, options: EpisodeOptions, threads: int) -> None:
@@ -42,7 +42,7 @@ class Eye:
 
     @property
     def space(self) -> Box:
-        """Of one picture."""
+        """The space of one picture."""
         return Box(0, 255, (self.height, self.width, 3), np.uint8)
 
     def pictures(self, batch: Batch) -> NDArray[np.uint8]:
@@ -69,7 +69,7 @@ class Eye:
         return pictures
 
     def _blacken(self, pictures: NDArray[np.uint8], batch: Batch) -> None:
-        """Make the pictures black of the members whose camera has failed."""
+        """Blacken the pictures of members whose camera has failed."""
         for k, faults in enumerate(batch.faults):
             if any(isinstance(fault, CameraFault) for fault in faults):
                 pictures[k] *= batch.aboard(k).camera_is_on(self._names[0], self._name)
@@ -85,7 +85,7 @@ class Eye:
 
 
 def look(space: Space[Any], eye: Eye | None) -> Space[Any]:
-    """Return the space of observations with the pictures of an eye among them, if there is one."""
+    """Return the space of observations, with the eye's pictures if there is an eye."""
     if eye is None:
         return space
     parts = dict(space.spaces) if isinstance(space, Dict) else {"state": space}

@@ -1,4 +1,4 @@
-"""What a sonar and an echo sounder see, as a part of observations."""
+"""Ranges of a sonar and an echo sounder, as part of observations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ALTITUDE = Field("altitude", 1, 100.0, "m", "above the bed, by the echo sounder,
 
 
 def ranges_field(beams: int, range_max_m: float) -> Field:
-    """Return the field of a ping's ranges."""
+    """Return the field for the ranges of a ping."""
     return Field(
         "sonar_ranges", beams, range_max_m, "m", f"of a ping, starboard to port; {range_max_m:g}: no echo", low=0.0
     )

@@ -15,10 +15,10 @@ from uwsim.learning.view import RENDER_MODES, View
 
 
 class LoneEnv(gymnasium.Env[Any, Any]):
-    """One member of a task. It has the episodes that member i of a VectorEnv has that begins with this one's seed.
+    """One member of a task, with the same episodes as a member of a VectorEnv that has the same seed.
 
-    task: the kind. render_mode: "rgb_array" or None. view: how it is rendered. options: see EpisodeOptions. Raises
-    ValueError for what is wrong, before anything is built.
+    task: the kind. render_mode: "rgb_array" or None. view: the camera and size of its pictures. options: see
+    EpisodeOptions. Raises ValueError for wrong options, before anything is built.
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012, as Env declares it
@@ -35,7 +35,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         self._ended = True
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode; with a seed, the first of the generator of that seed. There are no options.
+        """Begin an episode; with a seed, the first of that seed's generator. There are no options.
 
         Raises ValueError.
         """
@@ -48,7 +48,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         return first(self.episodes.begin(np.ones(1, np.bool_))), {}
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Let a period pass with an action. Raises ValueError for one outside [-1, 1], and after the end."""
+        """Apply an action for one period. Raises ValueError for one outside [-1, 1], and after the end."""
         if self._ended:
             raise ValueError("step: the episode has ended, or none has begun: reset() first")
         outcome = self.episodes.step(np.asarray(action)[None])
@@ -58,7 +58,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         return first(outcome.observation), float(outcome.reward[0]), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture (height, width, 3) by a camera of the vehicle, or None without a render_mode."""
+        """Return a picture (height, width, 3) from a camera of the vehicle, or None without a render_mode."""
         if self.render_mode is None:
             return None
         return self.episodes.render(0, self.view.camera, self.view.width, self.view.height)

@@ -1,4 +1,4 @@
-"""How the members of a batch move, in the axes that tasks ask for."""
+"""The motion of a batch's members, in the axes that tasks need."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The true motion of one vehicle of each member.
+    """The true motion of one vehicle in each member.
 
     position_world_m (n, 3); world_from_body (n, 3, 3); velocity_body (n, 6) [m/s, rad/s]; time_s (n,), since each
-    member's start; collisions (n,): how often it has come to touch something.
+    member's start; collisions (n,): number of contacts begun.
     """
 
     position_world_m: Floats
@@ -29,7 +29,7 @@ class Motion:
 
     @staticmethod
     def of(batch: BatchMotion) -> Motion:
-        """Return copies of what a batch shows."""
+        """Return copies of a batch's motion."""
         return Motion(
             batch.position_world_m.copy(),
             rotations(batch.orientation_xyzw),
@@ -40,7 +40,7 @@ class Motion:
 
     @staticmethod
     def of_one(vehicle: EstimateLike) -> Motion:
-        """Return that of one vehicle, as it knows it itself, at time 0 and without collisions: for flying a policy."""
+        """Return one vehicle's own estimate, at time 0 and without collisions: for flying a policy."""
         pose, velocity = vehicle.pose, vehicle.velocity
         return Motion(
             np.asarray(pose.position_world_m, np.float64)[None],
@@ -52,12 +52,12 @@ class Motion:
 
     @property
     def up_body(self) -> Floats:
-        """(n, 3), the world's z axis in body axes."""
+        """The world's z axis in body axes, (n, 3)."""
         return self.world_from_body[:, 2, :]
 
     @property
     def heading(self) -> Floats:
-        """(n, 2), the horizontal part of the body's x axis in the world."""
+        """The horizontal part of the body's x axis in the world, (n, 2)."""
         return self.world_from_body[:, :2, 0]
 
     def in_body(self, vectors_world: Floats) -> Floats:
@@ -66,7 +66,7 @@ class Motion:
         return np.asarray(np.einsum("nij,ni->nj", self.world_from_body, vectors))
 
     def towards(self, place_world_m: Floats) -> Floats:
-        """Return the way to a place, (n, 3) or (3,), in each member's body axes."""
+        """Return the vector to a position, (n, 3) or (3,), in each member's body axes."""
         return self.in_body(place_world_m - self.position_world_m)
 
 

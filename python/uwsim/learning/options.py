@@ -1,4 +1,4 @@
-"""What users may choose about the episodes of an environment, checked."""
+"""Checked options for the episodes of an environment."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ PICTURE_MAX = 1024
 class EpisodeOptions:
     """The options of all environments.
 
-    scenario: instead of the task's own, with what the task needs in it. randomize: parameters, by their names in
-    `Simulator.parameters`, that are drawn uniformly in (low, high) for each episode, beside the task's own, or instead
-    of those of the same name. duration_s: after which an episode is truncated. threads: by default all. camera: of the
-    vehicle, whose pictures (camera_size: height, width) are added to the observation. faults: that each episode begins
-    with, instead of the scenario's, with the keys that they have there; those by chance (rate_per_h) are drawn anew for
-    each. sonar_mode: "geometry" or "physics", of the sonar that the task looks through.
+    scenario: instead of the task's own; it must have what the task needs. randomize: parameters, by their names in
+    `Simulator.parameters`, that are drawn uniformly from (low, high) for each episode; they add to the task's own and
+    override those of the same name. duration_s: the time after which an episode is truncated. threads: by default all.
+    camera: of the vehicle, whose pictures (camera_size: height, width) are added to the observation. faults: instead of
+    the scenario's, in each episode, with the same keys; random ones (rate_per_h) are drawn for each episode.
+    sonar_mode: "geometry" or "physics", of the task's sonar.
     """
 
     scenario: str | Path | Scenario | None = None
@@ -41,7 +41,7 @@ class EpisodeOptions:
     sonar_mode: Literal["geometry", "physics"] | None = None
 
     def __post_init__(self) -> None:
-        """Check what does not depend on the scenario. Raises ValueError."""
+        """Check all options that do not depend on the scenario. Raises ValueError."""
         if self.duration_s is not None and not 0.0 < self.duration_s < math.inf:
             raise ValueError(f"duration_s = {self.duration_s} s: must be positive and finite")
         height, width = self.camera_size
@@ -54,16 +54,16 @@ class EpisodeOptions:
 
 
 def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
-    """Return the scenario with the sonar of its first vehicle in a mode. Raises ValueError."""
+    """Return the scenario with its first vehicle's sonar in a mode. Raises ValueError."""
     if not kind.pings:
-        raise ValueError(f"sonar_mode = {mode!r}: is without effect: {kind.__name__} does not look through a sonar")
+        raise ValueError(f"sonar_mode = {mode!r}: is without effect: {kind.__name__} uses no sonar")
     parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
     parameters.update({f"{scenario.vehicles[0].name}.sonar.mode": mode})
     return parameters.scenario
 
 
 def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Scenario, camera: str | None) -> None:
-    """Raise ValueError for faults that neither a task nor a failsafe would notice. camera: whose pictures are seen."""
+    """Raise ValueError for faults that affect neither the task nor a failsafe. camera: in the observations."""
     failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
     watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
     for index, fault in enumerate(faults):
@@ -71,7 +71,7 @@ def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Sce
         if isinstance(fault, LinkLoss) and scenario.link is None:
             raise ValueError(f"{place}: the scenario has no link")
         if isinstance(fault, SonarFault) and not kind.pings:
-            raise ValueError(f"{place}: {kind.__name__} does not look through a sonar")
+            raise ValueError(f"{place}: {kind.__name__} uses no sonar")
         if isinstance(fault, CameraFault) and fault.camera != camera:
             raise ValueError(f"{place}: camera '{fault.camera}': is not observed")
         if isinstance(fault, SensorFault) and fault.sensor not in kind.sensors and not watches_sensors:

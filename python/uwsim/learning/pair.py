@@ -1,4 +1,4 @@
-"""Two vehicles that exchange their places, as a PettingZoo environment: `pip install 'uwsim[multi]'`."""
+"""Two vehicles that exchange places, as a PettingZoo environment: `pip install 'uwsim[multi]'`."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from uwsim.scenario import load  # noqa: E402
 from uwsim.scenario.read.assets import assets_folder  # noqa: E402
 
 OTHER = (
-    Field("other_body", 3, 20.0, "m", "the way to the other vehicle, in body axes"),
-    Field("other_velocity_body", 3, 10.0, "m/s", "the other's velocity less one's own, in one's own body axes"),
+    Field("other_body", 3, 20.0, "m", "the vector to the other vehicle, in body axes"),
+    Field("other_velocity_body", 3, 10.0, "m/s", "the other's velocity relative to one's own, in one's own body axes"),
 )
 CURRENT_M_S = 0.2
 STRUCK = -20.0
 
 
 class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stubs
-    """Each of two BlueROV2 Heavy, 3 m apart in a current with gusts, is to go where the other begins and stay there.
+    """Each of two BlueROV2 Heavy, 3 m apart in a gusty current, must go to the other's start and stay there.
 
-    Observation: that of uwsim/StationKeeping-v0 for the new place, then where the other is and how it moves. Reward:
-    that of uwsim/StationKeeping-v0, at the new place, and -20 to both when they strike something. End, of both: when
-    they do, or when one is 8 m from its place. Truncated after 30 s.
+    Observation: that of uwsim/StationKeeping-v0 for the target, then the other's relative position and velocity.
+    Reward: that of uwsim/StationKeeping-v0, at the target, and -20 for both on a collision. End, for both: a collision,
+    or one is 8 m from its target. Truncated after 30 s.
     """
 
     metadata = {"name": "uwsim_exchange_v0", "render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012
@@ -70,17 +70,17 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return next(other for other in self.possible_agents if other != name)
 
     def observation_space(self, agent: str) -> Space[Any]:
-        """Of one vehicle."""
+        """Return the space of one vehicle's observations."""
         return self._space
 
     def action_space(self, agent: str) -> Box:
-        """Of one vehicle: six efforts."""
+        """Return the space of one vehicle's actions: six efforts."""
         return self._action_space
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
-        """Begin an episode; with a seed, the first of the generator of that seed. options: none has an effect."""
+        """Begin an episode; with a seed, the first of that seed's generator. options: none has an effect."""
         if seed is not None or self._generator is None:
             self._generator, _ = np_random(seed)
         draws = self._generator
@@ -110,7 +110,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
     def step(self, actions: dict[str, NDArray[np.float32]]) -> tuple[
         dict[str, NDArray[np.float32]], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
     ]:  # fmt: skip
-        """Let a period pass with the actions of both. Raises ValueError for actions outside [-1, 1]."""
+        """Apply both actions for one period. Raises ValueError for actions outside [-1, 1]."""
         if not self.agents:
             raise ValueError("step: the episode has ended, or none has begun: reset() first")
         for name in self.agents:
@@ -132,7 +132,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return results
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture (height, width, 3) by a camera of the first vehicle, or None without a render_mode."""
+        """Return a picture (height, width, 3) from a camera of the first vehicle, or None without a render_mode."""
         if self.render_mode is None:
             return None
         camera = self._batch.simulator(0).rov.cameras[self.view.camera]
@@ -140,7 +140,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return np.asarray(camera.capture().rgb)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: no resource is open."""
 
 
 def _checked(name: str, actions: dict[str, NDArray[np.float32]]) -> Floats:

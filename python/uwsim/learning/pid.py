@@ -1,4 +1,4 @@
-"""The PID of the vehicle's file as a policy: what learned ones are compared with."""
+"""The PID of the vehicle's file as a policy, to compare learned policies with."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class _Velocity:
 
 @dataclass
 class _Member:
-    """A member of a batch as a controller sees it: where it truly is."""
+    """A member of a batch in the form that a controller needs, with its true state."""
 
     pose: _Pose = field(default_factory=lambda: _Pose(np.eye(4)))
     velocity: _Velocity = field(default_factory=lambda: _Velocity(np.zeros(3), np.zeros(3)))
@@ -49,9 +49,9 @@ class _Member:
 
 
 class Pid:
-    """Holds a place (3,) and a heading in all members by the loops of the vehicle's file; see uwsim.control.Controller.
+    """Holds a position (3,) and a heading in all members by the vehicle file's loops; see uwsim.control.Controller.
 
-    It sees the true motion, as policies do, and acts as often. One Python call for each member and period.
+    It gets the true motion and acts once per period, like policies. One Python call for each member and period.
     """
 
     def __init__(self, episodes: Episodes, place_world_m: Floats, heading_rad: float = 0.0) -> None:

@@ -1,4 +1,4 @@
-"""A policy that is small enough to read: efforts are a linear function of what is observed, cut to [-1, 1]."""
+"""A policy small enough to read: efforts are a linear function of the observation, clipped to [-1, 1]."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 class Policy(Protocol):
-    """What chooses actions (n, axes) by observations (n, width)."""
+    """Maps observations (n, width) to actions (n, axes)."""
 
     def __call__(self, observation: Any) -> Floats:
         """Return actions."""
@@ -25,7 +25,7 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LinearPolicy:
-    """weights (axes, width), bias (axes,). about: how it was found."""
+    """weights (axes, width), bias (axes,). about: its origin, in words."""
 
     weights: Floats
     bias: Floats
@@ -42,7 +42,7 @@ class LinearPolicy:
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
-        """Read a packaged one, such as "station_keeping", or a file. Raises ValueError, OSError."""
+        """Return a packaged policy, such as "station_keeping", or one from a file. Raises ValueError, OSError."""
         packaged = assets_folder() / "learning" / "policies" / f"{source}.json"
         path = packaged if packaged.is_file() else Path(source)
         about = json.loads(path.read_text(encoding="utf-8"))

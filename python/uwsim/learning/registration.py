@@ -10,11 +10,11 @@ from gymnasium.envs import registration
 
 NAMES = ("StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing")
 ENVIRONMENTS = tuple(f"uwsim/{name}-v0" for name in NAMES)
-"""Their names."""
+"""The names of all environments."""
 
 
 def register() -> None:
-    """Register them; what is registered already stays."""
+    """Register all environments that are not yet registered."""
     for name, environment in zip(NAMES, ENVIRONMENTS, strict=True):
         if environment not in registration.registry:
             registration.register(
@@ -26,14 +26,14 @@ def register() -> None:
 
 
 def lone(task: str, **arguments: Any) -> gymnasium.Env[Any, Any]:
-    """Make an environment of a task by name."""
+    """Return an environment of a task by name."""
     from uwsim.learning.lone_env import LoneEnv
 
     return LoneEnv(_task(task), **arguments)
 
 
 def vector(task: str, num_envs: int = 1, **arguments: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    """Make a vector environment of a task by name."""
+    """Return a vector environment of a task by name."""
     from uwsim.learning.vector_env import BatchEnv
 
     return BatchEnv(_task(task), num_envs, **arguments)

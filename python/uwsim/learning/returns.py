@@ -1,4 +1,4 @@
-"""What policies earn: one episode for each of some seeds, all at once."""
+"""Returns of policies: one episode for each of several seeds, all at once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """Of one episode for each seed: total (n,) reward; steps (n,); figures (steps, n) by name, NaN after the end."""
+    """One episode per seed: total (n,) reward; steps (n,); figures (steps, n) by name, NaN after the end."""
 
     total: Floats
     steps: NDArray[np.intp]
@@ -24,7 +24,7 @@ class Flown:
 
 
 def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
-    """Fly an episode of each seed to its end, and no farther. seeds: as many as members."""
+    """Fly one episode per seed to its end. seeds: as many as members."""
     for member, seed in enumerate(seeds):
         episodes.seed(member, int(seed))
     observation = episodes.begin(np.ones(episodes.n, np.bool_))

@@ -1,4 +1,4 @@
-"""A task for Stable-Baselines3, on one batch: `pip install 'uwsim[rl]'`, which brings torch."""
+"""A task for Stable-Baselines3, on one batch: `pip install 'uwsim[rl]'`, which installs torch."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from uwsim.learning.vector_env import BatchEnv  # noqa: E402
 
 
 class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types are checked
-    """`BatchVecEnv("uwsim/StationKeeping-v0", 64)`: what PPO(...) and the others of Stable-Baselines3 take.
+    """A vector environment for PPO(...) and the like: `BatchVecEnv("uwsim/StationKeeping-v0", 64)`.
 
-    options: those of gymnasium.make_vec. Actions are cut to [-1, 1].
+    options: those of gymnasium.make_vec. Actions are clipped to [-1, 1].
     """
 
     def __init__(self, name: str, num_envs: int, **options: Any) -> None:
@@ -35,7 +35,7 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         super().__init__(num_envs, self._env.single_observation_space, self._env.single_action_space)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Let member i have seed + i at the next reset."""
+        """Use seed + i for member i at the next reset."""
         self._seed = seed
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
@@ -47,11 +47,11 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         return observation
 
     def step_async(self, actions: Any) -> None:
-        """Keep the actions for `step_wait`."""
+        """Store the actions for `step_wait`."""
         self._actions = np.clip(actions, -1.0, 1.0)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
-        """Let a period pass. Of members that end, info has terminal_observation and, as Monitor does, episode."""
+        """Run one period. For members that end, info has terminal_observation and, as with Monitor, episode."""
         observation, reward, terminated, truncated, info = self._env.step(self._actions)
         self._earned += reward
         self._lengths += 1
@@ -66,18 +66,18 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         return observation, reward.astype(np.float32), ended, infos
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: no resource is open."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Return an attribute of the environment, for each index."""
         return [getattr(self._env, attr_name)] * len(list(self._get_indices(indices)))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse: members share one environment."""
+        """Raise ValueError: members share one environment."""
         raise ValueError(f"{attr_name}: members share one environment, whose attributes are fixed")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
-        """Call a method of the environment once; its result is given for each index."""
+        """Call a method of the environment once; return its result for each index."""
         result = getattr(self._env, method_name)(*method_args, **method_kwargs)
         return [result] * len(list(self._get_indices(indices)))
 

@@ -1,4 +1,4 @@
-"""A task: what the members of a batch begin with, what they are shown, what they are paid for, and when they end."""
+"""A task: the start, the observations, the rewards and the end of the episodes of a batch."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class Field:
-    """A part of an observation: so many numbers of a unit, each within +-limit (or [low, limit]).
+    """A part of an observation: numbers with one unit, each within +-limit (or [low, limit]).
 
-    mirror: what each number is multiplied by when port and starboard change places; () where that is no factor.
-    usual: the size that each number usually has, for learners; by default its limit.
+    mirror: the factor on each number when port and starboard are exchanged; () if it is no factor.
+    usual: the usual size of each number, for learners; by default its limit.
     """
 
     name: str
@@ -38,12 +38,12 @@ class Field:
 
 
 ARROW, TURN = (1, -1, 1), (-1, 1, -1)
-"""How the components of vectors in body axes change in a mirror: of polar ones, and of rates and moments."""
+"""Factors on the components of vectors in body axes under reflection: of polar vectors, and of rates and moments."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where the members that begin are put: position_world_m (m, 3), yaw_rad (m,); level and at rest."""
+    """The poses of members that begin: position_world_m (m, 3), yaw_rad (m,); level and at rest."""
 
     position_world_m: Floats
     yaw_rad: Floats
@@ -59,14 +59,14 @@ class Verdict:
 
 
 class Task(ABC):
-    """One kind of episode, of all members of a batch at once: arrays have a row for each member.
+    """A kind of episode, for all members of a batch at once: arrays have one row per member.
 
-    scenario_file: in the folder `learning` of the assets. period_s: between two actions. duration_s: after which an
-    episode is truncated. axes: of the efforts that an action sets, in [-1, 1]. randomize: parameters that are drawn for
-    each episode, uniformly in (low, high). draws: how many numbers in [0, 1) `start` takes for each member. pings:
-    whether it looks through the vehicle's first sonar. sensors: those that it reads; the rest is true motion.
+    scenario_file: in the folder `learning` of the assets. period_s: between two actions. duration_s: the time after
+    which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: parameters that are
+    drawn for each episode, uniformly from (low, high). draws: how many numbers in [0, 1) `start` needs for each member.
+    pings: whether it uses the vehicle's first sonar. sensors: those that it reads; the rest is true motion.
 
-    A task may keep arrays of its own; `start` begins the rows of its members anew.
+    A task may keep arrays of its own; `start` resets the rows of its members.
     """
 
     scenario_file: ClassVar[str]
@@ -86,7 +86,7 @@ class Task(ABC):
 
     @classmethod
     def fields(cls) -> tuple[Field, ...]:
-        """The parts of an observation, in order: those of the goal, then those of the vehicle."""
+        """Return the parts of an observation, in order: those of the goal, then those of the vehicle."""
         return (
             *cls.goal_fields,
             Field(
@@ -94,7 +94,7 @@ class Task(ABC):
                 3,
                 1.0,
                 "1",
-                "the world's z axis in body axes: how it is tilted",
+                "the world's z axis in body axes, which shows the tilt",
                 None,
                 ARROW,
                 (0.2, 0.2, 1.0),
@@ -106,7 +106,7 @@ class Task(ABC):
                 len(cls.axes),
                 1.0,
                 "1",
-                "the action before",
+                "the previous action",
                 None,
                 cls.action_mirror(),
                 (0.5,) * len(cls.axes),
@@ -115,27 +115,27 @@ class Task(ABC):
 
     @classmethod
     def action_mirror(cls) -> tuple[int, ...]:
-        """What each number of an action is multiplied by when port and starboard change places."""
+        """Return the factor on each number of an action when port and starboard are exchanged."""
         return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
     def observation_space(self) -> Space[Any]:
-        """Of one member."""
+        """The space of one member's observations."""
         return box(self.fields())
 
     @property
     def action_space(self) -> Box:
-        """Of one member: an effort for each of `axes`."""
+        """The space of one member's actions: an effort for each of `axes`."""
         return Box(-1.0, 1.0, (len(self.axes),), np.float32)
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
-        """Return efforts (n, 6), surge to yaw, of actions (n, axes)."""
+        """Return efforts (n, 6), surge to yaw, for actions (n, axes)."""
         efforts = np.zeros((len(actions), len(AXES)))
         efforts[:, self.columns] = actions
         return efforts
 
     def observe(self, now: Motion, actions: Floats) -> Any:
-        """Return observations, float32 (n, width), cut to their limits. actions (n, axes): those before."""
+        """Return observations, float32 (n, width), clipped to their limits. actions (n, axes): the previous ones."""
         return observed(self.fields(), self.goal(now), now, actions)
 
     @abstractmethod
@@ -144,26 +144,26 @@ class Task(ABC):
 
     @abstractmethod
     def goal(self, now: Motion) -> Floats:
-        """Return what is observed of the goal, (n, width of goal_fields)."""
+        """Return the goal's part of the observations, (n, width of goal_fields)."""
 
     @abstractmethod
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Judge the step that has just been made, with these actions."""
+        """Return reward and end of the step just made with these actions."""
 
 
 def observed(fields: tuple[Field, ...], goal: Floats, now: Motion, actions: Floats) -> NDArray[np.float32]:
-    """Return observations of these fields: what is seen of the goal, then how the vehicle moves."""
+    """Return observations of these fields: the goal's values, then the vehicle's motion."""
     return cut(np.concatenate((goal, now.up_body, now.velocity_body, actions), axis=1), fields)
 
 
 def box(fields: tuple[Field, ...]) -> Box:
-    """Return the space of an observation of these fields."""
+    """Return the space of an observation with these fields."""
     low, high = limits(fields)
     return Box(low, high, dtype=np.float32)
 
 
 def cut(values: Floats, fields: tuple[Field, ...]) -> NDArray[np.float32]:
-    """Return observations (n, width) cut to their limits."""
+    """Return observations (n, width) clipped to their limits."""
     return np.asarray(np.clip(values, *limits(fields), dtype=np.float32, casting="same_kind"))
 
 
@@ -180,5 +180,5 @@ def limits(fields: tuple[Field, ...]) -> tuple[NDArray[np.float32], NDArray[np.f
 
 
 def spread(draws: Floats, low: float, high: float) -> Floats:
-    """Return draws in [0, 1) as draws in [low, high)."""
+    """Return draws in [0, 1) scaled to [low, high)."""
     return low + (high - low) * draws

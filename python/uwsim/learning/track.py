@@ -1,4 +1,4 @@
-"""A line on the bed, and where members are along it."""
+"""A line on the bed, and the members' positions along it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from uwsim.learning.task import Floats
 
 
 class Track:
-    """A line through points_m (k, 2). length_m: of it."""
+    """A line through points_m (k, 2). length_m: its length."""
 
     def __init__(self, points_m: Floats) -> None:
         self._points = points_m
@@ -25,7 +25,7 @@ class Track:
         return self._points[piece] + (along_m - self._begins[piece])[:, None] * direction, direction
 
     def nearest(self, places_m: Floats) -> tuple[Floats, Floats]:
-        """Return how far along the line the nearest points to places (n, 2) are, and how far away: (n,) each."""
+        """Return the positions along the line of the points nearest to (n, 2), and the distances to them: (n,) each."""
         away = places_m[:, None] - self._points[None, :-1]
         along = np.clip(np.einsum("nkj,kj->nk", away, self._directions), 0.0, self._lengths)
         apart = np.linalg.norm(away - along[:, :, None] * self._directions, axis=2)

@@ -20,9 +20,9 @@ NO_MEMBERS = "reset_mask: bool ({n},) with at least one member is expected"
 
 
 class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
-    """num_envs members of a task. What it returns belongs to the caller.
+    """num_envs members of a task. Returned arrays belong to the caller.
 
-    autoreset_mode: of Gymnasium. NEXT_STEP: the step after an end begins the next episode, ignoring the action.
+    autoreset_mode: Gymnasium's. NEXT_STEP: the step after an end begins the next episode and ignores the action.
     SAME_STEP: the step that ends one begins the next, and info has `final_obs` and `final_info`. DISABLED:
     reset(options={"reset_mask": mask}) does. render_mode, view, options: see LoneEnv.
     """
@@ -55,7 +55,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         self._begun = False
 
     @property
-    def np_random_seed(self) -> Any:  # read-only, one for each member: as SyncVectorEnv
+    def np_random_seed(self) -> Any:  # read-only, one for each member, as in SyncVectorEnv
         """The seed of each member's generator; -1 before the first reset."""
         return tuple(self.episodes.generator_seeds)
 
@@ -67,7 +67,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin episodes: of all members, or of options["reset_mask"] (n,) bool. Member i gets seed + i, or seed[i].
+        """Begin episodes for all members, or for options["reset_mask"] (n,) bool. Member i gets seed + i, or seed[i].
 
         Raises ValueError.
         """
@@ -97,7 +97,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         return mask
 
     def step(self, actions: NDArray[Any]) -> tuple[Any, Floats, Flags, Flags, dict[str, Any]]:
-        """Let a period pass with actions (n, axes). Raises ValueError for those outside [-1, 1]."""
+        """Apply actions (n, axes) for one period. Raises ValueError for actions outside [-1, 1]."""
         if not self._begun:
             raise ValueError("step: no episode has begun: reset() first")
         anew = self._ended
@@ -125,7 +125,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
 
 
 def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
-    """Return figures as Gymnasium's vector info: each with a mask (n,) of the members that it is of."""
+    """Return figures as Gymnasium's vector info: each with a mask (n,) of its members."""
     if not mask.any():
         return {}
     info: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
 
 
 def parts(observation: Any, mask: Flags) -> NDArray[Any]:
-    """Return an array (n,) of objects: the observations of the members of a mask, None for the others."""
+    """Return an array (n,) of objects: the observations of the members in a mask, None for the others."""
     each = np.full(len(mask), None, object)
     for member in np.flatnonzero(mask).tolist():
         if isinstance(observation, dict):

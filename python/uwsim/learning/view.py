@@ -1,4 +1,4 @@
-"""How an environment is rendered."""
+"""The camera and size of an environment's rendered pictures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class View:
     height: int = 270
 
     def checked(self, render_mode: str | None) -> Self:
-        """Return the same. Raises ValueError for an unknown mode."""
+        """Return this view. Raises ValueError for an unknown mode."""
         if render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode = {render_mode!r}: must be None or one of {', '.join(RENDER_MODES)}")
         return self

@@ -1,4 +1,4 @@
-"""Coverage: see a plot of the bed by sonar; what has been seen is observed as a map."""
+"""Coverage: survey a plot of the bed by sonar; the observation has a map of the surveyed cells."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ DEPTH_M = 3.5
 FULL_PAY, STRUCK, DONE = 100.0, -5.0, 10.0
 ENOUGH = 0.95
 LOST_M = 4.0  # outside the plot
-CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # of the height that is held
+CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # for the depth that is held
 
 
 class Coverage(Task):
-    """See a plot of 20 x 20 m by a tilted sonar. An action sets surge, sway and yaw; the depth of 3.5 m is held.
+    """Survey a plot of 20 x 20 m with a tilted sonar. An action sets surge, sway and yaw; the depth of 3.5 m is held.
 
-    The map is an image (1, 40, 40): 255 where a cell of 0.5 m has been seen; rows from south to north, columns from
-    west to east. Start: in the plot, any heading. Reward of a step: 100 x the share of the plot that is newly seen,
-    but for the first ping; 10 when 95 % are, -5 for striking something. End: either of them, or 4 m outside the plot.
+    The map is an image (1, 40, 40): 255 for surveyed cells of 0.5 m; rows from south to north, columns from
+    west to east. Start: in the plot, any heading. Reward of a step: 100 x the newly surveyed share of the plot, except
+    for the first ping; 10 at 95 %, -5 for a collision. End: either of them, or 4 m outside the plot.
     """
 
     scenario_file = "plot.yaml"
@@ -37,7 +37,7 @@ class Coverage(Task):
     draws = 3
     pings = True
     goal_fields = (
-        Field("position_plot", 2, 2.0, "1", "from the plot's middle, east and north, in halves of its side"),
+        Field("position_plot", 2, 2.0, "1", "from the plot's centre, east and north, in halves of its side"),
         Field("heading", 2, 1.0, "1", "cosine and sine of the angle from east, counter-clockwise"),
     )
 
@@ -48,18 +48,18 @@ class Coverage(Task):
 
     @property
     def observation_space(self) -> Space[Any]:
-        """The state of the vehicle, and the map."""
+        """The space of the vehicle's state and the map."""
         return Dict({"state": super().observation_space, "map": Box(0, 255, (1, CELLS, CELLS), np.uint8)})
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
-        """Add what holds the depth."""
+        """Return the efforts, with those that hold the depth."""
         efforts = super().efforts(actions, now)
         up_m_s = np.einsum("ni,ni->n", now.up_body, now.velocity_body[:, :3])
         efforts[:, 2] = np.clip(CLIMB_1_M * (-DEPTH_M - now.position_world_m[:, 2]) - DAMP_S_M * up_m_s, -1.0, 1.0)
         return efforts
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin somewhere in the plot, with nothing seen."""
+        """Begin somewhere in the plot, with an empty map."""
         self._seen[members] = False
         self._count[members] = 0
         places = spread(draws[:, :2], -0.4 * PLOT_M, 0.4 * PLOT_M)
@@ -67,7 +67,7 @@ class Coverage(Task):
         return Start(np.column_stack([places, depth_m]), spread(draws[:, 2], -math.pi, math.pi))
 
     def goal(self, now: Motion) -> Floats:
-        """Return place and heading."""
+        """Return position and heading."""
         return np.concatenate([now.position_world_m[:, :2] / (0.5 * PLOT_M), now.heading], axis=1)
 
     def observe(self, now: Motion, actions: Floats) -> Any:
@@ -77,7 +77,7 @@ class Coverage(Task):
         return {"state": super().observe(now, actions), "map": seen}
 
     def _look(self) -> None:
-        """Mark the cells in which an echo is."""
+        """Mark the cells that hold an echo."""
         ping = self.batch.ping(self.vehicle)
         turn, place = ping.world_from_sonar[:, :2, :3], ping.world_from_sonar[:, None, :2, 3]
         points = np.nan_to_num(ping.points_sonar_m) @ turn.transpose(0, 2, 1) + place
@@ -88,7 +88,7 @@ class Coverage(Task):
         self._seen[members, rows, columns] = True
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for cells newly seen."""
+        """Reward newly surveyed cells."""
         count = self._seen.sum(axis=(1, 2))
         share = count / CELLS**2
         done, struck = share >= ENOUGH, now.collisions > 0

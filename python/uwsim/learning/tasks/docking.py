@@ -1,4 +1,4 @@
-"""Docking: come into the station's dock slowly and with the right heading."""
+"""Docking: enter the station's dock slowly and with the right heading."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from uwsim.learning.motion import Motion
 from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.build.station import dock_position
 
-CAUGHT_M = 0.5  # nearer than the 1.5 m from which `dock` draws a vehicle in
+CAUGHT_M = 0.5  # stricter than the 1.5 m of the command `dock`
 ARRIVED, STRUCK = 10.0, -1.0
-TURN_PAY_M = 1.0  # for a radian
+TURN_PAY_M = 1.0  # per radian
 EFFORT_COST = 0.01
 LOST_M = 20.0
 
 
 class Docking(Task):
-    """Enter the dock: within 0.5 m of its middle, below 0.5 m/s and within 30 degrees of its heading.
+    """Enter the dock: within 0.5 m of its centre, below 0.5 m/s and within 30 degrees of its heading.
 
-    Start: 3 to 8 m ahead of the dock, 2 m aside and 1 m up or down at most, within 60 degrees of its heading, in a
-    current of up to 0.14 m/s. Reward of a step: the metres by which it has come nearer, a metre for each radian turned
-    towards the dock's heading, less 0.01 x the mean square of the efforts; -1 for each new collision, 10 for being in.
-    End: in the dock, or 20 m away.
+    Start: 3 to 8 m ahead of the dock, at most 2 m to the side and 1 m up or down, within 60 degrees of its heading, in
+    a current of up to 0.14 m/s. Reward of a step: the approach in metres, plus a metre per radian turned towards the
+    dock's heading, minus 0.01 x the mean square of the efforts; -1 for each new collision, 10 for docking. End: in the
+    dock, or 20 m away.
     """
 
     scenario_file = "dock.yaml"
@@ -35,7 +35,7 @@ class Docking(Task):
     randomize = {"water.current_world_m_s.x": (-0.1, 0.1), "water.current_world_m_s.y": (-0.1, 0.1)}  # noqa: RUF012
     draws = 4
     goal_fields = (
-        Field("dock_body", 3, LOST_M, "m", "the way to the dock's middle, in body axes"),
+        Field("dock_body", 3, LOST_M, "m", "the vector to the dock's centre, in body axes"),
         Field("dock_heading_body", 3, 1.0, "1", "the dock's heading as a unit vector in body axes"),
     )
 
@@ -63,11 +63,11 @@ class Docking(Task):
         return Start(self._dock_m + away, self._yaw_rad + turned)
 
     def goal(self, now: Motion) -> Floats:
-        """Return the way to the dock, and its heading."""
+        """Return the vector to the dock, and its heading."""
         return np.concatenate([now.towards(self._dock_m), now.in_body(self._ahead)], axis=1)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for coming nearer and turning."""
+        """Reward approach and alignment."""
         distance_m = np.linalg.norm(now.position_world_m - self._dock_m, axis=1)
         off_rad = np.arccos(np.clip(now.world_from_body[:, :, 0] @ self._ahead, -1.0, 1.0))
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) <= CAPTURE_M_S

@@ -19,12 +19,12 @@ LOST_M = 18.0
 
 
 class GatePassing(Task):
-    """Pass the scenario's gate. What is observed of it is a ping of a level sonar; heading is not observed.
+    """Pass the scenario's gate. It is observed only through pings of a level sonar; heading is not observed.
 
-    Start: 6 to 11 m before the gate, 3 m aside at most, 1.5 to 2.5 m above the bed, within 25 degrees of the direction
-    to it. Reward of a step: the metres by which it has come nearer to the opening's middle, less 0.01 x the mean square
-    of the efforts; 10 for passing between the posts and below the bar, -5 for passing elsewhere and for striking
-    something. End: any of these, or 18 m from the gate.
+    Start: 6 to 11 m before the gate, at most 3 m to the side, 1.5 to 2.5 m above the bed, within 25 degrees of the
+    direction to it. Reward of a step: the approach to the opening's centre in metres, minus 0.01 x the mean square of
+    the efforts; 10 for passing between the posts and below the bar, -5 for passing elsewhere and for a collision. End:
+    any of these, or 18 m from the gate.
     """
 
     scenario_file = "gate.yaml"
@@ -66,7 +66,7 @@ class GatePassing(Task):
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for coming nearer, and for passing."""
+        """Reward approach and passing."""
         away = now.position_world_m - self._middle_m
         distance_m = np.linalg.norm(away, axis=1)
         beyond = away @ self._through > 0.0

@@ -1,4 +1,4 @@
-"""Pipeline following: fly along a pipeline that only the sonar sees."""
+"""Pipeline following: fly along a pipeline that is observed only by sonar."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ HALF_PAY_M = 1.0
 LOST_M, END_M = 5.0, 3.0
 ARRIVED, STRUCK, LOST = 10.0, -5.0, -5.0
 HEIGHT_COST, EFFORT_COST = 0.02, 0.01
-FIRST_SHARE = 0.6  # of the pipe's length: where episodes begin
+FIRST_SHARE = 0.6  # share of the pipe's length where episodes begin
 
 
 class PipelineFollowing(Task):
-    """Follow the scenario's pipeline to its end, 3 m above the bed. What is observed of the pipe is a sonar ping.
+    """Follow the scenario's pipeline to its end, 3 m above the bed. The pipe is observed only through sonar pings.
 
-    Start: along the pipe, 1.5 m beside it at most, within 20 degrees of its direction. Reward of a step: the metres
-    made along the pipe / (1 + (cross-track error / 1 m)^2), less 0.02 x |altitude - 3 m| and 0.01 x the mean square of
-    the efforts; 10 for the end of the pipe, -5 for losing it (5 m aside) and for striking something. End: any of these.
+    Start: along the pipe, at most 1.5 m beside it, within 20 degrees of its direction. Reward of a step: progress along
+    the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean square of
+    the efforts; 10 for the end of the pipe, -5 for losing it (5 m to the side) and for a collision. End: any of these.
     """
 
     scenario_file = "pipeline.yaml"
@@ -63,7 +63,7 @@ class PipelineFollowing(Task):
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for way made along the pipe."""
+        """Reward progress along the pipe."""
         along_m, aside_m = self._track.nearest(now.position_world_m[:, :2])
         height_m = now.position_world_m[:, 2] - self.batch.world.height_at(now.position_world_m[:, :2])
         arrived = along_m > self._track.length_m - END_M

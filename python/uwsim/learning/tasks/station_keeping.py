@@ -1,4 +1,4 @@
-"""Station keeping: hold a place and a heading in a current with gusts."""
+"""Station keeping: hold a position and a heading in a gusty current."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.learning.motion import Motion
 from uwsim.learning.task import ARROW, Field, Floats, Start, Task, Verdict, spread
 
 PLACE_M = np.array([0.0, 0.0, -7.0])
-HALF_PAY_M = 0.2  # the distance at which half is paid
+HALF_PAY_M = 0.2  # the distance at which the reward is halved
 EFFORT_COST = 0.02
 LOST_M = 5.0
 
@@ -28,22 +28,22 @@ class StationKeeping(Task):
     draws = 4
     place_m = PLACE_M
     goal_fields = (
-        Field("place_body", 3, 10.0, "m", "the way to the place, in body axes", None, ARROW, (0.2,) * 3),
+        Field("place_body", 3, 10.0, "m", "the vector to the target, in body axes", None, ARROW, (0.2,) * 3),
         Field(
-            "heading_body", 3, 1.0, "1", "the wanted heading's unit vector, in body axes", None, ARROW, (1.0, 0.3, 0.3)
+            "heading_body", 3, 1.0, "1", "the target heading's unit vector, in body axes", None, ARROW, (1.0, 0.3, 0.3)
         ),
     )
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin near the place."""
+        """Begin near the target."""
         return Start(self.place_m + spread(draws[:, :3], -1.0, 1.0), spread(draws[:, 3], -1.0, 1.0) * math.pi / 4)
 
     def goal(self, now: Motion) -> Floats:
-        """Return the way to the place, and the wanted heading."""
+        """Return the vector to the target, and the target heading."""
         return way_to(self.place_m, now)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for being near."""
+        """Reward being near."""
         distance_m = np.linalg.norm(now.position_world_m - self.place_m, axis=1)
         facing = 0.5 * (1.0 + now.heading[:, 0])
         reward = facing / (1.0 + distance_m / HALF_PAY_M) - EFFORT_COST * (actions**2).mean(axis=1)
@@ -51,5 +51,5 @@ class StationKeeping(Task):
 
 
 def way_to(place_m: Floats, now: Motion) -> Floats:
-    """Return the way to a place (3,) and the heading east, in body axes: (n, 6)."""
+    """Return the vector to a position (3,) and the heading east, in body axes: (n, 6)."""
     return np.concatenate([now.towards(place_m), now.world_from_body[:, 0, :]], axis=1)

@@ -1,4 +1,4 @@
-"""Waypoint: go to a place in a current, and come to rest there."""
+"""Waypoint: go to a position in a current, and come to rest there."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ MIDDLE_M = np.array([0.0, 0.0, -7.0])
 
 
 class Waypoint(Task):
-    """Go from a place to another, both drawn in a box of 16 x 16 x 6 m, in a current of up to 0.28 m/s with gusts.
+    """Go from one position to another, both drawn in a box of 16 x 16 x 6 m, in a gusty current of up to 0.28 m/s.
 
-    Reward of a step: the metres by which it has come nearer, less 0.02 x the mean square of the efforts; 10 for
-    arrival, within 0.5 m and slower than 0.3 m/s; -5 for striking something. End: either of them, or 25 m away.
+    Reward of a step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for
+    arrival, within 0.5 m and slower than 0.3 m/s; -5 for a collision. End: either of them, or 25 m away.
     """
 
     scenario_file = "open_water.yaml"
     duration_s = 60.0
     randomize = {"water.current_world_m_s.x": (-0.2, 0.2), "water.current_world_m_s.y": (-0.2, 0.2)}  # noqa: RUF012
     draws = 7
-    goal_fields = (Field("place_body", 3, LOST_M, "m", "the way to the place, in body axes"),)
+    goal_fields = (Field("place_body", 3, LOST_M, "m", "the vector to the target, in body axes"),)
 
     def __init__(self, batch: Batch, vehicle: str | None = None) -> None:
         super().__init__(batch, vehicle)
@@ -38,18 +38,18 @@ class Waypoint(Task):
         self._distance_m = np.zeros(batch.n)
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Draw both places."""
+        """Draw both positions."""
         begin_m, place_m = (MIDDLE_M + BASIN_M * spread(draws[:, k : k + 3], -1.0, 1.0) for k in (0, 3))
         self._places_m[members] = place_m
         self._distance_m[members] = np.linalg.norm(place_m - begin_m, axis=1)
         return Start(begin_m, spread(draws[:, 6], -math.pi, math.pi))
 
     def goal(self, now: Motion) -> Floats:
-        """Return the way to the place."""
+        """Return the vector to the target."""
         return now.towards(self._places_m)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Pay for coming nearer."""
+        """Reward approach."""
         distance_m = np.linalg.norm(now.position_world_m - self._places_m, axis=1)
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) < SLOW_M_S
         arrived, struck = (distance_m < NEAR_M) & slow, now.collisions > 0
