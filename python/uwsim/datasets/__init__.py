@@ -1,4 +1,4 @@
-"""Datasets: labelled pictures of cameras and sonars, drawn or along a track, in the formats that loaders read."""
+"""Datasets: labelled pictures of cameras and sonars, at drawn poses or along a track, in common formats."""
 
 from uwsim.datasets.make import Dataset, make_dataset
 from uwsim.datasets.spec import PRODUCTS

@@ -1,4 +1,4 @@
-"""One frame of a dataset, as a worker makes it: poses, pictures, files, and what the dataset's tables say of it."""
+"""One frame of a dataset, made by a worker: its pose, pictures and files, and its record for the dataset's tables."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ JPEG_QUALITY = 95
 
 @dataclass(frozen=True)
 class FrameJob:
-    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: drawn.
+    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: to be drawn.
 
     digest: of the scenario (studio.digest_of).
     """
@@ -42,9 +42,9 @@ class FrameJob:
 
 
 def folders(spec: DatasetSpec) -> dict[str, str]:
-    """Return the folder of each kind of file that frames have, with the files' suffix."""
+    """Return the folder of each kind of file in a frame, with the files' suffix."""
     suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
-    suffixes["yolo"] = "labels/.txt"  # where its loaders look: "images" in a path replaced by "labels"
+    suffixes["yolo"] = "labels/.txt"  # where its loaders search: "images" in a path replaced by "labels"
     found: dict[str, str] = {
         name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
     }
@@ -62,7 +62,7 @@ def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
 
 
 def make_frame(job: FrameJob) -> dict[str, Any]:
-    """Make a frame and write its files; return its record. Raises ValueError if there is no pose for it, OSError."""
+    """Make a frame and write its files; return its record. Raises ValueError if no pose can be found, OSError."""
     studio, spec, number = studio_of(job.spec, job.threads, job.digest), job.spec, job.number
     values = studio.vary(number)
     if job.pose is None:
@@ -126,7 +126,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
 
 
 def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files: dict[str, bytes]) -> None:
-    """Add a picture as an operator sees it: the farthest range in the first row, port in the first column."""
+    """Add a picture in an operator's layout: the farthest range in the first row, port in the first column."""
     assert image.labels is not None
     limits_db = shown_range(image.level_db, image.noise_db[:, None])
     labels = np.ascontiguousarray(image.labels[::-1, ::-1])

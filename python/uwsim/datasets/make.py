@@ -26,15 +26,15 @@ from uwsim.workers import Ledger, Workers, open_workers
 RETRIES = 2
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of frames that are finished, that failed (always 0), and of all."""
+"""Called with the numbers of frames finished, failed (always 0) and in all."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A dataset that was made, or begun.
+    """A dataset that is complete or in progress.
 
-    finished: how many of its n frames. files: those that tell of all frames, once all are there. made: how many frames
-    this call made, in wall_s seconds.
+    finished: number of its n frames. files: those that cover all frames, once all are there. made: number of frames
+    made by this call, in wall_s seconds.
     """
 
     spec: DatasetSpec
@@ -51,7 +51,7 @@ class Dataset:
 
     @property
     def frames_per_s(self) -> float:
-        """How many frames a second of wall time were made."""
+        """The number of frames made per second of wall time."""
         return self.made / self.wall_s if self.wall_s > 0.0 else 0.0
 
 
@@ -70,18 +70,18 @@ def make_dataset(
     show: Show = lambda activity: nullcontext(),
     **options: Any,
 ) -> Dataset:
-    """Write n labelled frames of a scenario into the folder `out`, the same bytes whatever the workers.
+    """Write n labelled frames of a scenario into the folder `out`; the bytes do not depend on the workers.
 
         uwsim.make_dataset("lake", "data", 1000, size=(320, 240), look_at=("gate", "pipeline"), workers=2)
 
-    Poses are drawn, or evenly spaced on a track: `along`, a file (datasets.track.read_track), or that of a `mission`'s
-    file, which is flown first. workers: processes on this machine, by default one for each core; 0: none, this process
-    works. scheduler: of a Dask cluster, instead, whose workers see `out` under the same path. resume: make what is
-    missing in `out`, which must be of the same options, scenario and build. options: the others of
+    Poses are drawn, or evenly spaced on a track: `along`, a file (datasets.track.read_track), or the track of a
+    `mission`'s file, which is flown first. workers: processes on this machine, by default one per core; 0: work in this
+    process. scheduler: of a Dask cluster, instead, whose workers find `out` under the same path. resume: make the
+    frames that are missing in `out`, which must have the same options, scenario and build. options: the others of
     datasets.spec.DatasetSpec.
 
-    A program of yours that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the
-    workers import it. Raises ValueError before anything is written, or for a frame that has no place; OSError.
+    A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the
+    workers import it. Raises ValueError before anything is written, or for a frame without a possible pose; OSError.
     """
     source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
     spec = validated(DatasetSpec, {"scenario": source, "n": n, **options})
@@ -93,7 +93,7 @@ def make_dataset(
         track = _track(spec, studio, along, mission)
         if track is None:
             studio.vary(0)
-            studio.viewpoint(0)  # raises ValueError where there is none
+            studio.viewpoint(0)  # raises ValueError if there is none
     into = made_folder(Path(out))
     with alone_in(into):
         ledger = Ledger(into)
@@ -131,7 +131,7 @@ def _make(
     crew: Workers, missing: Mapping[int, FrameJob], ledger: Ledger, stop_requested: Callable[[], bool],
     tell_finished: Callable[[int], None],
 ) -> tuple[int, float]:  # fmt: skip
-    """Make what is missing, and note each frame in the ledger; return how many were made, and the wall time [s]."""
+    """Make the missing frames and note each in the ledger; return their number and the wall time [s]."""
     begun_s, made = time.perf_counter(), 0
     for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
         if each.result is None:
@@ -143,7 +143,7 @@ def _make(
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
-    """Return the n poses of the track, if there is one. Raises ValueError for options that it leaves without effect."""
+    """Return the n poses of the track, if there is one. Raises ValueError for options that have no effect with it."""
     if along is None and mission is None:
         return None
     if along is not None and mission is not None:
@@ -153,7 +153,7 @@ def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission:
             raise ValueError(f"{name}: is without effect along a track, whose poses are as they are")
     if along is not None:
         return read_track(along).spread(spec.n)
-    from uwsim.flight.fly import fly  # here, since it brings much that drawn poses do not need
+    from uwsim.flight.fly import fly  # many imports that drawn poses do not need
 
     assert mission is not None
     name = studio.vehicle.name
@@ -180,7 +180,7 @@ def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) 
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:
-    """Make the folders of files; remove what a killed process has left half written."""
+    """Make the folders for files; remove partly written files of a killed process."""
     for name in _folder_names(spec):
         (into / name).mkdir(exist_ok=True)
         for left_over in (into / name).glob(".[0-9]*"):
@@ -192,7 +192,7 @@ def _folder_names(spec: DatasetSpec) -> list[str]:
 
 
 def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]:
-    """Return what all files follow from."""
+    """Return everything that determines the files."""
     poses = None
     if track is not None:
         arrays = (track.times_s, track.positions_m, track.orientations_xyzw)

@@ -1,4 +1,4 @@
-"""Where pictures are taken from: poses that are drawn, in free water, with something in view."""
+"""Poses for pictures: drawn in free water, with something in view."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from uwsim.simulator import Simulator
 
 Floats = NDArray[np.float64]
 BATCH, MAX_BATCHES = 64, 200
-"""Poses that are drawn at once, and how often, before the rules count as too narrow."""
+"""Poses drawn at once, and the number of attempts before the rules count as too narrow."""
 MARGIN = 0.1
-"""Share of the picture's sides, at each border, in which the point that is looked at does not lie."""
+"""Share of the picture at each border in which the target point does not lie."""
 SEEN_M = 0.05
-"""How far before its point a line of sight may end."""
+"""Distance before its target point at which a line of sight may end."""
 
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A pose of the vehicle, and what its camera looks at: orientation x, y, z, w; target: None on a track."""
+    """A pose of the vehicle, and its camera's target: orientation x, y, z, w; target: None on a track."""
 
     position_m: Floats
     orientation_xyzw: Floats
@@ -33,7 +33,7 @@ class Viewpoint:
 
 @dataclass(frozen=True, eq=False)
 class Eye:
-    """A camera on its vehicle: position_m (3,) and rotation (3, 3) of its frame (x ahead, y left) in the body's.
+    """A camera on its vehicle: position_m (3,) and rotation (3, 3) from its frame (x ahead, y left) to the body's.
 
     rays: (H, W, 2), X/Z and Y/Z of its pixels in the optical frame. hull_radius_m: of a sphere about the vehicle's
     origin.
@@ -56,41 +56,41 @@ class Limits:
 
 
 class FreeWater:
-    """Says which places of a vehicle and its camera are in the water, and clear of everything."""
+    """Checks which positions of a vehicle and its camera are in the water and clear of everything."""
 
     def __init__(self, sim: Simulator, carrier: str, eye: Eye, clearance_m: float) -> None:
         self._world, self._scene = sim.world, sim.around(carrier).scene
         self._hull_m, self._eye_m = eye.hull_radius_m + clearance_m, clearance_m
 
     def under_water(self, bodies_m: Floats, eyes_m: Floats) -> NDArray[np.bool_]:
-        """(n,), the quick rules: above the ground, below the surface."""
+        """Return the quick checks, (n,): above the ground, below the surface."""
         free = np.ones(len(bodies_m), bool)
         for points, clear_m in ((bodies_m, self._hull_m), (eyes_m, self._eye_m)):
             ground = self._world.height_at(points[:, :2])
             has_ground = self._world.highest_m > -np.inf
-            above = points[:, 2] - clear_m > ground if has_ground else True  # False beside the terrain, which is NaN
+            above = points[:, 2] - clear_m > ground if has_ground else True  # False outside the terrain (NaN)
             free &= (points[:, 2] + clear_m < 0.0) & above
         return free
 
     def clear(self, body_m: Floats, eye_m: Floats) -> bool:
-        """Whether nothing is nearer than the clearance."""
+        """Return whether nothing is nearer than the clearance."""
         points = np.array([body_m, eye_m])
         if not (self._scene.distance_m(points) >= (self._hull_m, self._eye_m)).all():
             return False
         return all(self._world.solid_around(point) is None for point in points)
 
     def sees(self, eye_m: Floats, point_m: Floats) -> bool:
-        """Whether nothing is between them."""
+        """Return whether nothing is between them."""
         return bool(self._scene.visible(eye_m, point_m[None], SEEN_M)[0])
 
 
 def draw_viewpoint(
     targets: Targets, water: FreeWater, eye: Eye, limits: Limits, random: np.random.Generator
 ) -> Viewpoint:
-    """Draw a pose with a point of a target in view, at a drawn pixel and distance. Raises ValueError if none is found.
+    """Return a pose with a target's point in view, at a drawn pixel and distance. Raises ValueError if none is found.
 
-    Heading, pitch and roll of the vehicle, the pixel and the distance are drawn evenly within their limits; together
-    they place the camera.
+    Heading, pitch and roll of the vehicle, the pixel and the distance are drawn uniformly within their limits; together
+    they determine the camera's position.
     """
     under_water = clear = 0
     for _ in range(MAX_BATCHES):
@@ -116,13 +116,13 @@ def draw_viewpoint(
 
 
 def _angles_rad(limits: Limits, random: np.random.Generator) -> Floats:
-    """(BATCH, 3), yaw, pitch and roll."""
+    """Return drawn yaw, pitch and roll, (BATCH, 3)."""
     bounds = np.array([np.pi, limits.pitch_max_rad, limits.roll_max_rad])
     return random.uniform(-bounds, bounds, (BATCH, 3))
 
 
 def _rays(eye: Eye, random: np.random.Generator) -> Floats:
-    """(BATCH, 3), unit directions of drawn pixels in the camera's frame: x ahead, y left, z up."""
+    """Return unit directions of drawn pixels in the camera's frame, (BATCH, 3): x ahead, y left, z up."""
     height, width = eye.rays.shape[:2]
     share = random.uniform(MARGIN, 1 - MARGIN, (BATCH, 2))
     rows, columns = (share[:, 0] * height).astype(int), (share[:, 1] * width).astype(int)
@@ -132,7 +132,7 @@ def _rays(eye: Eye, random: np.random.Generator) -> Floats:
 
 
 def visibility_m(water: _core.WaterOptics) -> float:
-    """How far a diver sees a dark thing before the water, looking level: 4.8 / c, c at 550 nm [1/m].
+    """Return the distance at which a diver sees a dark object horizontally: 4.8 / c, c at 550 nm [1/m].
 
     Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, for 532 nm.
     """

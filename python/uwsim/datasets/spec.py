@@ -1,4 +1,4 @@
-"""What a dataset holds: the options of `uwsim dataset`, checked."""
+"""The contents of a dataset: the checked options of `uwsim dataset`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.variation import Variation
 
 Product = Literal["rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam"]
 PRODUCTS: tuple[str, ...] = get_args(Product)
-"""Everything that can be written of a frame."""
+"""Everything that can be written for a frame."""
 USUAL: tuple[Product, ...] = ("rgb", "depth", "normals", "instances", "classes", "boxes")
 OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays"}
 MAX_FRAMES = 1_000_000
@@ -25,15 +25,15 @@ Metres = Annotated[float, InRange(0.01, 1000, "m")]
 class DatasetSpec(Model):
     """A dataset, apart from its poses along a track.
 
-    scenario: a packaged one's name, or a file. n: how many frames. seed: of all draws, and the scenario's seed; None:
+    scenario: a packaged one's name, or a file. n: number of frames. seed: of all draws, and the scenario's seed; None:
     the scenario's own. vehicle: its name; None: the first. camera: one of the vehicle's or the station's. size: width
-    and height in pixels; None: the camera's own. effects, without: of the pictures, as of Camera.capture. write: what
-    of each frame. pictures: the format of rgb. sonar: a forward-looking sonar of the vehicle; None: the first.
-    look_at: names or classes of what is looked at; None: everything. distance_m: least and greatest distance to it;
-    None: from what keeps clear to what is well seen. clearance_m: around the vehicle's hull and the camera.
-    pitch_max_deg, roll_max_deg: of the vehicle, to either side. label_range_m: things farther away have no labels;
-    None: the water's visibility. min_pixels: things with fewer have no annotation. val_share: of the frames, for
-    validation. vary: by the name of a parameter; each frame draws a value of each.
+    and height in pixels; None: the camera's own. effects, without: of the pictures, as in Camera.capture. write: the
+    files of each frame. pictures: the format of rgb. sonar: a forward-looking sonar of the vehicle; None: the first.
+    look_at: names or classes of targets; None: everything. distance_m: smallest and largest distance to the target;
+    None: from the clearance to good visibility. clearance_m: free space around the vehicle's hull and the camera.
+    pitch_max_deg, roll_max_deg: of the vehicle, to either side. label_range_m: objects farther away have no labels;
+    None: the water's visibility. min_pixels: objects with fewer pixels have no annotation. val_share: share of the
+    frames for validation. vary: by the name of a parameter; each frame draws a value of each.
     """
 
     scenario: str
@@ -84,10 +84,10 @@ class DatasetSpec(Model):
 
     @property
     def effects_on(self) -> tuple[str, ...]:
-        """The names of the effects that are on. Raises ValueError for unknown names."""
+        """Return the names of the effects to apply. Raises ValueError for unknown names."""
         off = effects_on(self.without)
         return tuple(name for name in effects_on(self.effects) if name not in off)
 
     def writes(self, *products: str) -> bool:
-        """Whether one of these is written."""
+        """Return whether one of these is written."""
         return not set(products).isdisjoint(self.write)

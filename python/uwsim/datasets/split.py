@@ -1,4 +1,4 @@
-"""Which frames are for training and which for validation."""
+"""The split of frames into training and validation."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 
 SPLITS = ("train", "val")
 STRETCHES = 4
-"""How many stretches of a track are for validation, spread along it."""
+"""Number of stretches of a track that are for validation, spread along it."""
 
 
 def split_of_frames(count: int, val_share: float, seed: int, *, in_sequence: bool) -> list[str]:
     """Return the split of each frame.
 
-    round(val_share * count) frames are for validation. Drawn frames are chosen at random; of a sequence, whole
+    round(val_share * count) frames are for validation. Drawn frames are selected at random; from a sequence, whole
     stretches are, since neighbours on a track look alike.
     """
     held_back = round(val_share * count)

@@ -1,4 +1,4 @@
-"""The place where frames are made: a simulator with its camera, sonar and targets, kept from frame to frame."""
+"""Studio: a simulator with its camera, sonar and targets, kept from frame to frame."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from uwsim.sonars.mounted import ImagingSonar
 from uwsim.variation import extremes, level_at
 
 VALUES, VIEWPOINT, TIME = 0, 1, 2
-"""What a frame draws for, each from a stream of its own, so that one does not disturb another."""
+"""A frame's random draws, each with a stream of its own, so that they do not disturb each other."""
 LATEST_S = 3600.0
-"""Drawn times are before this; they decide waves, ripples, particles and noise."""
+"""Upper limit of drawn times, which determine waves, ripples, particles and noise."""
 NEAREST_M = 0.3
 SEEN_WELL = 0.6
-"""Share of the visibility within which things are looked at."""
+"""Largest distance to targets, as a share of the visibility."""
 
 
 class Studio:
     """Makes any frame of a dataset from its number alone, the same on every process."""
 
     def __init__(self, spec: DatasetSpec, threads: int | None = None) -> None:
-        """Raises ValueError for what the scenario has not."""
+        """Raises ValueError for anything that the scenario does not have."""
         self.spec = spec
         self.sim = Simulator(spec.scenario, seed=spec.seed, threads=threads)
         self.vehicle = self.sim.rov if spec.vehicle is None else self.sim.vehicles[spec.vehicle]
@@ -81,19 +81,19 @@ class Studio:
 
     @property
     def info(self) -> CameraInfo:
-        """The camera's intrinsics as its pictures have them: without the effect `distortion` d is 0."""
+        """The camera's intrinsics for its pictures: without the effect `distortion`, d is 0."""
         info = self.camera.info
         return info if "distortion" in self.effects else replace(info, d=np.zeros(5))
 
     @property
     def label_range_m(self) -> float:
-        """The distance within which things are labelled: the visibility of the water as it is now."""
+        """The largest distance of labelled objects: the present visibility of the water."""
         if self.spec.label_range_m is not None:
             return self.spec.label_range_m
         return visibility_m(core_optics(self.sim.optics).water) if "attenuation" in self.effects else np.inf
 
     def vary(self, number: int) -> dict[str, Any]:
-        """Draw and set a frame's values, by the names of parameters; return them."""
+        """Draw and set a frame's parameters; return their values by name."""
         random = self._random(number, VALUES)
         levels = {name: level_at(variation, random.random()) for name, variation in self.spec.vary.items()}
         if levels:
@@ -101,12 +101,12 @@ class Studio:
         return {name: level.shown for name, level in levels.items()}
 
     def time_ns(self, number: int) -> int:
-        """Draw a frame's time."""
+        """Return a drawn time for a frame."""
         step_ns = round(1e9 * self.sim.step_s)
         return int(self._random(number, TIME).integers(round(LATEST_S / self.sim.step_s))) * step_ns
 
     def viewpoint(self, number: int) -> Viewpoint:
-        """Draw a frame's pose, for the water as it is now. Raises ValueError if none is found."""
+        """Return a drawn pose for a frame, in the present water. Raises ValueError if none is found."""
         spec = self.spec
         if self._drawing is None:
             self._drawing = self._targets(), self._eye()
@@ -124,17 +124,17 @@ class Studio:
             raise ValueError(f"frame {number}: {error}") from None
 
     def place(self, viewpoint: Viewpoint) -> None:
-        """Put the vehicle there. Raises ValueError for places in the ground or in a solid."""
+        """Put the vehicle there. Raises ValueError for positions in the ground or in a solid."""
         self.vehicle.place(viewpoint.position_m, viewpoint.orientation_xyzw)
 
     def picture(self, time_ns: int) -> Frame:
-        """Capture the camera's picture as if the time were another."""
+        """Return the camera's picture as if the time were another."""
         only_geometry = not self.spec.writes("rgb", "arrays")
         at = replace(self.camera.snapshot(), time_ns=time_ns)
         return self.camera.capture(self.effects, geometry_only=only_geometry, at=at)
 
     def ping(self, time_ns: int) -> SonarImage:
-        """Ping with the forward-looking sonar; the time selects its speckle."""
+        """Return a ping of the forward-looking sonar; the time selects its speckle."""
         assert self.sonar is not None
         around = self.sim.around(self.vehicle.name)
         pose, model, name = self.sonar.world_from_sonar, self.sonar.model, self.sonar.stream
@@ -142,7 +142,7 @@ class Studio:
         return look_ahead(around, pose, model, name=name, number=time_ns, with_labels=True)
 
     def distances_m(self, frame: Frame) -> NDArray[np.float32]:
-        """(H, W), from the camera along each pixel's ray; inf where nothing is hit."""
+        """Return distances from the camera along each pixel's ray, (H, W); inf if nothing is hit."""
         return np.asarray(frame.depth_m * self._slant, np.float32)
 
     def _targets(self) -> Targets:
@@ -170,22 +170,22 @@ class Studio:
 def _kept(spec_json: str, threads: int | None, digest: str) -> Studio:
     studio = Studio(DatasetSpec.model_validate_json(spec_json), threads)
     if scenario_fingerprint(studio.sim.scenario) != digest:
-        raise ValueError(f"scenario '{studio.spec.scenario}': is not here what it was when the dataset was begun")
+        raise ValueError(f"scenario '{studio.spec.scenario}': has changed since the dataset was begun")
     return studio
 
 
 def studio_of(spec: DatasetSpec, threads: int | None, digest: str) -> Studio:
-    """Return this process's studio for a dataset and a scenario of this fingerprint; the last few are kept."""
+    """Return this process's studio for a dataset and a scenario with this fingerprint; the last few are kept."""
     return _kept(spec.model_dump_json(exclude_unset=True), threads, digest)
 
 
 def digest_of(spec: DatasetSpec) -> str:
-    """Return the fingerprint of the scenario as it is now. Raises ScenarioError."""
+    """Return the fingerprint of the scenario in its present state. Raises ScenarioError."""
     return scenario_fingerprint(load(spec.scenario).with_changes(seed=spec.seed))
 
 
 def require_effects(spec: DatasetSpec) -> None:
-    """Raise ValueError for effects of pictures that do not exist, or that are without effect."""
+    """Raise ValueError for effects that do not exist or would have no effect."""
     effects_on(spec.effects)
     effects_on(spec.without)
     if not spec.writes(*OF_CAMERA) and (spec.effects != "on" or spec.without or spec.size is not None):

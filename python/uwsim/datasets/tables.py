@@ -1,4 +1,4 @@
-"""The files of a dataset that tell of all its frames: dataset.json, frames.jsonl, annotations, transforms.json."""
+"""The files that cover all frames of a dataset: dataset.json, frames.jsonl, annotations, transforms.json."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from uwsim.datasets.studio import Studio
 
 ABOUT, FRAMES, TRANSFORMS = "dataset.json", "frames.jsonl", "transforms.json"
 OF_TABLES = ("annotations", "sonar_annotations", "job", "trials")
-"""What a record has that frames.jsonl has not."""
+"""Fields of a record that frames.jsonl does not have."""
 CONVENTIONS = {
     "world": "east, north, up; z = 0 at the water's surface; metres",
     "body": "x ahead, y to port, z up",
@@ -36,7 +36,7 @@ CONVENTIONS = {
 def write_tables(
     out: Path, studio: Studio, plan: Mapping[str, Any], records: Sequence[Mapping[str, Any]], splits: Sequence[str]
 ) -> list[Path]:
-    """Write them into `out`; return their paths. records: of all frames, in order. Raises OSError."""
+    """Write the tables into `out`; return their paths. records: of all frames, in order. Raises OSError."""
     spec, written = studio.spec, []
 
     def write(name: str, content: str) -> None:

@@ -1,4 +1,4 @@
-"""What a camera may look at: points on the surfaces of the world and of the other vehicles."""
+"""Targets of a camera: points on the surfaces of the world and of the other vehicles."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ TERRAIN = "terrain"
 
 
 class Targets:
-    """Surfaces by name. Each is looked at as often as the others, however large it is."""
+    """Surfaces by name. All are chosen equally often, whatever their size."""
 
     def __init__(self, sim: Simulator, carrier: str, classes: dict[str, str], look_at: Sequence[str] | None) -> None:
-        """carrier: the vehicle that looks, which is no target. classes: of each surface, by name.
+        """carrier: the camera's vehicle, which is no target. classes: of each surface, by name.
 
         look_at: names and classes. Raises ValueError if nothing is left.
         """
@@ -40,7 +40,7 @@ class Targets:
         self._heaps = {name: np.cumsum(_areas_m2(surfaces[name])) for name in wanted}
 
     def draw(self, count: int, random: np.random.Generator) -> tuple[NDArray[np.intp], Floats]:
-        """Return `count` points (count, 3), and of each the index of its name."""
+        """Return `count` points (count, 3), and for each the index of its name."""
         which = random.integers(len(self.names), size=count)
         shares = random.random((count, 3))
         points = np.empty((count, 3))

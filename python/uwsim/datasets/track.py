@@ -1,4 +1,4 @@
-"""Poses along a track that was flown: from a survey, a mission, or a program of one's own."""
+"""Poses along a flown track: of a survey, of a mission, or from your own program."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ANGLES = ("yaw_rad", "pitch_rad", "roll_rad")
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A vehicle's poses in time: times_s (n,) not falling, positions_m (n, 3), orientations_xyzw (n, 4)."""
+    """A vehicle's poses over time: times_s (n,) not decreasing, positions_m (n, 3), orientations_xyzw (n, 4)."""
 
     times_s: Floats
     positions_m: Floats
@@ -37,10 +37,10 @@ class Track:
 
 
 def read_track(path: str | Path) -> Track:
-    """Read track-VEHICLE.csv of `uwsim run`, track.npz of `uwsim survey`, or an .npz of one's own.
+    """Return the track in track-VEHICLE.csv of `uwsim run`, track.npz of `uwsim survey`, or your own .npz.
 
-    That has position_world_m (n, 3), orientation_xyzw (n, 4) and, if known, time_s (n,). A survey's track has the
-    sonar's path alone: the vehicle is taken to be there, level, and to head along it. Without times a pose lasts a
+    Your own has position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey's track has only
+    the sonar's path: the vehicle is assumed to be there, level, and to head along it. Without times, each pose lasts a
     second. Raises ValueError, OSError.
     """
     file = Path(path)
@@ -57,7 +57,7 @@ def read_track(path: str | Path) -> Track:
 
 
 def track_of(samples: Any) -> Track:
-    """Return the poses of a flight's samples (flight.samples.Samples), or of columns of the same names."""
+    """Return the poses of a flight's samples (flight.samples.Samples), or of columns with the same names."""
     turns = Rotation.from_euler("ZYX", np.column_stack([samples[name] for name in ANGLES]))
     positions = np.column_stack([samples[name] for name in ("x_m", "y_m", "z_m")])
     return _checked(samples[TIMES], positions, turns.as_quat())
@@ -96,7 +96,7 @@ def _a_second_each(positions: NDArray[Any]) -> Floats:
 
 
 def _headings_xyzw(positions: NDArray[Any]) -> Floats:
-    """(n, 4), level, along the path."""
+    """Return level orientations along the path, (n, 4)."""
     if positions.dtype.kind not in "iuf":
         raise ValueError(f"{PATH}: must hold real numbers")
     if positions.ndim != 2 or positions.shape[1:] != (3,) or len(positions) < 2:
@@ -120,7 +120,7 @@ def _checked(times: Any, positions: Any, orientations: Any) -> Track:
     if count == 0:
         raise ValueError("has no poses")
     if (np.diff(found[0]) < 0.0).any() or found[0][0] < 0.0:
-        raise ValueError(f"{TIMES}: must begin at 0 or later, and not fall")
+        raise ValueError(f"{TIMES}: must begin at 0 or later, and not decrease")
     lengths = np.linalg.norm(found[2], axis=1)
     if (np.abs(lengths - 1.0) > 1e-3).any():
         raise ValueError(f"{ORIENTATIONS}: must be unit quaternions, x, y, z, w")

@@ -1,1 +1,1 @@
-"""Figures: a survey, a map and a sonar drawn as PNG files. Nothing here flies or scores."""
+"""Figures: PNG files of surveys, maps and sonars. Nothing here flies or scores."""

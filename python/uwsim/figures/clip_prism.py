@@ -1,4 +1,4 @@
-"""An upright prism that clips a scene: everything outside it is cut away."""
+"""A vertical prism that clips a scene: everything outside it is cut away."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class ClipPrism:
-    """An upright prism over a convex polygon (k, 2), open at the top, with its floor at z = floor_m."""
+    """A vertical prism over a convex polygon (k, 2), open at the top, with its floor at z = floor_m."""
 
     corners_m: NDArray[np.float64]
     floor_m: float

@@ -1,4 +1,4 @@
-"""Draws how much of the bed several missions have seen over time."""
+"""A figure of the area of bed that several missions have surveyed over time."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ Curve = tuple[Sequence[float], Sequence[float]]
 
 
 def draw_comparison(path: Path, curves: Mapping[str, Sequence[Curve]]) -> None:
-    """Draw a line for each flight: times [s] and areas seen [m2]; flights of one mission share a colour.
+    """Draw one line per flight: times [s] and surveyed areas [m2]; flights of one mission share a colour.
 
     Raises OSError.
     """
     figure = new_figure(9.6, 4.4)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    label_axes(axes, "What the sonar has seen", "simulated time [s]", "columns of 1 m with an echo [m²]")
+    label_axes(axes, "Area surveyed by sonar", "simulated time [s]", "columns of 1 m with an echo [m²]")
     for k, (name, lines) in enumerate(curves.items()):
         for seed, (times_s, areas_m2) in enumerate(lines):
             label = name if seed == 0 else None

@@ -1,4 +1,4 @@
-"""Draws how far two runs differ over time, channel by channel."""
+"""A figure of the difference between two runs over time, channel by channel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CURVES_MAX = 8
 def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
     """Draw the largest absolute difference of any number in each message, in its own unit, over simulated time.
 
-    gaps: by channel, in the order in which they are drawn, (time [s], difference above 0); at most CURVES_MAX. Raises
+    gaps: by channel, in drawing order, (time [s], difference above 0); at most CURVES_MAX. Raises
     OSError.
     """
     figure = new_figure(9.6, 4.4)

@@ -1,4 +1,4 @@
-"""Draws a flight: the track over the true bed, depth and altitude, commands and battery, the estimate's error."""
+"""Figures of a flight: the track over the true bed, depth and altitude, commands and battery, the estimate's error."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def draw_track(
     estimates_world_m: Paths,
     closed_world_m: Paths,
 ) -> None:
-    """Draw tracks (n, 3) by vehicle over the true bed, dashed the estimated and dotted the closed ones. Raises OSError.
+    """Draw tracks (n, 3) by vehicle over the true bed, estimated ones dashed and closed ones dotted. Raises OSError.
 
-    world: None if it is not known.
+    world: None if unknown.
     """
     every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values()])[:, :2]
     low, high = every.min(axis=0), every.max(axis=0)
@@ -92,7 +92,7 @@ def draw_depth(
     bed_m: NDArray[np.float64],
     collided: NDArray[np.bool_],
 ) -> None:
-    """Draw height z and that of the bed below over time, (n,), and mark contacts. Raises OSError."""
+    """Draw height z and that of the bed below over time, (n,), with marks for contacts. Raises OSError."""
     figure, axes = _over_time("Depth and altitude", "z [m], 0 is the surface", time_s, 2.5)
     minutes = time_s / 60.0
     lowest = float(np.nanmin(np.append(bed_m[np.isfinite(bed_m)], z_m)))

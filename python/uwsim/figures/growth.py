@@ -1,4 +1,4 @@
-"""Draws how a map grew: its area, and how far it was from the true surface, over time."""
+"""A figure of a map's growth: its area, and its distance from the true surface, over time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def draw_growth(path: Path, rows: Sequence[Mapping[str, float]]) -> None:
     figure = new_figure(WIDTH_IN, 3.6)
     minutes = [row["time_s"] / 60.0 for row in rows]
     area, distance = figure.add_axes((0.0, 0.58, 1.0, 0.42)), figure.add_axes((0.0, 0.0, 1.0, 0.42))
-    label_axes(area, "The map as it grew", "", "area [m2]")
+    label_axes(area, "Growth of the map", "", "area [m2]")
     area.plot(minutes, [row["area_m2"] for row in rows], color=ACCENT, marker=".")
     label_axes(distance, "", "time [min]", "to the truth [m]")
     distance.plot(minutes, [row["distance_mean_m"] for row in rows], color=ACCENT, marker=".", label="mean")

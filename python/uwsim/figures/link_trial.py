@@ -1,4 +1,4 @@
-"""Draws a link's trial: delay, delivery and goodput against range and against time."""
+"""A figure of a link's trial: delay, delivery and goodput against range and against time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CURVE = "#2a6f97"
 
 
 def draw_link_trial(trial: Trial, path: Path) -> None:
-    """Draw it into a PNG. Raises OSError."""
+    """Draw the trial into a PNG. Raises OSError."""
     figure = new_figure(11.0, 9.6)
     axes = figure.subplots(3, 2, sharex="col")
     ranges_m = np.array([leg.range_m for leg in trial.legs])
@@ -48,7 +48,7 @@ def draw_link_trial(trial: Trial, path: Path) -> None:
     for each in (axes[0, 0], axes[1, 0]):
         each.legend(fontsize=8.5, frameon=False)
     figure.suptitle(
-        f"{trial.modem} in {trial.scenario.name}: a vehicle goes out and comes back",
+        f"{trial.modem} in {trial.scenario.name}: a vehicle leaves the station and returns",
         x=0.01, ha="left", fontsize=13, fontweight="bold", color=INK,
     )  # fmt: skip
     figure.tight_layout()
@@ -56,7 +56,7 @@ def draw_link_trial(trial: Trial, path: Path) -> None:
 
 
 def _draw_open_water(trial: Trial, top: Axes, middle: Axes, reach_m: float) -> None:
-    """Draw what the equations say, as far as half again as the vehicle went."""
+    """Draw the equations' values, up to one and a half times the largest range of the vehicle."""
     curve = trial.open_water
     near = curve.range_m <= reach_m
     top.plot(

@@ -1,4 +1,4 @@
-"""Draws the occupied voxels of two maps from above, by the map that holds them."""
+"""A figure of the occupied voxels of two maps from above, coloured by the maps that hold them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and
 
 
 def draw_map_difference(path: Path, found: MapDifference, names: tuple[str, str]) -> None:
-    """Draw the columns of voxels that hold an occupied voxel in one map only, or in both. names: the maps' names.
+    """Draw the columns of voxels that have an occupied voxel in one map only, or in both. names: the maps' names.
 
-    Raises ValueError when neither map has an occupied voxel, OSError when the file cannot be written.
+    Raises ValueError if neither map has an occupied voxel, OSError if the file cannot be written.
     """
     everything = np.concatenate([found.only_first_m, found.only_second_m, found.both_m])
     if not len(everything):

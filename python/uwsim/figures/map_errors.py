@@ -1,4 +1,4 @@
-"""Draws a map's errors: seabed depth from above, missed and false voxels, and the distribution of the errors."""
+"""A figure of a map's errors: seabed depth from above, missed and false voxels, and the distribution of errors."""
 
 from __future__ import annotations
 
@@ -21,15 +21,13 @@ WIDTH_IN, CURVE_HEIGHT_IN, GAP_IN = 9.6, 3.0, 1.7
 ERRORS = matplotlib.colormaps["PuOr_r"]  # readable with red-green colour blindness
 OBSTACLE, UNJUDGED = "#8f98a1", "#f1f4f6"
 MISSED_EDGE, FALSE_EDGE = "#c51b7d", "#00798c"
-LIMIT_VOXELS = (
-    2.0  # colour range; half a voxel is the map's own rounding and stays pale, so that larger errors stand out
-)
+LIMIT_VOXELS = 2.0  # colour range; rounding to half a voxel stays pale, so that larger errors stand out
 
 
 def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float64]) -> None:
     """Draw the seabed's depth error by cell in the polygon (k, 2), and the share of cells within each absolute error.
 
-    Raises OSError when the file cannot be written.
+    Raises OSError if the file cannot be written.
     """
     low, high = area_world_m.min(axis=0), area_world_m.max(axis=0)
     margin = max(0.04 * float((high - low).max()), 1e-3)
@@ -40,7 +38,7 @@ def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float6
     figure = new_figure(WIDTH_IN, total_in)
 
     axes = figure.add_axes((0.0, 1.0 - map_height_in / total_in, 1.0, map_height_in / total_in))
-    label_axes(axes, "Where the map is wrong", "east [m]", "north [m]")
+    label_axes(axes, "Errors of the map", "east [m]", "north [m]")
     axes.set_facecolor(UNJUDGED)
     axes.set_aspect("equal")
     axes.set_xlim(low[0], high[0])
@@ -76,7 +74,7 @@ def _draw_voxels(axes: Axes, score: MapScore) -> None:
     missed, false = score.missed_centres_m, score.false_centres_m
     axes.scatter(
         missed[:, 0], missed[:, 1], s=14, marker="o", edgecolors=MISSED_EDGE,
-        label=f"voxels in sight but not in the map: {len(missed):,}", **style,
+        label=f"visible voxels that the map lacks: {len(missed):,}", **style,
     )  # fmt: skip
     axes.scatter(
         false[:, 0], false[:, 1], s=14, marker="s", edgecolors=FALSE_EDGE,
@@ -91,7 +89,7 @@ def _draw_voxels(axes: Axes, score: MapScore) -> None:
 def _draw_curve(axes: Axes, seabed: SeabedComparison | None) -> None:
     """Draw the share of cells within each absolute error, and the errors that S-44 allows at the median depth."""
     label_axes(
-        axes, "How large the seabed's errors are", "absolute error of a cell's depth [m]", "share of the cells [%]"
+        axes, "Distribution of the seabed's errors", "absolute error of a cell's depth [m]", "share of the cells [%]"
     )
     axes.set_ylim(0.0, 103.0)
     if seabed is None or not seabed.judged.any():

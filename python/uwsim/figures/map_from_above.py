@@ -1,4 +1,4 @@
-"""Draws the map from above: heights, the survey area, the path and the voxels that were missed."""
+"""A figure of the map from above: heights, the survey area, the path and missed voxels."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def draw_map_from_above(
 ) -> None:
     """Draw the highest occupied voxel of each column, the polygon (k, 2), the path (n, 3) by ping, and missed voxels.
 
-    Raises OSError when the file cannot be written.
+    Raises OSError if the file cannot be written.
     """
     frame = np.concatenate([area_world_m, path_world_m[:, :2]])
     low, high = frame.min(axis=0), frame.max(axis=0)
@@ -99,7 +99,7 @@ def top_heights(
 ) -> tuple[NDArray[np.float64], tuple[float, float, float, float]]:
     """Return the highest centre in each column of voxels, and the west, east, south and north borders of the grid.
 
-    centres_m: (n, 3), n > 0. Heights: rows from south to north, columns from west to east, nan where there is no voxel.
+    centres_m: (n, 3), n > 0. Heights: rows from south to north, columns from west to east, nan without a voxel.
     """
     keys = voxel_keys(centres_m, resolution_m)
     first, last = keys.min(axis=0), keys.max(axis=0)
@@ -132,7 +132,7 @@ def _draw_path(axes: Axes, path_world_m: NDArray[np.float64]) -> None:
     xy = path_world_m[:, :2]
     if len(xy) > 1:
         axes.plot(xy[:, 0], xy[:, 1], color="#20242a", linewidth=2.6, alpha=0.55, solid_joinstyle="round")
-        step = 1 + len(xy) // MAX_LEGS  # pings a leg of one colour
+        step = 1 + len(xy) // MAX_LEGS  # pings per leg of one colour
         starts = np.arange(0, len(xy) - 1, step)
         legs = LineCollection(
             [xy[start : start + step + 1] for start in starts], cmap=PROGRESS, linewidths=1.4, capstyle="round"

@@ -1,4 +1,4 @@
-"""Draws a map in 3D as octovis does: a cube for each occupied voxel, coloured by height. Needs no display."""
+"""A 3D figure of a map in octovis's style: a cube for each occupied voxel, coloured by height. Needs no display."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 
 MAX_CUBES = 3_000_000
-"""A map with more voxels is drawn in larger cubes."""
+"""A map with more voxels is drawn with larger cubes."""
 SUN_WORLD = np.array([-0.62, 0.21, 0.76]) / np.linalg.norm([-0.62, 0.21, 0.76])
 FOOT_PIXELS = 130
 MIN_WIDTH, MAX_WIDTH = 200, 8000
@@ -26,7 +26,7 @@ MIN_WIDTH, MAX_WIDTH = 200, 8000
 class Viewpoint:
     """The direction from which a map is drawn, and the picture's width.
 
-    azimuth_deg: direction from the map's middle to the eye, counter-clockwise from east. elevation_deg: of the eye
+    azimuth_deg: direction from the map's centre to the eye, counter-clockwise from east. elevation_deg: of the eye
     above the horizon. width: pixels.
     """
 
@@ -44,7 +44,7 @@ class Viewpoint:
 
 
 def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: str) -> None:
-    """Write a PNG. Raises ValueError when no voxel is occupied, OSError when the file cannot be written."""
+    """Write a PNG. Raises ValueError if no voxel is occupied, OSError if the file cannot be written."""
     centres, edge_m = _cubes(occupancy)
     shift = occupancy.origin_world_m - np.floor(occupancy.origin_world_m / edge_m) * edge_m
     on_grid = centres - shift  # the cubes are built at multiples of their edge

@@ -1,4 +1,4 @@
-"""Draws a slice through a map: occupied, free and unknown voxels on a level or upright plane."""
+"""A figure of a slice through a map: occupied, free and unknown voxels on a horizontal or vertical plane."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LABELS = {"x": "east [m]", "y": "north [m]", "z": "z [m], 0 is the water's surfa
 
 
 def draw_map_slice(path: Path, cut: MapSlice) -> None:
-    """Draw a slice to scale, or stretched if it is too slender to be seen. Raises OSError."""
+    """Draw a slice to scale, or stretched if it would be too slender. Raises OSError."""
     west, east, south, north = cut.extent_m
     ratio = (north - south) / (east - west)
     shown = float(np.clip(ratio, 0.22, 1.6))

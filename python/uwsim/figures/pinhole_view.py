@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-VIEW_DISTANCE = 2.0  # from the box's middle, in diagonals of the box
+VIEW_DISTANCE = 2.0  # from the box's centre, in diagonals of the box
 MIN_ASPECT, MAX_ASPECT = 0.2, 2.0
 MIN_BOX_M = 1.0e-3
 
 
 @dataclass(frozen=True, eq=False)
 class PinholeView:
-    """A perspective view through a window in the plane one unit in front of the eye.
+    """A perspective view through a window in the plane at unit distance from the eye.
 
     world_from_view: (3, 3), columns right, up, backward. window: left, right, bottom, top in that plane. width, height:
     pixels.
@@ -28,7 +28,7 @@ class PinholeView:
 
     @property
     def pixel_rad(self) -> float:
-        """The approximate angle that a pixel covers."""
+        """The approximate angle of a pixel."""
         return (self.window[1] - self.window[0]) / self.width
 
     def rays(self, rows: NDArray[np.int64], scale: int) -> NDArray[np.float64]:
@@ -45,7 +45,7 @@ class PinholeView:
         return np.asarray(directions.reshape(-1, 3), np.float64)
 
     def project(self, points_world_m: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return pixel coordinates (n, 2), column then row, of points (n, 3); nan for points behind the eye."""
+        """Return pixel coordinates (n, 2), column then row, of points (n, 3); nan behind the eye."""
         x0, x1, y0, y1 = self.window
         view = (np.asarray(points_world_m, np.float64) - self.eye_world_m) @ self.world_from_view
         plane = view[:, :2] / np.where(view[:, 2:] < 0.0, -view[:, 2:], np.nan)
@@ -61,8 +61,8 @@ def view_of_box(
     The height is kept between MIN_ASPECT and MAX_ASPECT of the width, so the view of a thin box shows more than the
     box.
 
-    azimuth_rad: direction from the box's middle to the eye, counter-clockwise from east. elevation_rad: of the eye
-    above the middle's horizon.
+    azimuth_rad: direction from the box's centre to the eye, counter-clockwise from east. elevation_rad: of the eye
+    above the horizon, seen from the centre.
     """
     middle, half = (low_m + high_m) / 2.0, np.maximum((high_m - low_m) / 2.0, MIN_BOX_M / 2.0)
     low_m, high_m = middle - half, middle + half

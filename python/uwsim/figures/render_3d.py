@@ -1,4 +1,4 @@
-"""Renders 3D pictures of the true world and of voxel maps without a display, with the rays that the sonar uses."""
+"""Rendering of 3D pictures of the true world and of voxel maps, without a display, by the sonar's ray casting."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from uwsim.figures.pinhole_view import PinholeView
 
 SUPERSAMPLE = 2
 SAME_COLOUR = 1.5 / 255.0
-RAYS_AT_ONCE = 1 << 15  # a few megabytes of arrays a thread
+RAYS_AT_ONCE = 1 << 15  # a few megabytes of arrays per thread
 FAR_M = 1.0e4
 SHADOW_LIFT_M = 0.02
 AMBIENT, SUN, SKY = 0.42, 0.50, 0.16
@@ -31,7 +31,7 @@ Cast = Callable[[NDArray[np.float64], NDArray[np.float64]], _core.RayHits]
 
 
 def cast_at_world(rays: _core.RayScene) -> Cast:
-    """Return a function that casts rays for pictures at a world."""
+    """Return a function that casts rays at a world, for pictures."""
     return partial(rays.cast, max_range_m=FAR_M, exact=False)
 
 
@@ -42,7 +42,7 @@ def cast_at_cubes(centres_world_m: NDArray[np.floating], edge_m: float) -> Cast:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The content of a picture: something to cast rays at, and colours (n, 3) in [0, 1] for heights (n,).
+    """The content of a picture: a function that casts rays at it, and colours (n, 3) in [0, 1] for heights (n,).
 
     prism: clips the world. height_at: height of the ground, to paint where the prism cuts it. voxel_m: size of the
     voxels whose edges are drawn.
@@ -75,8 +75,8 @@ def _draw_rows(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the colours (rows, width, 3) and ranges (rows, width) of some rows, each pixel the mean of its rays.
 
-    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Those on its diagonal are cast first; where they agree, the
-    others would show the same.
+    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Those on its diagonal are cast first; if they agree, the
+    others are assumed to agree, too.
     """
     fine = SUPERSAMPLE
     count = rows.stop - rows.start
@@ -107,7 +107,7 @@ def _draw_rows(
 
 
 def _background(view: PinholeView, rows: slice) -> NDArray[np.float64]:
-    """Return the colours (rows, 3) behind everything."""
+    """Return the background's colours (rows, 3)."""
     up = 1.0 - (np.arange(rows.start, rows.stop)[:, None] + 0.5) / view.height
     return np.asarray(BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up))
 
@@ -157,7 +157,7 @@ def _span(
 
 
 def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points (n, 3) see the sun: (n,) bool. Parts outside the prism cast no shadow."""
+    """Return which points (n, 3) are sunlit: (n,) bool. Parts outside the prism cast no shadow."""
     directions = np.broadcast_to(sun_world, points_m.shape)
     blocked_m = subject.cast(points_m, directions).ranges_m
     _, leave = _span(subject.prism, points_m, sun_world)

@@ -1,4 +1,4 @@
-"""One multibeam ping: the fan from above and, along its middle beam, from the side."""
+"""A figure of one multibeam ping: the fan from above and, along its middle beam, from the side."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ WATER, GROUND = "#e6f0f6", "#b9ab98"
 
 
 class FanPing(Protocol):
-    """The parts of a ping that the figure shows."""
+    """The parts of a ping that the figure needs."""
 
     @property
     def ranges_m(self) -> NDArray[np.floating]:
-        """(beams,), inf for no echo."""
+        """Ranges (beams,), inf for no echo."""
 
     @property
     def angles_rad(self) -> NDArray[np.floating]:
-        """(beams,), in the sonar's x-y plane, positive to port."""
+        """Angles (beams,) in the sonar's x-y plane, positive to port."""
 
     @property
     def world_from_sonar(self) -> NDArray[np.float64]:
-        """(4, 4)."""
+        """Pose of the sonar, (4, 4)."""
 
 
 def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float) -> None:
@@ -61,7 +61,7 @@ def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float)
 
 
 def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return each beam's end in the world (beams, 3), at its echo or the greatest range, and whether it had an echo."""
+    """Return each beam's end in the world (beams, 3), at its echo or the maximum range, and whether it had an echo."""
     echo = np.isfinite(ping.ranges_m) & (ping.ranges_m <= range_max_m)
     lengths = np.where(echo, ping.ranges_m, range_max_m)
     flat = np.stack([np.cos(ping.angles_rad), np.sin(ping.angles_rad), np.zeros(len(lengths))], axis=1)
@@ -84,7 +84,7 @@ def draw_plan(
     ends_m: NDArray[np.float64],
     echo: NDArray[np.bool_],
 ) -> float:
-    """Draw the fan from above, ahead is up. Returns the height in inches that keeps its scales equal."""
+    """Draw the fan from above, with ahead up. Return the height in inches that keeps its scales equal."""
     origin, level = ping.world_from_sonar[:3, 3], _level_axes(ping)
     ends = (ends_m[:, :2] - origin[:2]) @ level.T
     low, high = np.minimum(ends.min(axis=0), 0.0), np.maximum(ends.max(axis=0), 0.0)
@@ -161,7 +161,7 @@ def draw_section(
 def _draw_beams(
     axes: Axes, start: NDArray[np.float64], ends: NDArray[np.float64], echo: NDArray[np.bool_], every: int
 ) -> None:
-    """Draw each `every`-th beam to its end (n, 2) from the start (2,), fainter without an echo."""
+    """Draw every `every`-th beam to its end (n, 2) from the start (2,), fainter without an echo."""
     shown = np.arange(0, len(ends), every)
     lines = np.stack([np.broadcast_to(start, ends[shown].shape), ends[shown]], axis=1)
     colours = [(1.0, 1.0, 1.0, 0.75) if has_echo else (1.0, 1.0, 1.0, 0.25) for has_echo in echo[shown]]

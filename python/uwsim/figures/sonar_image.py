@@ -1,4 +1,4 @@
-"""Levels of a sonar as grey pictures."""
+"""Sonar levels as grey-scale pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Levels = NDArray[np.float32]
 
 
 def write_grey_png(path: Path, level_db: Levels, limits_db: tuple[float, float]) -> None:
-    """Write levels (rows, columns) as an 8-bit grey PNG, one pixel for each cell, atomically. NaN is black.
+    """Write levels (rows, columns) as an 8-bit grey PNG, one pixel per cell, atomically. NaN is black.
 
     limits_db: the levels of 0 and 255, see shown_range. Raises OSError; ValueError unless the limits increase.
     """

@@ -1,4 +1,4 @@
-"""Drawings of imaging sonars, one function for each kind, into given axes."""
+"""Drawings of imaging sonars into given axes, one function for each kind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHOWN_BINS = 500
 
 
 def draw_image(axes: Axes, image: SonarImage) -> float:
-    """Draw a forward-looking picture with range rings and bearings. Returns height over width of the drawing."""
+    """Draw a forward-looking picture with range rings and bearings. Return height over width of the drawing."""
     pixels = fan_pixels(image)
     low, high = shown_range(image.level_db, image.noise_db[:, None])
     left, right, bottom, top = pixels.extent_m
@@ -44,7 +44,7 @@ def draw_image(axes: Axes, image: SonarImage) -> float:
 
 
 def _draw_rings(axes: Axes, image: SonarImage) -> None:
-    """Arcs at round ranges and spokes at round bearings, which are positive to port."""
+    """Draw arcs at round ranges and spokes at round bearings, which are positive to port."""
     reach, half_deg = image.model.range_max_m, np.degrees(image.model.field_of_view_rad / 2)
     style: dict[str, Any] = {"color": RING, "alpha": 0.45, "linewidth": 0.7}
     step = _round_step(reach / 4)
@@ -122,6 +122,6 @@ def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], de
 
 
 def _round_step(about: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is not less."""
+    """Return the smallest of 1, 2, 5 times a power of ten that is not less than `about`."""
     scale = 10.0 ** np.floor(np.log10(about))
     return float(next(scale * digit for digit in (1.0, 2.0, 5.0, 10.0) if scale * digit >= about * (1 - 1e-9)))

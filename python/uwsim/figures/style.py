@@ -1,4 +1,4 @@
-"""The common style of all figures: white background, heights in viridis, the vehicle in warm colours."""
+"""The common style of all figures: white background, heights in viridis, vehicles in warm colours."""
 
 from __future__ import annotations
 
@@ -68,18 +68,18 @@ def add_legend(axes: Axes, columns: int) -> Legend:
 
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a PNG atomically, without date or version: the same figure gives the same bytes. Raises OSError."""
-    canvas: Any = FigureCanvasAgg(figure)  # matplotlib's has no types
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib's class has no types
     _fit(figure, canvas)
     canvas.draw()
     buffer = io.BytesIO()
-    # No alpha, and runs instead of matches: half of the time of the default, for as many bytes.
+    # No alpha, and run-length compression: half the time of the default, for as many bytes.
     opaque = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     opaque.save(buffer, "png", compress_level=1, compress_type=zlib.Z_RLE)
     write_atomically(path, buffer.getvalue())
 
 
 def _fit(figure: Figure, canvas: Any) -> None:
-    """Make a figure as large as what is drawn in and around it; savefig's bbox_inches="tight" draws it twice."""
+    """Make a figure as large as its contents; savefig's bbox_inches="tight" would draw it twice."""
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)
         figure.set_layout_engine("none")
@@ -97,7 +97,7 @@ def _fit(figure: Figure, canvas: Any) -> None:
 
 
 def height_range(heights_m: NDArray[np.floating]) -> Normalize:
-    """Return the range that the colours span: all heights but 0.5 % at each end; [-1, 0] for no heights."""
+    """Return the range of the colour scale: all heights but 0.5 % at each end; [-1, 0] for no heights."""
     if not heights_m.size:
         return Normalize(-1.0, 0.0, clip=True)
     low, high = np.percentile(heights_m, [0.5, 99.5])

@@ -1,4 +1,4 @@
-"""Draws truth and map side by side in 3D, with the same view, light and colours."""
+"""A figure of truth and map side by side in 3D, with the same view, light and colours."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class _Comparison:
     heights: Normalize
 
     def colours(self, heights_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Turn (n,) heights into (n, 3) colours."""
+        """Return colours (n, 3) for heights (n,)."""
         return np.asarray(HEIGHTS(self.heights(heights_m))[:, :3], np.float64)
 
 
@@ -72,8 +72,8 @@ def render_truth_and_map(
 ) -> TruthAndMap:
     """Render the polygon (k, 2) as a block cut from the world, and the map's voxels in the same view.
 
-    A second row shows a close view of both at the solid that stands highest in the map, if there is one. rays: the
-    world's. May run beside other figures on a thread of its own.
+    A second row shows both close up at the solid that stands highest in the map, if there is one. rays: the
+    world's. May run on a thread of its own, in parallel with other figures.
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
     occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
@@ -89,7 +89,7 @@ def render_truth_and_map(
 
 
 def draw_truth_and_map(path: Path, rendered: TruthAndMap, path_world_m: NDArray[np.float64]) -> None:
-    """Lay the pictures out side by side, the path (n, 3) on top. Raises OSError when the file cannot be written."""
+    """Draw the pictures side by side, with the path (n, 3) on top. Raises OSError if the file cannot be written."""
     _compose(path, rendered.rows, rendered.map_name, path_world_m, rendered.heights)
 
 
@@ -107,7 +107,7 @@ def _compose(
             left = column * (PANEL_PIXELS + GAP_PIXELS)
             axes = figure.add_axes((left / wide, top / high, PANEL_PIXELS / wide, view.height / high))
             axes.set_axis_off()
-            title = ("truth", map_name)[column] if row == 0 else ("truth", "map")[column] + ", from close by"
+            title = ("truth", map_name)[column] if row == 0 else ("truth", "map")[column] + ", close up"
             axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK)
             if image is None:
                 axes.text(0.5, 0.5, "the map is empty here", ha="center", fontsize=16, color=FAINT_INK)
@@ -124,7 +124,7 @@ def _compose(
 
 
 def _ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the terrain's heights on a grid of about 200 x 200 inside the polygon; (0,) where there is no terrain."""
+    """Return the terrain's heights on a grid of about 200 x 200 inside the polygon; (0,) if there is no terrain."""
     low, high = area_m.min(axis=0), area_m.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 200), np.linspace(low[1], high[1], 200))
     grid = np.stack([x.ravel(), y.ravel()], axis=1)
@@ -137,7 +137,7 @@ def _detail_block(
 ) -> NDArray[np.float64] | None:
     """Return a rectangle (4, 2) about the solid that stands highest above its ground in the map; None without one.
 
-    Solids higher than half the rectangle's length are left out: the picture could not show the ground they stand on.
+    Solids higher than half the rectangle's length are left out: the picture could not show the ground around them.
     """
     above_m = occupied_centres_m[:, 2] - world.height_at(np.asarray(occupied_centres_m[:, :2], np.float64))
     with np.errstate(invalid="ignore"):
@@ -174,7 +174,7 @@ def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevatio
     ground = _ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)
     floor_m = float(levels.min()) - CUT_DEPTH_M
-    # The top is a percentile, so that a few voxels high above all others (a station) do not shrink the rest.
+    # The top is a percentile, so that a few voxels far above all others (a station) do not compress the rest.
     top_m = max(float(np.percentile(levels, 99.7)), float(ground.max(initial=floor_m)))
     low, high = np.append(area_m.min(axis=0), floor_m), np.append(area_m.max(axis=0), top_m)
     view = view_of_box(low, high, AZIMUTH_RAD, elevation_rad, PANEL_PIXELS)

@@ -1,8 +1,8 @@
-"""The vertical orders of IHO S-44, and which of them a depth grid meets.
+"""The vertical orders of IHO S-44, and the orders that a depth grid meets.
 
 IHO Standards for Hydrographic Surveys, S-44, edition 6.1.0 (2022), Table 1: the total vertical uncertainty allowed at
-the 95 % confidence level is TVU(d) = sqrt(a^2 + (b d)^2) at depth d. The coefficients are those that were handed to the
-project; they have not been checked against the standard itself. An order requires more than this (horizontal
+the 95 % confidence level is TVU(d) = sqrt(a^2 + (b d)^2) at depth d. The coefficients were given to the
+project and have not been checked against the standard itself. An order has further requirements (horizontal
 uncertainty, feature detection, coverage), so a grid that meets its TVU need not meet the order.
 """
 
@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Order:
-    """An order of S-44. a_m: the part of the uncertainty that does not depend on depth. b: the part that does."""
+    """An order of S-44. a_m: the part of the uncertainty that does not depend on depth. b: the factor on depth."""
 
     name: str
     a_m: float

@@ -14,7 +14,7 @@ from uwsim.scoring.s44 import ORDERS, share_within
 
 
 def score_values(score: MapScore, *, path_known: bool) -> dict[str, Any]:
-    """Return the score's figures by name. path_known: whether there is a path, on which coverage and recall depend."""
+    """Return the score's values by name. path_known: whether there is a path, which coverage and recall need."""
     seabed = score.seabed
     known = path_known and score.visible_truth_voxels > 0
     figures: dict[str, Any] = {
@@ -44,6 +44,6 @@ def score_values(score: MapScore, *, path_known: bool) -> dict[str, Any]:
 
 
 def write_json(path: Path, values: Mapping[str, Any]) -> None:
-    """Write figures atomically; NaN becomes null. Raises OSError."""
+    """Write values atomically; NaN becomes null. Raises OSError."""
     plain = {name: None if isinstance(v, float) and math.isnan(v) else v for name, v in values.items()}
     write_atomically(path, (json.dumps(plain, indent=2) + "\n").encode("utf-8"))

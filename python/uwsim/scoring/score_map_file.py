@@ -1,4 +1,4 @@
-"""Scores a map file against the world of its scenario, as `uwsim map score` does."""
+"""Scoring of a map file against the world of its scenario, for `uwsim map score`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 @dataclass(frozen=True, eq=False)
 class ScoredMap:
-    """A map's score and its track. path_known: whether the track has a path, on which coverage and recall depend."""
+    """A map's score and its track. path_known: whether the track has a path, which coverage and recall need."""
 
     score: MapScore
     track: SurveyTrack
@@ -28,10 +28,10 @@ class ScoredMap:
 
 
 def score_map_file(path: Path, scenario: str, track: Path | None, origin_world_m: Origin) -> ScoredMap:
-    """Score a map file against a scenario's world.
+    """Return the score of a map file against a scenario's world.
 
     track: the survey's track file or a cloud file of the sonar's positions; by default TRACK in the map's folder.
-    Without one, coverage and recall, which depend on what was visible, are not known.
+    Without one, coverage and recall, which depend on the path, are unknown.
     Raises ScenarioError, ValueError or OSError.
     """
     occupancy = open_map(path, origin_world_m)
@@ -50,7 +50,7 @@ def score_map_file(path: Path, scenario: str, track: Path | None, origin_world_m
 
 
 def score_table(scored: ScoredMap, title: str) -> Table:
-    """Return a table of the score, then of the seabed cells within each order of IHO S-44."""
+    """Return a table of the score, and of the seabed cells within each order of IHO S-44."""
     table = Table(title=title, title_justify="left", show_header=False)
     table.add_column("figure", style="cyan", overflow="fold")
     table.add_column("value", justify="right", no_wrap=True)
@@ -81,7 +81,7 @@ def _read_track(path: Path, scenario: Scenario) -> SurveyTrack:
 
 
 def _track_without_path(scenario: Scenario) -> SurveyTrack:
-    """Return a track with an empty path, and the area and the sonar's range from the scenario."""
+    """Return a track with an empty path, and the scenario's area and sonar range."""
     if scenario.survey is None:
         raise ValueError(f"scenario '{scenario.name}': has no survey, whose area_m is the area to score")
     sonar = scenario.vehicles[0].sonar

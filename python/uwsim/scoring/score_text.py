@@ -63,5 +63,5 @@ def percentage(share: float) -> str:
 def coverage_text(score: MapScore) -> str:
     """Return coverage in per cent of the visible voxels, rounded down so that only 1 gives 100 %."""
     if score.visible_truth_voxels == 0:
-        return "- (no true surface was in sight)"
+        return "- (no true surface was visible)"
     return f"{math.floor(score.coverage * 1000.0) / 10.0:.1f} % of {score.visible_truth_voxels:,} voxels"

@@ -1,4 +1,4 @@
-"""Compares a grid of depths with the true seabed, cell by cell."""
+"""Comparison of a grid of depths with the true seabed, cell by cell."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ MARGIN_M = 1.0  # rays start this far above the world's highest point and end th
 class SeabedComparison:
     """A depth grid compared with the true terrain.
 
-    error_m: (rows, columns), depth in the grid minus true depth, positive where the grid is too deep; nan where the
-    cell is not judged because it is empty, off the terrain, outside the polygon or under an obstacle. true_depth_m:
-    (rows, columns), mean over the cell. obstructed: (rows, columns) bool, cells with data under an obstacle.
+    error_m: (rows, columns), depth in the grid minus true depth, positive where the grid is too deep; nan for cells
+    that are not scored: empty, off the terrain, outside the polygon or under an obstacle. true_depth_m: (rows,
+    columns), mean over the cell. obstructed: (rows, columns) bool, cells with data under an obstacle.
     """
 
     grid: DepthGrid
@@ -35,27 +35,27 @@ class SeabedComparison:
 
     @property
     def judged(self) -> NDArray[np.bool_]:
-        """(rows, columns) bool: cells whose error is known."""
+        """Cells whose error is known, (rows, columns) bool."""
         return np.isfinite(self.error_m)
 
     @property
     def errors_m(self) -> NDArray[np.float64]:
-        """(n,), errors of the judged cells."""
+        """Errors of the scored cells, (n,)."""
         return self.error_m[self.judged]
 
     @property
     def depths_m(self) -> NDArray[np.float64]:
-        """(n,), true depths of the judged cells."""
+        """True depths of the scored cells, (n,)."""
         return self.true_depth_m[self.judged]
 
     @property
     def mean_m(self) -> float:
-        """Mean error: a bias. nan when no cell was judged."""
+        """Mean error, a bias; nan if no cell was scored."""
         return float(self.errors_m.mean()) if self.judged.any() else float("nan")
 
     @property
     def p95_m(self) -> float:
-        """95th percentile of the absolute error; nan when no cell was judged."""
+        """95th percentile of the absolute error; nan if no cell was scored."""
         return float(np.percentile(np.abs(self.errors_m), 95.0)) if self.judged.any() else float("nan")
 
     @property
@@ -67,7 +67,7 @@ class SeabedComparison:
 def compare_seabed(
     world: _core.World, rays: _core.RayScene, grid: DepthGrid, area_world_m: NDArray[np.float64]
 ) -> SeabedComparison:
-    """Compare the cells whose centres lie in the polygon (k, 2) with the mean height of the terrain in each cell.
+    """Compare the cells with centres in the polygon (k, 2) with the mean height of the terrain in each cell.
 
     Terrain heights and obstacles are sampled every SAMPLE_SPACING_M or closer, the cell's edges included.
     """
@@ -82,7 +82,7 @@ def compare_seabed(
         height[batch] = world.height_at(xy).reshape(len(height[batch]), -1).mean(axis=1)
     blocked = np.zeros(len(centres), bool)
     heights_m = np.array([0.0, world.lowest_m, world.highest_m, *vertices[:, 2]])
-    heights_m = heights_m[np.isfinite(heights_m)]  # without a terrain its heights are not
+    heights_m = heights_m[np.isfinite(heights_m)]  # without a terrain, heights are not finite
     top_m, bottom_m = float(heights_m.max()), float(heights_m.min())
     blocked[may_be_blocked] = _blocked(rays, centres[may_be_blocked], grid.cell_m, top_m, bottom_m)
     error, true_depth = np.full(grid.depth_m.shape, np.nan), np.full(grid.depth_m.shape, np.nan)
@@ -94,7 +94,7 @@ def compare_seabed(
 
 
 def _near(triangles_m: NDArray[np.float64], grid: DepthGrid) -> NDArray[np.bool_]:
-    """Return the cells (rows, columns) in or next to the bounding box of a triangle (n, 3, 3): solids may be there."""
+    """Return the cells (rows, columns) in or next to the bounding box of a triangle (n, 3, 3), where solids may be."""
     rows, columns = grid.depth_m.shape
     at = (triangles_m[..., :2] - (grid.west_m, grid.south_m)) / grid.cell_m
     low, high = np.floor(at.min(axis=1)).astype(np.int64) - 1, np.floor(at.max(axis=1)).astype(np.int64) + 2
@@ -106,7 +106,7 @@ def _near(triangles_m: NDArray[np.float64], grid: DepthGrid) -> NDArray[np.bool_
 
 
 def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Yield batches of cells, and their sample points (n, 2), as many for each cell."""
+    """Yield batches of cells, and their sample points (n, 2), equally many for each cell."""
     steps = int(np.ceil(cell_m / SAMPLE_SPACING_M - 1e-9)) + 1
     offset = (np.linspace(-0.5, 0.5, steps)) * cell_m
     offsets = np.stack(np.meshgrid(offset, offset), axis=-1).reshape(-1, 2)
@@ -119,7 +119,7 @@ def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[sl
 def _blocked(
     rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float, top_m: float, bottom_m: float
 ) -> NDArray[np.bool_]:
-    """Return whether an obstacle is the first thing below a sample of each cell (n,). top_m, bottom_m: of the world."""
+    """Return whether an obstacle is the first hit below a sample of each cell (n,). top_m, bottom_m: of the world."""
     blocked = np.zeros(len(centres_m), bool)
     for batch, xy in _samples(centres_m, cell_m):
         origins = np.column_stack([xy, np.full(len(xy), top_m + MARGIN_M)])

@@ -1,4 +1,4 @@
-"""The true surface, looked at while a survey flies, in what time its map's thread has left."""
+"""The true surface, sampled during a survey, while the map's thread is idle."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 
 class SurfaceAhead:
-    """Samples a world's surface in an area, and finds how far the voxels are from it that echoes come from.
+    """Samples a world's surface in an area, and measures its distance from the voxels that hold echoes.
 
-    A score that is told of it needs only do the rest, and is the same. For one thread at a time. voxels: those of
-    the map, of width resolution_m. area_world_m: (k, 2), the polygon that will be scored.
+    A score that receives it only computes the rest, and is the same. For one thread at a time. voxels: those of
+    the map, of width resolution_m. area_world_m: (k, 2), the polygon to be scored.
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class SurfaceAhead:
         self._sampled: list[SurfaceSamples] = []
 
     def look_at(self, points_world_m: NDArray[np.float32]) -> None:
-        """Look at the voxels that hold points (n, 3), and sample one more tile of the surface."""
+        """Measure the voxels that hold points (n, 3), and sample one more tile of the surface."""
         self.voxels.look_at(points_world_m)
         if self._left is None:
             self._left = self._all_tiles()
@@ -37,7 +37,7 @@ class SurfaceAhead:
             self._sampled.append(self._left.popleft()())
 
     def tiles(self) -> Iterator[Callable[[], SurfaceSamples]]:
-        """Yield what surface_tile_jobs does, of which some are done. Raises what it does."""
+        """Yield the jobs of surface_tile_jobs, some of which are done. Raises the same errors."""
         left = self._begin() if not self._sampled else self._left or ()
         yield from (partial(_itself, tile) for tile in self._sampled)
         yield from left
@@ -45,7 +45,7 @@ class SurfaceAhead:
     def _all_tiles(self) -> deque[Callable[[], SurfaceSamples]]:
         try:
             return deque(self._begin())
-        except ValueError:  # too large to be scored, which is told when the score is asked for
+        except ValueError:  # too large to be scored; the score itself will raise this error
             return deque()
 
 

@@ -1,4 +1,4 @@
-"""The track of a survey, kept beside its map in track.npz: where the sonar was, and the area that was to be covered."""
+"""A survey's track, kept beside its map in track.npz: the sonar's path, and the area to be covered."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TRACK = "track.npz"
-"""The file's name beside map.bt."""
+"""The file's name, beside map.bt."""
 VERSION = 1
 FIELDS = ("version", "path_world_m", "area_world_m", "range_max_m", "scenario_name")
 
 
 @dataclass(frozen=True, eq=False)
 class SurveyTrack:
-    """Everything about a survey that the score of its map depends on.
+    """Everything in a survey that its map's score depends on.
 
     path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
-    range_max_m: the sonar's maximum range. scenario_name: empty when it is not known.
+    range_max_m: the sonar's maximum range. scenario_name: empty if unknown.
     """
 
     path_world_m: NDArray[np.float64]
@@ -43,7 +43,7 @@ class SurveyTrack:
 
     def plot(self) -> Figure:
         """Return a figure of the path from above, coloured by its height, over the area."""
-        from uwsim.scoring.track_plot import plot  # here, since matplotlib takes a second to import
+        from uwsim.scoring.track_plot import plot  # matplotlib takes a second to import
 
         return plot(self.path_world_m, self.area_world_m, repr(self))
 
@@ -67,7 +67,10 @@ class SurveyTrack:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a track. Raises OSError when the file cannot be read, ValueError when it is not a valid track."""
+        """Return the track in a file.
+
+        Raises OSError if the file cannot be read, ValueError if it is not a valid track.
+        """
         try:
             data = Path(path).read_bytes()
         except OSError as error:
@@ -95,7 +98,7 @@ class SurveyTrack:
 
 
 def _fields(data: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a track file, whatever they hold. Raises ValueError in words of its own."""
+    """Return the arrays of a track file, unchecked. Raises ValueError with a message of its own."""
     try:
         fields = read_npz(data)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Draws where a vehicle was: what notebooks show of a track, and `track.plot()`."""
+"""A figure of a vehicle's path, for notebooks and `track.plot()`."""
 
 from __future__ import annotations
 

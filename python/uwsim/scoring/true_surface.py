@@ -1,4 +1,4 @@
-"""The true surface as the voxels that a perfect map would hold, each with sample points on the surface."""
+"""The true surface as the voxels of a perfect map, each with sample points on the surface."""
 
 from __future__ import annotations
 
@@ -57,17 +57,17 @@ def surface_tiles(
 def surface_tile_jobs(
     world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box = EVERYWHERE
 ) -> Iterator[Callable[[], SurfaceSamples]]:
-    """Sample every triangle of terrain and solids, where it lies inside the polygon, at half a voxel or closer.
+    """Yield jobs that sample every triangle of terrain and solids inside the polygon, at half a voxel or closer.
 
-    Yields functions that each sample a tile, on any thread.
+    Each job samples a tile, on any thread.
 
-    A voxel counts as surface when it holds a sample, so a voxel that the surface merely clips (by less than about a
-    third of its width) may not count. At most one sample is kept for each octant of a voxel: more would see nothing
+    A voxel counts as surface if it holds a sample, so a voxel that the surface merely clips (by less than about a
+    third of its width) may not count. At most one sample is kept for each octant of a voxel: more would reveal nothing
     new. Parts of solids under the terrain (the lower half of a buried pipe) are not surface and are discarded.
 
-    The samples come in tiles of at most TILE_VOXELS on a side that share no voxel, so memory depends neither on the
-    size of the area nor on the triangles outside it. within_m: a box, corners (3,), beyond which nothing is sampled.
-    Raises ValueError, before the first tile, when the surface is estimated to have more than MAX_VOXELS.
+    The samples come in tiles of at most TILE_VOXELS on a side that share no voxel, so memory does not depend on the
+    size of the area or on triangles outside it. within_m: a box, corners (3,), beyond which nothing is sampled.
+    Raises ValueError, before the first tile, if the surface is estimated to have more than MAX_VOXELS.
     """
     sampler = _core.SurfaceSampler(world, resolution_m, area_world_m, *within_m)
     if sampler.box_m is None:

@@ -1,1 +1,1 @@
-"""The files of a dataset, one format each."""
+"""The files of a dataset, one module for each format."""

@@ -1,4 +1,4 @@
-"""COCO's format for instances: boxes and masks of the things in pictures. https://cocodataset.org/#format-data."""
+"""COCO's format for instances: boxes and masks of the objects in pictures. https://cocodataset.org/#format-data."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from uwsim.datasets.formats.masks import bounds, run_lengths
 
 STUFF = ("nothing", "terrain")
-"""Classes that are no things: they have masks, but no boxes."""
+"""Classes that are not objects: they have masks, but no boxes."""
 
 
 def annotations_of(
     labels: NDArray[np.uint16], class_of_label: Sequence[int], names: Sequence[str], distances_m: NDArray[np.float32],
     min_pixels: int,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """Return the annotations of a picture's things, without ids.
+    """Return the annotations of a picture's objects, without ids.
 
-    labels: (H, W). class_of_label: by label; names: of the labels. distances_m: (H, W), of each pixel. Beside COCO's
-    fields there are the thing's name, its label and the median distance of its pixels.
+    labels: (H, W). class_of_label: by label; names: of the labels. distances_m: (H, W), of each pixel. In addition to
+    COCO's fields, there are the object's name, its label and the median distance of its pixels.
     """
     found = []
     for label in np.flatnonzero(np.bincount(labels.ravel())).tolist():
@@ -55,7 +55,7 @@ def coco(
     annotations: list[dict[str, Any]] = []
     for image, things in pictures:
         images.append(image)
-        for thing in things:  # ids begin at 1: pycocotools takes a match with annotation 0 for none
+        for thing in things:  # ids begin at 1: pycocotools treats annotation 0 as no match
             annotations.append({"id": len(annotations) + 1, "image_id": image["id"], **thing})
     categories = [
         {"id": number, "name": name, "supercategory": "thing"}

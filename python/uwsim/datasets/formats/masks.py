@@ -1,4 +1,4 @@
-"""Run lengths of masks, as COCO defines them: down each column in turn, beginning with what is not in the mask.
+"""Run lengths of masks, as COCO defines them: column by column, beginning with pixels outside the mask.
 
 They are written as plain lists ("uncompressed RLE"), which pycocotools, torchvision and Detectron2 all read;
 torchvision does not read the compressed text.
@@ -22,7 +22,7 @@ def run_lengths(mask: NDArray[np.bool_]) -> dict[str, Any]:
 
 
 def bounds(mask: NDArray[np.bool_]) -> list[int]:
-    """Return x, y, width, height [pixels] of the smallest box round a mask (H, W) that is not empty."""
+    """Return x, y, width, height [pixels] of the smallest box round a mask (H, W), which must not be empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     left, top = int(columns[0]), int(rows[0])
     return [left, top, int(columns[-1]) - left + 1, int(rows[-1]) - top + 1]

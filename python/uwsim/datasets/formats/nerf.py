@@ -1,4 +1,4 @@
-"""transforms.json, which NeRF and Gaussian splatting programs read: nerfstudio, instant-ngp."""
+"""transforms.json for NeRF and Gaussian splatting programs: nerfstudio, instant-ngp."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 OPTICAL_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
-"""OpenGL's camera has x to the right, y up, z back; the optical frame x to the right, y down, z ahead."""
+"""OpenGL's camera has x to the right, y up, z back; the optical frame has x to the right, y down, z ahead."""
 
 
 def transforms(
@@ -17,9 +17,9 @@ def transforms(
 ) -> dict[str, Any]:
     """Return the file's content.
 
-    k: (3, 3), d: (5,) as in CameraInfo, of the pictures as they are. size: width, height. frames: each with
-    world_from_optical (4, 4), file, split and, if there is one, depth_file. Pixels' centres are at half pixels there
-    and at whole ones here.
+    k: (3, 3), d: (5,) as in CameraInfo, for the pictures as written. size: width, height. frames: each with
+    world_from_optical (4, 4), file, split and optionally depth_file. Pixel centres are at half-integer coordinates
+    there, and at integers here.
     """
     width, height = size
     listed = list(frames)

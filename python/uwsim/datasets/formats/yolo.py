@@ -9,7 +9,7 @@ from uwsim.datasets.formats.coco import STUFF
 
 
 def yolo_lines(things: Sequence[Mapping[str, Any]], width: int, height: int) -> str:
-    """Return a picture's file, from COCO's annotations: class, then middle and size as shares of the picture."""
+    """Return a picture's file, from COCO's annotations: class, then centre and size as shares of the picture."""
     lines = []
     for thing in things:
         left, top, across, down = thing["bbox"]
