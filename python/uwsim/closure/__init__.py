@@ -1,4 +1,4 @@
-"""Mends a map that has drifted: submaps of one flight are matched where they overlap, and the track is bent to fit."""
+"""Loop closure for a drifted map: overlapping submaps of one flight are matched, and the track is corrected to fit."""
 
 from uwsim.closure.close_loops import ClosedTrack, close_loops
 from uwsim.closure.track import PingTrack

@@ -1,4 +1,4 @@
-"""close_loops: a flight's track, bent so that its submaps fit each other."""
+"""close_loops: corrects a flight's track so that its submaps fit each other."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from uwsim.closure.track import PingTrack
 
 Array = NDArray[np.float64]
 CANDIDATES = 2
-LEAST_COMMON = 0.25  # share of a submap's plan that a candidate has in common
-GATE = 4.0  # a match that moves a submap by more standard deviations than this is false
+LEAST_COMMON = 0.25  # least share of a submap's plan that a candidate shares
+GATE = 4.0  # a match that moves a submap by more standard deviations is rejected
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedTrack:
-    """The corrected track. world_from_body: one (4, 4) a ping; matches: the loops that were closed.
+    """The corrected track. world_from_body: one (4, 4) per ping; matches: the closed loops.
 
-    corrections: (submaps, 3), x, y [m] and turn [rad]; tried: how many pairs of submaps overlap.
+    corrections: (submaps, 3), x, y [m] and turn [rad]; tried: the number of overlapping pairs of submaps.
     """
 
     world_from_body: list[Array]
@@ -33,7 +33,7 @@ class ClosedTrack:
 
 
 def close_loops(track: PingTrack) -> ClosedTrack:
-    """Match the submaps of a flight where they overlap, and bend its track to fit (Lu and Milios 1997)."""
+    """Match the submaps of a flight where they overlap, and correct its track to fit (Lu and Milios 1997)."""
     maps = submaps(track)
     corrections = np.zeros((len(maps), 3))
     pairs = [(i, j) for j in range(len(maps)) for i in _candidates(maps, j)]
@@ -45,7 +45,7 @@ def close_loops(track: PingTrack) -> ClosedTrack:
 
 
 def _candidates(maps: list[Submap], second: int) -> list[int]:
-    """Return the earlier submaps that have the most of their plan in common with this one, but for its neighbours."""
+    """Return the earlier submaps that share most of their plan with this one, except its neighbours."""
     earlier = [i for i in range(second - 1) if maps[i].overlap(maps[second]) >= LEAST_COMMON]
     return sorted(earlier, key=lambda i: maps[i].overlap(maps[second]), reverse=True)[:CANDIDATES]
 
@@ -64,7 +64,7 @@ def _is_likely(maps: list[Submap], m: Match) -> bool:
 
 
 def _corrected(track: PingTrack, maps: list[Submap], corrections: Array) -> list[Array]:
-    """Return the corrected poses: between the middles of two submaps, a mean of what both say, but not over a jump."""
+    """Return the corrected poses: a mean between the centres of two submaps, but not across a jump."""
     if not maps:
         return list(track.world_from_body)
     middles = np.array([submap.time_s for submap in maps])

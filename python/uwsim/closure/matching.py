@@ -1,7 +1,7 @@
-"""Matches two submaps of the same ground, and says how well the ground tells where they belong.
+"""Matching of two submaps of the same ground, with the uncertainty that follows from the ground's shape.
 
 Point to plane (Chen and Medioni 1992, "Object modelling by registration of multiple range images"), about the vertical
-only: roll and pitch are known from gravity. Points may slide along a surface, which those of a smooth bed have to.
+only: roll and pitch are known from gravity. Points may slide along a surface, as they must on a smooth bed.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 from uwsim.closure.submaps import CELL_M, Submap
 
 Array = NDArray[np.float64]
-POINTS = 600  # of the second cloud that are used, evenly chosen
+POINTS = 600  # of the second cloud, evenly sampled
 REACHES_M, ITERATIONS = (4.0, 1.5), 8  # farther points have no influence; steps with each
 STILL_M = 1e-3
-LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # share of the points within the last reach; rms distance from the planes
-POINTS_PER_LOOK = 10.0  # points whose errors are one and the same: assumed, a beam's footprint over some pings
-LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # what a match is trusted at most: a submap bends by as much, assumed
+LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # share of points within the last reach; rms distance from the planes
+POINTS_PER_LOOK = 10.0  # points with a common error, assumed: a beam's footprint over some pings
+LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assumed: submaps are distorted by as much
 
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """Submap `second` matched to `first`: what is at here_m (2,) in the one is at there_m (2,) in the other.
+    """Submap `second` matched to `first`: the point here_m (2,) in one is at there_m (2,) in the other.
 
     turn_rad: from the first to the second's. covariance: (3, 3) of x, y [m] and the turn [rad].
     """
@@ -39,7 +39,7 @@ class Match:
 
 @dataclass(eq=False)
 class _Fit:
-    """moved_m: the source's points, moved; turn_rad: by how much in all; information: (4, 4) of x, y, turn and z."""
+    """moved_m: the source's moved points; turn_rad: total rotation; information: (4, 4) of x, y, turn and z."""
 
     moved_m: Array
     turn_rad: float = 0.0
@@ -49,7 +49,7 @@ class _Fit:
 
 
 def match(maps: list[Submap], first: int, second: int) -> Match | None:
-    """Match two submaps, from where the estimate has them; None where they do not fit, or the ground tells nothing."""
+    """Match two submaps from their estimated poses; None if they do not fit or the ground is featureless."""
     source = _common(maps[second], maps[first])
     if len(source) < POINTS // 10:
         return None
@@ -70,7 +70,7 @@ def match(maps: list[Submap], first: int, second: int) -> Match | None:
 
 
 def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
-    """Take one step of Gauss and Newton; returns its length [m], None where the planes leave it open."""
+    """Take one Gauss-Newton step; return its length [m], None if the planes do not determine it."""
     distances, nearest = target.tree.query(fit.moved_m, distance_upper_bound=reach_m)
     near = np.isfinite(distances)
     fit.overlap = float(near.mean())
@@ -97,7 +97,7 @@ def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
 
 
 def _common(submap: Submap, other: Submap) -> Array:
-    """Return points of a submap that lie in the plan of another, at most some POINTS of them."""
+    """Return at most POINTS points of a submap that lie in the plan of another."""
     cells = np.floor(submap.points_world_m[:, :2] / CELL_M).astype(np.int64).tolist()
     common = submap.points_world_m[[tuple(cell) in other.cells for cell in cells]]
     return np.asarray(common[:: max(1, len(common) // POINTS)], np.float64)

@@ -1,4 +1,4 @@
-"""Submaps: pieces of a flight that are short enough not to have drifted in themselves."""
+"""Submaps: pieces of a flight that are too short to drift in themselves."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from uwsim.mapping.clouds import voxel_grid
 
 Array = NDArray[np.float64]
 LENGTH_S = 25.0  # assumed: the estimate drifts by some centimetres in it, and it is tens of metres long
-CELL_M = 2.0  # of the plan in which overlaps are looked for
-FINE_M = 0.6  # voxels of the clouds that are matched
-NEIGHBOURS = 12  # that a plane goes through
-TURN_RAD = 1.0  # a submap ends where the vehicle has turned by so much
-JUMP_M = 0.3  # and where the estimate corrects itself by more than this from one ping to the next
-AROUND = 3  # pings before and after, whose median step is taken for the vehicle's own
+CELL_M = 2.0  # of the plan in which overlaps are searched
+FINE_M = 0.6  # voxels of the clouds to be matched
+NEIGHBOURS = 12  # fitted by a plane
+TURN_RAD = 1.0  # a submap ends where the vehicle has turned by this much
+JUMP_M = 0.3  # and where the estimate jumps by more than this between two pings
+AROUND = 3  # pings before and after, whose median step is taken as the vehicle's own
 
 
 @dataclass(frozen=True, eq=False)
 class Submap:
-    """Pings from `first` until before `end`. anchor_m: (2,), where the vehicle was halfway; points by the estimate.
+    """Pings from `first` until before `end`. anchor_m: (2,), the vehicle's position halfway; points by the estimate.
 
-    jump_m: (2,), by which the estimate corrected itself where the submap begins; mostly zero.
+    jump_m: (2,), the estimate's jump at the beginning of the submap; mostly zero.
     """
 
     first: int
@@ -40,12 +40,12 @@ class Submap:
 
     @cached_property
     def tree(self) -> cKDTree:
-        """A tree of the points, which finds the nearest ones."""
+        """A search tree of the points."""
         return cKDTree(self.points_world_m)
 
     @cached_property
     def normals(self) -> Array:
-        """Normals of the planes through each point's nearest ones, (n, 3): the direction of their least spread."""
+        """Normals of the planes through each point's nearest neighbours, (n, 3): the direction of least spread."""
         points = np.asarray(self.points_world_m, np.float64)
         around = points[self.tree.query(points, k=min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1)]
         around -= around.mean(axis=1, keepdims=True)
@@ -73,7 +73,7 @@ def submaps(track: PingTrack) -> list[Submap]:
 
 
 def _jumps_m(track: PingTrack) -> Array:
-    """Return by how much the estimate corrected itself just before each ping, (n, 2); zero where it went on."""
+    """Return the estimate's jump just before each ping, (n, 2); zero without a jump."""
     steps = np.diff(
         [pose[:2, 3] for pose in track.world_from_body], axis=0, prepend=track.world_from_body[0][None, :2, 3]
     )

@@ -1,4 +1,4 @@
-"""PingTrack: what a flight's map is made of, kept so that it can be made again from a better track."""
+"""PingTrack: the input of a flight's map, kept so that the map can be made again from a better track."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Array = NDArray[np.float64]
 
 @dataclass
 class PingTrack:
-    """The pings of a flight and where the vehicle took itself to be; some 4 kB a ping.
+    """The pings of a flight and the vehicle's estimated poses; about 4 kB per ping.
 
     times_s; world_from_body and body_from_sonar (4, 4); ranges_m (beams,); deviation_m (beams,) or None; points_body_m
-    (n, 3): the echoes that the map was given. std_m: of the horizontal position, each axis, as the filter had it.
+    (n, 3): the echoes inserted into the map. std_m: of the horizontal position, per axis, according to the filter.
     """
 
     times_s: list[float] = field(default_factory=list)
@@ -36,7 +36,7 @@ class PingTrack:
         std_m: float,
         deviation_m: NDArray[np.float32] | None = None,
     ) -> None:
-        """Keep a ping. points_sonar_m: (beams, 3), not finite where there is no echo."""
+        """Add a ping. points_sonar_m: (beams, 3), not finite without an echo."""
         self.times_s.append(time_s)
         self.world_from_body.append(np.array(world_from_body))
         self.body_from_sonar.append(np.array(body_from_sonar))
@@ -51,9 +51,9 @@ class PingTrack:
         return len(self.times_s)
 
     def points_world_m(self, ping: int) -> Array:
-        """Return the echoes of a ping that matching uses, by the estimated pose, (n, 3)."""
+        """Return a ping's echoes for matching, by the estimated pose, (n, 3)."""
         world_from_sonar = self.world_from_body[ping] @ self.body_from_sonar[ping]
         return np.asarray(self.points_sonar_m[ping] @ world_from_sonar[:3, :3].T + world_from_sonar[:3, 3])
 
 
-BEAM_STEP = 4  # every so many beams are kept as points for matching; all of them as ranges for the map
+BEAM_STEP = 4  # step of the beams kept as points for matching; all are kept as ranges for the map

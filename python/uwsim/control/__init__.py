@@ -1,4 +1,4 @@
-"""Control of a vehicle through its public names alone, so that the same code steers a simulated or a remote one."""
+"""Control of a vehicle through its public names only, so that the same code controls a simulated or a remote one."""
 
 from uwsim.control.autopilot import Autopilot
 from uwsim.control.controller import Controller

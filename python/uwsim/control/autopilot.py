@@ -19,7 +19,7 @@ STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `steady_ga
 
 @dataclass(frozen=True)
 class Gains:
-    """Share of full effort for each unit of error. The defaults suit vehicles that reach some 1 m/s and 0.5 rad/s."""
+    """Share of full effort per unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
 
     speed: float = 1.5  # per m/s
     speed_integral: float = 0.6  # per m
@@ -33,9 +33,9 @@ class Gains:
 
 
 class Autopilot(Sealed):
-    """Turns a commanded heading, horizontal velocity and height into efforts, and keeps the vehicle level.
+    """Converts a commanded heading, horizontal velocity and height to efforts, and keeps the vehicle level.
 
-    Call `steer` once in each control period. `gains` may be replaced at any time.
+    Call `steer` once per control period. `gains` may be replaced at any time.
     """
 
     vehicle: SteeredVehicle
@@ -50,7 +50,7 @@ class Autopilot(Sealed):
 
     @property
     def gains(self) -> Gains:
-        """The gains of the next control period on."""
+        """The gains from the next control period on."""
         return self._gains
 
     @gains.setter
@@ -66,7 +66,7 @@ class Autopilot(Sealed):
 
     @property
     def integrals(self) -> tuple[float, float, float]:
-        """The integrals of surge, sway and height, in effort: the only state that one period leaves to the next."""
+        """The integrals of surge, sway and height, in effort: the only state kept from one period to the next."""
         surge, sway, height = self._core.integrals.tolist()
         return surge, sway, height
 
@@ -76,7 +76,7 @@ class Autopilot(Sealed):
 
 
 def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
-    """Lower the gains if the vehicle turns too fast for a loop of this period; authority: see uwsim.vehicle.Vehicle.
+    """Return lower gains if the vehicle turns too fast for a loop of this period; authority: see uwsim.vehicle.Vehicle.
 
     A rate loop sampled at T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.
     """

@@ -30,12 +30,12 @@ class ControlSettingsLike(Protocol):
 
 
 class Controller(Sealed):
-    """Turns a target into efforts: call one of `hold`, `steer` and `velocity` once in each control period.
+    """Converts a target to efforts: call one of `hold`, `steer` and `velocity` once per control period.
 
-    estimate: where the vehicle is and how it moves, as far as the controller knows; by default the vehicle itself,
-    which for a simulated one is the truth. settings: the model and the gains of the vehicle's file; by default
+    estimate: the vehicle's motion as known to the controller; by default the vehicle itself, which for a simulated one
+    is the truth. settings: the model and gains in the vehicle's file; by default
     `vehicle.control`. A remote vehicle has none: give it `uwsim.scenario.control_settings("bluerov2_heavy")`. The law
-    is in cpp/uwsim/control/motion_controller.h, more in docs/control.md. Axes that nothing drives are left alone.
+    is in cpp/uwsim/control/motion_controller.h, more in docs/control.md. Axes without actuators are not controlled.
     """
 
     vehicle: SteeredVehicle
@@ -61,7 +61,7 @@ class Controller(Sealed):
 
     @property
     def drives_sway(self) -> bool:
-        """Whether the vehicle can go sideways."""
+        """Whether the vehicle can move sideways."""
         return self._sway
 
     def hold(
@@ -73,7 +73,7 @@ class Controller(Sealed):
         pitch_rad: float = 0.0,
         velocity_world_m_s: Sequence[float] | Vector = STILL,
     ) -> None:
-        """Go to a position (3,) and stay there, with an attitude; velocity_world_m_s: (3,) of a position that moves."""
+        """Go to a position (3,) and stay there, with an attitude; velocity_world_m_s: (3,) of a moving position."""
         self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
 
     def steer(
@@ -88,9 +88,9 @@ class Controller(Sealed):
     ) -> None:
         """Hold a heading, a horizontal velocity over ground (2,), and a height z or an altitude.
 
-        altitude_m: wanted and measured. Without either, the vertical velocity is held at zero, and a vehicle that no
-        thruster lifts holds its pitch instead. pitch_rad: positive nose down. across_first: where the thrusters do not
-        suffice, force across the vehicle comes before force along it.
+        altitude_m: target and measured. Without either, the vertical velocity is held at zero, and a vehicle without
+        vertical thrust holds its pitch instead. pitch_rad: positive nose down. across_first: if the thrust does not
+        suffice, force across the vehicle has priority over force along it.
         """
         if altitude_m is not None:
             wanted_m, measured_m = altitude_m
@@ -101,7 +101,7 @@ class Controller(Sealed):
         self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
 
     def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
-        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; level while no rate about x or y is wanted."""
+        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; level while no rate about x or y is commanded."""
         self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
 
     def velocity_efforts(
@@ -113,12 +113,12 @@ class Controller(Sealed):
 
     @property
     def force_share(self) -> float:
-        """The share of the wanted force that the thrusters gave in the last period; below 1 at their limit."""
+        """The share of the required force that the thrusters gave in the last period; below 1 at their limit."""
         return self._core.force_share
 
     @property
     def memory(self) -> Vector:
-        """(25,) what one period leaves to the next: integrals, references and filters, to be saved and restored."""
+        """State kept between periods, (25,): integrals, references and filters, to be saved and restored."""
         return self._core.memory
 
     @memory.setter

@@ -1,4 +1,4 @@
-"""Follows a path of straight segments by line-of-sight guidance."""
+"""Path following along straight segments by line-of-sight guidance."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from uwsim.control.controller import Controller
 from uwsim.sealed import Sealed
 
 Vector = NDArray[np.float64]
-SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # for the whole speed, with no thrust and with enough
+SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time for the whole speed, without and with enough thrust
 SLOWEST = 0.1  # share of the speed
 
 
 class PathFollower(Sealed):
-    """Leads a controller along a path; call `steer` once in each control period.
+    """Guides a controller along a path; call `steer` once per control period.
 
-    The vehicle faces along the path, or along the course if nothing drives its sway.
-    points_m: (n, 3), corners. lookahead_m: how far ahead on the path the course aims: near the path, the cross-track
-    error decays with the rate speed / lookahead. integral_m_s: gain of the cross-track integral, which a vehicle that
-    does not control its velocity over ground needs in a current (cpp/uwsim/control/path_follower.h). Where the
-    thrusters do not suffice for speed and path, the vehicle keeps to the path and goes slower.
+    The vehicle faces along the path, or along the course if it cannot sway.
+    points_m: (n, 3), corners. lookahead_m: distance ahead on the path at which the course aims: near the path, the
+    cross-track error decays with the rate speed / lookahead. integral_m_s: gain of the cross-track integral, for a
+    vehicle in a current that does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the
+    thrust does not suffice for both speed and path, the vehicle keeps to the path and slows down.
     """
 
     controller: Controller
@@ -50,7 +50,7 @@ class PathFollower(Sealed):
         self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
 
     def steer(self) -> _core.Guidance:
-        """Set the efforts of one control period; returns the guidance, which says whether the end is passed."""
+        """Set the efforts of one control period; return the guidance, which shows whether the end has been passed."""
         guidance = self._core.guide(self.controller.estimate.pose.position_world_m)
         self._keep_pace()
         speed, course = self._pace * self.speed_m_s, guidance.course_rad
@@ -60,7 +60,7 @@ class PathFollower(Sealed):
         return guidance
 
     def _keep_pace(self) -> None:
-        """Go slower while the thrusters are at their limit: thrust against a current across the path comes first."""
+        """Slow down while the thrusters are at their limit: thrust against a current across the path has priority."""
         lacking = 1.0 - self.controller.force_share
         change = -lacking / SLOW_DOWN_S if lacking > 1e-6 else 1.0 / SPEED_UP_S
         self._pace = min(max(self._pace + self.controller.period_s * change, SLOWEST), 1.0)

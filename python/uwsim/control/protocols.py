@@ -1,4 +1,4 @@
-"""The interfaces of vehicle and clock that missions use; uwsim.Simulator has them, and a remote vehicle may."""
+"""The interfaces of vehicle and clock for missions; uwsim.Simulator implements them, and a remote vehicle may."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 
 class Watch(Protocol):
-    """Tells the time."""
+    """Shows the time."""
 
     @property
     def time_s(self) -> float:
-        """Seconds since any fixed time."""
+        """Seconds since a fixed time."""
 
 
 class Clock(Watch, Protocol):
@@ -79,7 +79,7 @@ class PanelLike(Protocol):
 
 
 class EstimateLike(Protocol):
-    """Where a vehicle is and how it moves, as a filter or the truth has it; a simulated vehicle is its own truth."""
+    """A vehicle's motion as known to a filter, or the truth; a simulated vehicle is its own truth."""
 
     @property
     def pose(self) -> PoseLike: ...
@@ -88,7 +88,7 @@ class EstimateLike(Protocol):
 
 
 class SteeredVehicle(EstimateLike, Protocol):
-    """A vehicle that takes efforts."""
+    """A vehicle that accepts efforts."""
 
     def set_effort(
         self,
@@ -115,4 +115,4 @@ class SurveyVehicle(SteeredVehicle, Protocol):
         """Leave the station."""
 
     def telemetry(self) -> PanelLike:
-        """Read the vehicle's panel."""
+        """Return the vehicle's panel."""

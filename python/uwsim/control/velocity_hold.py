@@ -1,4 +1,4 @@
-"""Holds a velocity in body axes, for commands that come one by one, such as /cmd_vel."""
+"""Velocity control in body axes, for single commands such as /cmd_vel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 class VelocityHold(Sealed):
-    """Turns a commanded velocity into efforts by the loops of `Controller`. Call `efforts` once in each control period.
+    """Converts a commanded velocity to efforts by the loops of `Controller`. Call `efforts` once per control period.
 
     Roll and pitch are kept level while no rate is commanded about them.
     """

@@ -1,4 +1,4 @@
-"""Where a vehicle is, by its own instruments: an error-state Kalman filter. It sees vehicles through protocols only."""
+"""Navigation by a vehicle's own instruments: an error-state Kalman filter. It sees vehicles through protocols only."""
 
 from uwsim.estimation.navigator import Navigator
 from uwsim.estimation.start import Start

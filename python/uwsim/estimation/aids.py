@@ -1,4 +1,4 @@
-"""The instruments that correct the filter: one class a kind, in the table AIDS. Each knows how its samples are read."""
+"""The instruments that correct the filter: one class for each kind, in the table AIDS, which prepares its samples."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_BIAS = _core.BiasModel()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a vehicle knows of its surroundings. imu_body_m (3,): where its IMU is."""
+    """A vehicle's knowledge of its surroundings. imu_body_m (3,): the position of its IMU."""
 
     imu_body_m: Array
     station_world_m: Array
@@ -33,24 +33,24 @@ class Aid(Protocol):
     """A kind of instrument."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
-        """Tell the filter of it; returns its index there."""
+        """Register the instrument with the filter; return its index there."""
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
-        """Return which samples are of use (n,) bool, and their readings as the filter takes them."""
+        """Return which samples are usable (n,) bool, and their readings in the filter's form."""
 
 
 def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
-    """Return where a sensor is from the IMU, body axes."""
+    """Return the position of a sensor relative to the IMU, body axes."""
     return np.asarray(sensor.spec.position_m) - around.imu_body_m
 
 
 def body_from_sensor(sensor: InstrumentLike) -> Rotation:
-    """Return how a sensor is turned on the body."""
+    """Return the orientation of a sensor on the body."""
     return Rotation.from_quat(sensor.spec.orientation_xyzw)
 
 
 class Doppler:
-    """A DVL's beams, each alone: those that are lost leave the others."""
+    """A DVL's beams, one by one: lost beams do not affect the others."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -86,7 +86,7 @@ class Depth:
 
 
 class Pressure:
-    """A pressure sensor: depth by the density that the vehicle was told."""
+    """A pressure sensor: depth from the water density assumed by the vehicle."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -100,7 +100,7 @@ class Pressure:
 
 
 class Compass:
-    """A compass. The declination is known from the chart; of the hard iron only its strength is."""
+    """A compass. The declination is known from the chart, but only the strength of the hard iron."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -126,7 +126,7 @@ def magnetic_north_rad(compass: InstrumentLike) -> float:
 
 
 class AcousticFix:
-    """A USBL's fixes, which are old when they arrive."""
+    """A USBL's fixes, which arrive with a delay."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -142,7 +142,7 @@ class AcousticFix:
 
 
 class Orientation:
-    """The orientation that an IMU reports, for vehicles without a compass."""
+    """The orientation from an IMU, for vehicles without a compass."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -162,13 +162,13 @@ AIDS: dict[str, Aid] = {
     "usbl": AcousticFix(),
     "imu": Orientation(),
 }
-"""By the sensor's kind."""
+"""The aids, by the sensor's kind."""
 
 
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
-    """Return the sensors that aid the filter, by name, the first of each kind.
+    """Return the sensors that aid the filter, by name: the first of each kind.
 
-    Of depth and pressure, which are one and the same, depth; the IMU's own orientation only where there is no compass.
+    Depth is preferred to pressure, which is equivalent; the IMU's own orientation is used only without a compass.
     """
     first: dict[str, tuple[str, InstrumentLike]] = {}
     for name, sensor in sensors.items():

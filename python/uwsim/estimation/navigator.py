@@ -23,23 +23,23 @@ from uwsim.named import require_names
 from uwsim.sealed import Sealed
 
 Array = NDArray[np.float64]
-IMU = "the IMU's inertial samples"  # beside the names of the aids, one of which may be the same IMU
-SILENCE_NS = 500_000_000  # without the IMU for so long, the vehicle is taken to move on as it did
-UNKNOWN_M = 1e4  # the standard deviation of a position that the first fix has to tell
+IMU = "the IMU's inertial samples"  # distinct from the aids' names, one of which may be the same IMU
+SILENCE_NS = 500_000_000  # after this time without the IMU, the motion is assumed to continue
+UNKNOWN_M = 1e4  # the standard deviation of a position before the first fix
 LEVEL_STD_RAD = 2e-3  # least error of the first roll and pitch
-YAW_STD_RAD = 0.1  # the first heading is not trusted, as the aid that gave it tells it anew
+YAW_STD_RAD = 0.1  # the first heading counts little, as its aid will measure it again
 
 
 class Navigator(Sealed):
-    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL as it has them.
+    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
-    vehicle: with sensors by name; the first of each kind is used. start: by default at rest where the first USBL fixes
-    say. station_world_m: where the USBL's fixes are measured from. gravity_m_s2; density_kg_m3: of the water, for a
-    vehicle with a pressure sensor but without a depth sensor. Errors are those of the sensors' own figures.
+    vehicle: with sensors by name; the first of each kind is used. start: by default at rest at the first USBL fixes.
+    station_world_m: the origin of the USBL's fixes. gravity_m_s2; density_kg_m3: of the water, for a
+    vehicle with a pressure sensor but without a depth sensor. Errors follow from the sensors' noise parameters.
     Raises ValueError for a vehicle without an IMU, or without both a start and a USBL.
 
-    Readings are taken as they arrive, whenever `pose` and its kind are looked at: the estimate does not depend on how
-    often. Docs: docs/estimation.md.
+    Readings are processed whenever `pose` and the like are read: the estimate does not depend on how
+    often that happens. See docs/estimation.md.
     """
 
     _fixed_when = "the navigator is made"
@@ -82,11 +82,11 @@ class Navigator(Sealed):
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
         }
         self._open: list[StreamLike] = []
-        self._lock = threading.RLock()  # of a live simulator, several threads may look
+        self._lock = threading.RLock()  # several threads may read a live simulator's
         self.restart(start)
 
     def restart(self, start: Start | None = None) -> None:
-        """Begin anew, now. start: by default where the first USBL fixes say."""
+        """Start over, now. start: by default at the first USBL fixes."""
         with self._lock:
             self._restart(start)
 
@@ -103,11 +103,11 @@ class Navigator(Sealed):
             velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
             velocity_std_m_s=start.velocity_std_m_s,
         )
-        # The IMU's present sample is where its first interval begins.
+        # The IMU's present sample starts its first interval.
         self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
 
     def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
-        """Take samples from now on. from_ns: of each sensor; imu_ns: until when the filter knows the IMU's."""
+        """Collect samples from now on. from_ns: of each sensor; imu_ns: the end of the IMU's samples in the filter."""
         for stream in self._open:
             stream.close()
         self._imu_ns = imu_ns
@@ -120,7 +120,7 @@ class Navigator(Sealed):
         self._open = [self._imu_stream, *self._streams.values()]
 
     def _first_orientation(self) -> Rotation:
-        """Return roll and pitch as the IMU has them, and the compass's heading where there is one."""
+        """Return the IMU's roll and pitch, and the compass's heading if there is one."""
         value = self._imu.read()
         world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
         for compass in self._aids.values():
@@ -131,12 +131,12 @@ class Navigator(Sealed):
         return world_from_body
 
     def update(self) -> None:
-        """Take in all that has arrived. Done by itself whenever the estimate is looked at."""
+        """Process everything that has arrived. This happens automatically whenever the estimate is read."""
         with self._lock:
             self._current()
 
     def _current(self) -> _core.NavigationFilter:
-        """Return the filter with all that has arrived."""
+        """Return the filter after everything that has arrived."""
         now_ns = self._imu.time_ns
         if now_ns != self._now_ns:
             self._now_ns = now_ns
@@ -170,7 +170,7 @@ class Navigator(Sealed):
         self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
     def _be_silent(self, before_ns: int, after_ns: int) -> int:
-        """Tell the filter of the IMU's silence at fixed times between two; returns the last of them."""
+        """Step the filter through the IMU's silence at fixed times between two; return the last of them."""
         while before_ns + self._silence_ns < after_ns:
             before_ns += self._silence_ns
             self._filter.add_silence(before_ns)
@@ -178,7 +178,7 @@ class Navigator(Sealed):
 
     @property
     def time_s(self) -> float:
-        """The time that the estimate is of: the newest IMU sample's, seconds."""
+        """Time of the estimate: that of the newest IMU sample, seconds."""
         with self._lock:
             return self._current().time_ns * 1e-9
 
@@ -203,16 +203,16 @@ class Navigator(Sealed):
 
     @property
     def covariance(self) -> Array:
-        """(15, 15) of the errors of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
+        """Covariance (15, 15) of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
 
-        The last three in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Of the IMU's centre.
+        Body axes for the last three: attitude, gyroscope [rad/s], accelerometer [m/s2]. For the IMU's centre.
         """
         with self._lock:
             return np.asarray(self._current().covariance[:15, :15])
 
     @property
     def position_std_m(self) -> Array:
-        """(3,) standard deviations of the position along east, north and up."""
+        """Standard deviations of the position along east, north and up, (3,)."""
         return np.sqrt(np.diagonal(self.covariance)[:3])
 
     @property
@@ -224,19 +224,19 @@ class Navigator(Sealed):
 
     @property
     def counts(self) -> dict[str, tuple[int, int]]:
-        """The scalars of each aid's readings that were used, and those that were rejected as outliers, by sensor."""
+        """The numbers of scalar readings of each aid that were used and that were rejected as outliers, by sensor."""
         with self._lock:
             now = self._current()
             return {name: now.counts(index) for name, index in self._indices.items()}
 
     @property
     def too_late(self) -> int:
-        """How many readings arrived too late to be used, 4 s after their measurement."""
+        """The number of readings that arrived too late to be used, 4 s after their measurement."""
         with self._lock:
             return self._current().too_late
 
     def save(self) -> str:
-        """Save the state, for `restore`."""
+        """Return the state, for `restore`."""
         with self._lock:
             filter_ = base64.b64encode(self._current().save()).decode()
             figures = {

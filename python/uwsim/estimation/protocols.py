@@ -1,4 +1,4 @@
-"""The interfaces of vehicle and sensors that navigation uses; uwsim.Simulator's have them, and remote ones may."""
+"""The interfaces of vehicle and sensors for navigation; uwsim.Simulator's implement them, and remote ones may."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ class SamplesLike(Protocol):
 
 
 class StreamLike(Protocol):
-    """Samples to come."""
+    """A stream of future samples."""
 
     def take(self) -> SamplesLike:
-        """Return those that have arrived since the last call."""
+        """Return the samples that have arrived since the last call."""
 
     def close(self) -> None:
-        """Get no more."""
+        """Stop the stream."""
 
 
 class InstrumentLike(Protocol):
-    """A sensor with its mounting, parameters and errors."""
+    """A sensor with its mount, parameters and errors."""
 
     @property
     def kind(self) -> str: ...
@@ -48,13 +48,13 @@ class InstrumentLike(Protocol):
     def spec(self) -> _core.SensorSpec: ...
     @property
     def time_ns(self) -> int:
-        """The present, nanoseconds."""
+        """The present time, nanoseconds."""
 
     def read(self) -> Any:
         """Return the newest value."""
 
     def stream(self, from_ns: int | None = None) -> StreamLike:
-        """Return the samples to come, measured from from_ns on; by default later than now."""
+        """Return a stream of future samples, measured from from_ns on; by default later than now."""
 
 
 class Instrumented(Protocol):

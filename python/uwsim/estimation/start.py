@@ -1,4 +1,4 @@
-"""Start: what is known of a vehicle's motion when its navigation begins."""
+"""Start: a vehicle's motion as known when its navigation begins."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class Start:
     """Position and velocity, with standard deviations of each axis; world ENU.
 
-    Attitude is not part of it: it comes from the first readings of the IMU and the compass.
+    Attitude is not included: it comes from the first readings of the IMU and the compass.
     """
 
     position_world_m: tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""Parameters that may be changed while a simulator runs: named as in the scenario, checked as there."""
+"""Parameters that can be changed while a simulator runs, with the scenario's names and rules."""
 
 from uwsim.parameters.parameter import Parameter
 from uwsim.parameters.parameters import Parameters, UnknownParameterError

@@ -23,13 +23,13 @@ UNSET = object()
 
 @dataclass
 class Edits:
-    """What is replaced at a place, and below it."""
+    """The replacements at a place, and below it."""
 
     value: Any = UNSET
     below: dict[str | int, Edits] = field(default_factory=dict)
 
     def put(self, place: Place, value: Any) -> None:
-        """Replace the value at a place below."""
+        """Replace the value at a place below this one."""
         at = self
         for part in place:
             at = at.below.setdefault(part, Edits())
@@ -52,7 +52,7 @@ class _Merge:
     scenario: Scenario
 
     def merged(self, present: Any, edits: Edits) -> Any:
-        """Return plain values for a model: those present with the edits; what is not edited stays a model."""
+        """Return plain values for a model: the present ones with the edits; unedited parts remain models."""
         value = present if edits.value is UNSET else edits.value
         if not edits.below:
             return value
@@ -82,7 +82,7 @@ class _Merge:
         return data
 
     def _base(self, model: Model, key: str) -> Any:
-        """Return what an edit below a field starts from."""
+        """Return the value that an edit below a field starts from."""
         if isinstance(model, SensorMount) and key == "noise":
             return model.noise or Noise(std=model.noise_std or 0.0)
         if isinstance(model, SensorMount) and key not in SensorMount.model_fields:
@@ -92,7 +92,7 @@ class _Merge:
 
 
 def _displaced(model: Model, data: Mapping[str | int, Any], edits: Edits) -> tuple[str, ...]:
-    """Return the keys of a model that the edits make meaningless: the scenario must give such a thing only once."""
+    """Return the keys of a model that the edits make obsolete: the scenario must give only one of two alternatives."""
     if isinstance(model, VehicleModel) and "mass_kg" in edits.below:
         return "density_kg_m3", "buoyancy"
     if isinstance(model, SensorMount) and "noise" in edits.below:

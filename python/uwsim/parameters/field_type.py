@@ -25,7 +25,7 @@ class FieldType:
 
 
 def stripped(annotation: Any, value: Any) -> tuple[Any, list[Any], bool]:
-    """Return the arm of an annotation that a value has, its metadata, and whether None is allowed."""
+    """Return the arm of an annotation that fits a value, its metadata, and whether None is allowed."""
     metadata: list[Any] = []
     optional = False
     while True:
@@ -50,7 +50,7 @@ def _arm_of(arms: list[Any], value: Any) -> Any:
 
 
 def field_type(annotation: Any, metadata: list[Any], optional: bool) -> FieldType:
-    """Return the type of a leaf from what `stripped` gives."""
+    """Return the type of a leaf from the result of `stripped`."""
     for rule in metadata:
         if isinstance(rule, InRange):
             kind: Type = "whole number" if annotation is int else "number"

@@ -1,4 +1,4 @@
-"""Why a field has no effect as the scenario is, so that nobody sets it in vain."""
+"""Fields that have no effect in the present scenario: setting them raises an error with the reason."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")
 
 
 def idle(model: Model, field: str) -> str:
-    """Return the reason, or nothing for a field that has an effect."""
+    """Return the reason, or an empty string for a field that has an effect."""
     if isinstance(model, Water):
         return _of_water(model, field)
     if isinstance(model, Optics) and field == "jerlov" and model.coefficients is not None:

@@ -1,4 +1,4 @@
-"""Parameter: the name, value, type, unit, range and description of one, from the field of the scenario's model."""
+"""Parameter: the name, value, type, unit, range and description of one of a scenario's parameters."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from uwsim.parameters.field_type import Type
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter, as `describe` gives it.
+    """A parameter, as returned by `describe`.
 
-    name: such as "rov.drag.linear.surge". key: what says so in the scenario. value: now; default: the scenario's.
-    low, high: limits in `unit`, None without. choices: of a "choice". optional: whether None is a value, too.
+    name: such as "rov.drag.linear.surge". key: its key in the scenario. value: now; default: the scenario's.
+    low, high: limits in `unit`, None without. choices: of a "choice". optional: whether None is also a value.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Parameter:
 
 
 def plain(value: Any) -> Any:
-    """Return a value of JSON's types: lists for tuples, dicts for models."""
+    """Return a value as JSON types: lists for tuples, dicts for models."""
     if hasattr(value, "model_dump"):
         return plain({key: getattr(value, key) for key in type(value).model_fields})
     if isinstance(value, Mapping):

@@ -18,18 +18,18 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 class UnknownParameterError(UnknownNameError):
-    """There is no such parameter. The message names the nearest."""
+    """Unknown name of a parameter. The message suggests the nearest."""
 
 
 class Switch(Protocol):
-    """A thing that is on or off, such as a lamp."""
+    """Something that is on or off, such as a lamp."""
 
     @property
     def on(self) -> bool:
         """Whether it is on."""
 
     def set_silently(self, on: bool) -> None:
-        """Switch it."""
+        """Switch it without a journal entry."""
 
 
 class Parameters(Mapping[str, Any]):
@@ -38,13 +38,13 @@ class Parameters(Mapping[str, Any]):
         sim.parameters["rov.drag.linear.surge"] = 40.0
         sim.parameters.update({"water.current_world_m_s": [0.3, 0, 0], "rov.thrusters.front_left.health": 0.5})
 
-    Iteration gives the names of single values. The name of a place above them, such as `rov.drag`, gets all its values
+    Iteration yields the names of single values. The name of a group, such as `rov.drag`, gets all its values
     in dicts and lists, and sets those that are given. `water.surface`, `water.current`, `water.profile` and
-    `optics.coefficients` are replaced whole.
+    `optics.coefficients` are replaced as a whole.
 
-    A change is checked as the scenario is, and with it: it raises ValueError, changing nothing, and names parameter,
-    value, unit and rule. It holds from the next step on, as if the scenario had said so; motion, commands and samples
-    in transit stay. Reading is safe on any thread, changing on the one that steps.
+    A change is checked like the scenario, and together with it: it raises ValueError, changing nothing, with parameter,
+    value, unit and rule. It applies from the next step on, as if it were in the scenario; motion, commands and samples
+    in transit are kept. Reading is safe on any thread, changing on the stepping thread.
     """
 
     def __init__(
@@ -55,11 +55,11 @@ class Parameters(Mapping[str, Any]):
         switches: Mapping[str, Switch],
         overlay: Callable[[Scenario], Mapping[str, Any]] = lambda scenario: {},
     ) -> None:
-        """Begin with a scenario's own values.
+        """Start with a scenario's own values.
 
-        apply: takes the changed scenario, or raises. note: learns of each change, as a command. switches: those whose
-        state is a parameter, by its name. overlay: the values that faults lay over a scenario's, by name, which
-        `changes` has not.
+        apply: takes the changed scenario, or raises. note: called with each change, as a command. switches: those whose
+        state is a parameter, by its name. overlay: the values that faults impose on a scenario's, by name; they are not
+        in `changes`.
         """
         self._apply = apply
         self._note = note
@@ -72,28 +72,28 @@ class Parameters(Mapping[str, Any]):
         return f"<Parameters of '{self._original.name}': sim.parameters.list('rov.drag') names some{changed}>"
 
     def restart(self, scenario: Scenario) -> None:
-        """Begin anew with another scenario of the same names, without applying it."""
+        """Start over with another scenario of the same names, without applying it."""
         self._original = self._running = scenario
         self._changes: dict[str, Any] = {}
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario with the changes in it. A Simulator of it runs as this one does."""
+        """The scenario with the changes applied. A Simulator of it runs like this one."""
         return self._running
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The values that were set, by the names by which they were, in plain types."""
+        """The values that were set, by name, as plain types."""
         return dict(self._changes)
 
     def __getitem__(self, name: str) -> Any:
-        """Return a value, or those below a name. Raises UnknownParameterError, a KeyError and ValueError."""
+        """Return a value, or those of a group. Raises UnknownParameterError, a KeyError and ValueError."""
         if name in self._switches:
             return self._switches[name].on
         return plain(self._node(name).value)
 
     def __setitem__(self, name: str, value: Any) -> None:
-        """Set a value, or those below a name. Raises ValueError, changing nothing."""
+        """Set a value, or those of a group. Raises ValueError, changing nothing."""
         self.update({name: value})
 
     def __iter__(self) -> Iterator[str]:
@@ -108,7 +108,7 @@ class Parameters(Mapping[str, Any]):
     def list(self, prefix: str = "") -> list[str]:
         """Return the names of all values at and below a name that have an effect.
 
-        Raises UnknownParameterError, which names the nearest, if there is none.
+        Raises UnknownParameterError, which suggests the nearest name, if there are none.
         """
         above = self._node(prefix) if prefix else None
         found = [*_listed(nodes(self._running, prefix))]
@@ -117,7 +117,7 @@ class Parameters(Mapping[str, Any]):
         return found
 
     def _why_none(self, above: Node) -> str:
-        """Return why nothing at or below a name can be set."""
+        """Return the reason why nothing at or below a name can be set."""
         if above.idle:
             return f"has no effect: {above.idle}"
         owner, _, part = above.name.rpartition(".")
@@ -169,11 +169,11 @@ class Parameters(Mapping[str, Any]):
         self._note("reset_parameters", name=name)
 
     def replace(self, changes: Mapping[str, Any]) -> None:
-        """Set the values that `changes` gave, and all others to the scenario's. Raises ValueError, changing nothing."""
+        """Set the values in `changes`, and all others to the scenario's. Raises ValueError, changing nothing."""
         self._switch_to(dict(changes), {})
 
     def lay_anew(self) -> None:
-        """Take the overlay as it is now."""
+        """Apply the present overlay."""
         self._switch_to(self._changes, {})
 
     def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:
@@ -183,7 +183,7 @@ class Parameters(Mapping[str, Any]):
             if node is not None and node.idle:
                 raise ScenarioError(f"{name}: has no effect: {node.idle}")
         kept = {name: value for name, value in changes.items() if name not in self._switches}
-        if len(kept) < len(changes):  # switches have states of their own; they were only checked
+        if len(kept) < len(changes):  # switches keep their own state; here they were only checked
             running = self._with(kept)
         if running != self._running:
             self._apply(running)
@@ -205,7 +205,7 @@ class Parameters(Mapping[str, Any]):
             raise ScenarioError.of([self._renamed(text) for text in error.mistakes]) from None
 
     def _spread(self, name: str, value: Any, into: dict[str, Any]) -> None:
-        """Note a change; that of a place above several values as one of each of them."""
+        """Add a change to `into`; a change of a group is added as changes of its values."""
         node = find(self._running, name)
         if isinstance(value, Mapping) and node is not None and node.type is None and node.place not in table.WHOLE:
             for key, item in value.items():
@@ -223,7 +223,7 @@ class Parameters(Mapping[str, Any]):
         return [self._place(name) for name in names]
 
     def _place(self, name: str) -> Place:
-        """Return the place of a name; below what is replaced whole also of one that is not there now."""
+        """Return the place of a name; below a part that is replaced as a whole, also one that is absent now."""
         for scenario in (self._running, self._original):
             node = find(scenario, name)
             if node is not None:
@@ -246,7 +246,7 @@ class Parameters(Mapping[str, Any]):
         return node
 
     def _renamed(self, text: str) -> str:
-        """Return a message about a scenario's key as one about the parameter."""
+        """Return a message about a scenario's key with the parameter's name."""
         found = [node for node in nodes(self._running).values() if node.place and _begins(text, node.key)]
         if not found:
             return text
@@ -264,6 +264,6 @@ def _begins(text: str, key: str) -> bool:
 
 
 def _displaces(name: str, old: str) -> bool:
-    """Whether a change makes an earlier one void: of the same value, of a part of it, or of another kind's keys."""
+    """Return whether a change overrides an earlier one: of the same value, a part of it, or another kind's keys."""
     above = name.removesuffix("." + KIND)
     return old == name or old.startswith(name + ".") or (above != name and old.startswith(above + "."))

@@ -1,4 +1,4 @@
-"""Which fields of a scenario are parameters, and their names where these differ from the fields'."""
+"""The fields of a scenario that are parameters, and their names where these differ from the fields'."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ FIXED: dict[type[Model], frozenset[str]] = {
     Lamps: frozenset({"spots"}),
     ImagingMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "figures"}),
 }
-"""Fields that are fixed when the simulator is made: what there is, where it is mounted, what it looks like; and those
-that another field or a command stands for (a sonar's tilt is aimed)."""
+"""Fields that are fixed when the simulator is made: its parts, mounts and appearance; and those that another field or
+a command controls (a sonar's tilt is set by aim)."""
 
 NAMES: dict[tuple[type[Model], str], str] = {
     (Scenario, "vehicles"): "",
@@ -83,7 +83,7 @@ NAMES: dict[tuple[type[Model], str], str] = {
     (VehicleModel, "quadratic_damping_matrix"): "drag.quadratic",
     (VehicleModel, "added_mass_matrix"): "added_mass",
 }
-"""Names of fields; "" for those whose own fields follow the name of what is above."""
+"""Names of fields; "" for those whose own fields follow their parent's name."""
 
 ITEM_NAMES: dict[tuple[type[Model], str], tuple[str, ...]] = {
     (Lamps, "colour"): COLOURS,
@@ -99,14 +99,14 @@ KINDS: dict[type[Model], tuple[str, ...]] = {
     )
     for kind in arms
 }
-"""The kinds among which a model's own may be chosen anew, with the keys of the other."""
+"""Kinds that can be exchanged for a model's own, with the keys of the other."""
 
 WHOLE = {("water", "surface"), ("water", "current"), ("water", "profile"), ("optics", "coefficients")}
-"""Places whose parts belong together: a dict or a list that is set there replaces all of them."""
+"""Places whose parts belong together: setting one with a dict or a list replaces all of them."""
 
 
 def why_fixed(name: str) -> str:
-    """Return why something that a scenario says is no parameter, or nothing for what it does not know either."""
+    """Return the reason why a scenario's value is not a parameter, or an empty string if it is unknown."""
     field = name.rpartition(".")[2]
     if field == "tilt_deg":
         return "it holds for the start; aim() turns the head"
@@ -114,7 +114,7 @@ def why_fixed(name: str) -> str:
 
 
 def position_or_key(part: str) -> str | int:
-    """Return what a part of a name stands for in plain values: the position of an item, or a key."""
+    """Return a part of a name as it is in plain values: the position of an item, or a key."""
     for names in (COORDINATES, COLOURS):
         if part in names:
             return names.index(part)
@@ -122,14 +122,14 @@ def position_or_key(part: str) -> str | int:
 
 
 def is_absent(model: Model, field: str) -> bool:
-    """Whether a field is not for this model, since the other of two ways to say the same is taken."""
+    """Return whether a field does not apply to this model, which gives the alternative instead."""
     if field in ("max_force_n", "max_torque_nm") or field.endswith("_matrix"):
         return getattr(model, field) is None
     return getattr(model, field + "_matrix", None) is not None
 
 
 LISTS = {("water", "current")}
-"""Those of WHOLE that hold a list; a scenario may give its only item in its place."""
+"""Those of WHOLE that hold a list; a scenario may give its only item alone."""
 
 
 def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The tree of a scenario's parameters: the names of all, their places in its models, and their values."""
+"""The tree of a scenario's parameters: their names, their places in its models, and their values."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 Place = tuple[str | int, ...]
-"""The way to a value through a scenario's models: fields, keys and positions."""
+"""The path to a value through a scenario's models: fields, keys and positions."""
 
 
 def joined(above: str, name: str) -> str:
-    """Return the name of what is below another; either may be empty."""
+    """Return the joined name of a place and its parent; either may be empty."""
     return f"{above}.{name}" if above and name else above or name
 
 
 @dataclass(frozen=True)
 class Node:
-    """A place in the tree. type: None for what has parts. idle: why the value has no effect now, if so."""
+    """A place in the tree. type: None for a group. idle: the reason why the value has no effect now, if so."""
 
     name: str
     place: Place
@@ -40,7 +40,7 @@ class Node:
 
     @property
     def key(self) -> str:
-        """The place as it is written in messages about a scenario: vehicles[0].model.mass_kg."""
+        """The place in the form used in messages about a scenario: vehicles[0].model.mass_kg."""
         text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.place)
         return text.removeprefix(".")
 
@@ -50,7 +50,7 @@ class Node:
 
 
 def nodes(scenario: Scenario, towards: str = "") -> dict[str, Node]:
-    """Return all leaves and all places above them, by name; towards: only those above, at and below that name."""
+    """Return all leaves and groups, by name; towards: only those above, at and below that name."""
     found: dict[str, Node] = {}
     for node in _Walk(scenario, towards).model(Node("", (), scenario)):
         if node.name:
@@ -59,7 +59,7 @@ def nodes(scenario: Scenario, towards: str = "") -> dict[str, Node]:
 
 
 def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
-    """Add the places that only names have, such as rov.drag, which is above drag.linear and drag.quadratic."""
+    """Add groups that exist only in names, such as rov.drag, which is above drag.linear and drag.quadratic."""
     groups: dict[str, dict[str, Any]] = {}
     for name, node in found.items():
         above, _, last = name.rpartition(".")
@@ -69,7 +69,7 @@ def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
 
 
 def find(scenario: Scenario, name: object) -> Node | None:
-    """Return the place of this name, if there is one; a small part of the work of `nodes`."""
+    """Return the place of this name, if there is one, with much less work than `nodes`."""
     return nodes(scenario, name).get(name) if isinstance(name, str) else None
 
 
@@ -90,14 +90,14 @@ class _Walk:
     towards: str
 
     def leads_on(self, name: str) -> bool:
-        """Whether what is called so is above, at or below the name that is sought."""
+        """Return whether a name is above, at or below the name that is sought."""
         sought = self.towards
         return (
             not sought or not name or name == sought or sought.startswith(name + ".") or name.startswith(sought + ".")
         )
 
     def model(self, at: Node) -> Iterator[Node]:
-        """Visit what is below a model."""
+        """Yield the places below a model."""
         model = at.value
         if isinstance(model, SensorMount):
             yield from self._sensor_figures(at)
@@ -164,7 +164,7 @@ class _Walk:
 
 
 def _matrix(at: Node) -> Iterator[Node]:
-    """Give the diagonal by its axis, the others by both: "surge" and "surge_yaw"."""
+    """Yield the diagonal elements by axis, the others by both axes: "surge" and "surge_yaw"."""
     for i, row in enumerate(at.value):
         for j, value in enumerate(row):
             name = table.AXES[i] if i == j else f"{table.AXES[i]}_{table.AXES[j]}"

@@ -1,4 +1,4 @@
-"""What is wrong with a scenario's file, what it will look like, and what in it may surprise. `uwsim scenario check`."""
+"""Checks of scenario files: mistakes, a description of the scene, and likely oversights. `uwsim scenario check`."""
 
 from uwsim.scenario_check.check import check_file
 from uwsim.scenario_check.parts import check_part

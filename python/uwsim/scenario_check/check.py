@@ -1,4 +1,4 @@
-"""check_file: all mistakes of a scenario's file at once; if it has none, its scene and what in it may surprise."""
+"""check_file: all mistakes of a scenario's file at once; if it has none, its scene and likely oversights in it."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ STAND_INS: dict[str, Any] = {
     "name": "unnamed",
     "vehicles": [{"name": "stand_in", "model": "rov", "start": {"position_m": [0, 0, 0]}}],
 }
-"""For what is at fault and cannot be left out, so that the rest of the file can be checked."""
+"""Stand-ins for values at fault that cannot be left out, so that the rest of the file can be checked."""
 
 
 def check_file(source: str | Path) -> CheckReport:
-    """Check a packaged scenario or a YAML file. It raises nothing for a mistake in it."""
+    """Return the report on a packaged scenario or a YAML file. Mistakes in it raise nothing."""
     try:
         path = find_yaml(source, "scenarios")
         document = read_yaml(path, shown_name(path))
@@ -62,7 +62,7 @@ def _survey_left_out(sim: Simulator) -> str | None:
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
-    """Return those of single values, then those of the rest in the world that it makes."""
+    """Return the mistakes of single values, then those of the rest in the world that it defines."""
     holding = what_holds(Scenario, document.values, document, folder)
     scenario = holding.model
     if scenario is None:
@@ -82,7 +82,7 @@ def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
 
 
 def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scenario:
-    """Return the scenario without the obstacles and vehicles of which something was left out."""
+    """Return the scenario without the obstacles and vehicles from which something was left out."""
     spoilt = {path[:2] for path in left.left_out}
     is_spoilt = {path[0] for path in left.left_out}
     kept: dict[str, Any] = {}

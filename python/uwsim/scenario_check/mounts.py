@@ -1,4 +1,4 @@
-"""Where a vehicle's instruments and actuators are mounted: how far from its hull, and what they look at."""
+"""The mounts of a vehicle's instruments and actuators: their distance from its hull, and what their beams meet."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ Floats = NDArray[np.float64]
 AHEAD, DOWN = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
 DVL_BEAMS = 4
 SKIN_M = 1e-3
-"""What is nearer to an instrument than this is the skin that it sits in."""
+"""A surface nearer to an instrument than this is the skin that the instrument sits in."""
 
 
 @dataclass(frozen=True)
 class Mount:
-    """What is fixed to the hull.
+    """A part that is fixed to the hull.
 
-    key: of the model's file, such as "sensors"; name: empty where there is one of it. away_m: of it from the box round
-    the hull; 0 inside. off_down_deg: of a DVL's axis from straight down on a level vehicle; None for others.
-    beams_in_hull: the share of its beams, or of the line that it looks along, that enters the hull from outside; 0 for
-    what does not look, or is within an open frame, whose members may pass it by.
+    key: in the model's file, such as "sensors"; name: empty for a single part. away_m: its distance from the hull's
+    bounding box; 0 inside. off_down_deg: of a DVL's axis from straight down on a level vehicle; None for others.
+    beams_in_hull: the share of its beams, or of its line of sight, that enters the hull from outside; 0 for
+    parts without beams, or within an open frame, whose members the beams may miss.
     """
 
     key: str
@@ -46,7 +46,7 @@ class Mount:
 
 
 def mounts(model: VehicleModel) -> tuple[Mount, ...]:
-    """Measure everything that the model mounts. Raises ScenarioError for a mesh that is no hull."""
+    """Return all mounts of a model. Raises ScenarioError for a mesh that is not a valid hull."""
     vertices, triangles = vehicle_hull(model)
     sides = ConvexHull(vertices).equations
     return tuple(_mount(vertices[triangles], sides, *each) for each in _mounted(model))
@@ -55,7 +55,7 @@ def mounts(model: VehicleModel) -> tuple[Mount, ...]:
 def _mount(
     corners_m: Floats, sides: Floats, key: str, name: str, position_m: ArrayLike, beams: Floats, is_dvl: bool
 ) -> Mount:
-    """Measure one. corners_m: (m, 3, 3) of the hull; sides: (k, 4) planes round it, from ConvexHull."""
+    """Return one mount. corners_m: (m, 3, 3) of the hull; sides: (k, 4) planes round it, from ConvexHull."""
     at = np.asarray(position_m, np.float64)
     outside = np.maximum(0.0, np.maximum(corners_m.min(axis=(0, 1)) - at, at - corners_m.max(axis=(0, 1))))
     is_within = bool(np.all(sides[:, :3] @ at + sides[:, 3] <= SKIN_M))
@@ -73,7 +73,7 @@ def _mount(
 
 
 def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats, bool]]:
-    """Yield key, name, position, the directions it looks in (n, 3), body frame, and whether it is a DVL."""
+    """Yield key, name, position, directions of its beams (n, 3), body frame, and whether it is a DVL."""
     blind = np.zeros((0, 3))
     for name, sensor in model.sensors.items():
         yield "sensors", name, sensor.position_m, _beams(sensor), sensor.kind == "dvl"
@@ -81,7 +81,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
         if camera.follows == "body":
             yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
     for name, sonar in model.imaging_sonars.items():
-        looks = sonar.kind != "side_scan"  # which looks to both sides, from one transducer on each
+        looks = sonar.kind != "side_scan"  # which has a transducer on either side
         ahead = _turned(sonar.yaw_pitch_roll_deg, AHEAD)
         yield "imaging_sonars", name, sonar.position_m, ahead if looks else blind, False
     if model.sonar is not None:
@@ -110,7 +110,7 @@ def _beams(sensor: SensorMount) -> Floats:
             ]
         )
         return turned(of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg), down)
-    if sensor.kind == "altitude":  # stabilised: vertical whatever its mounting
+    if sensor.kind == "altitude":  # stabilised: vertical in any mount
         return np.array([DOWN])
     if sensor.kind == "proximity":
         return _turned(sensor.yaw_pitch_roll_deg, AHEAD)
@@ -133,9 +133,9 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 
 
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
-    """Whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, meets it.
+    """Return whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, meets it.
 
-    A ray from inside first meets a back: it leaves. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
+    A ray from inside first meets a back face. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
     intersection".
     """
     a = corners_m[:, 0]

@@ -1,4 +1,4 @@
-"""check_part: a file that scenarios name, such as a vehicle's, built as a scenario would build it."""
+"""check_part: a check of a file that scenarios name, such as a vehicle's, by building it."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ OPEN_WATER: dict[str, Any] = {
     "water": {"density_kg_m3": FRESH_KG_M3},
     "terrain": {"source": "noise", "size_m": [2000, 2000], "spacing_m": 50, "bed_depth_m": 500},
 }
-"""Water for a vehicle whose file is checked by itself: deep, still and fresh."""
+"""Water for the check of a vehicle's own file: deep, still and fresh."""
 
 
 def check_part(source: str | Path, kind: str) -> CheckReport:
-    """Check a file of a kind of uwsim.scenario.schema.FILES, such as a vehicle's. Raises ValueError for no kind.
+    """Return the report on a file of a kind in uwsim.scenario.schema.FILES, such as a vehicle's.
 
-    What it describes is built: of a vehicle the hull, the mass, the drive and all instruments, in open water.
+    Its contents are built: for a vehicle the hull, the mass, the actuators and all instruments, in open water. Raises
+    ValueError for an unknown kind.
     """
     if kind not in FILES:
         raise ValueError(f"kind '{kind}': must be one of {', '.join(FILES)}{did_you_mean(kind, FILES)}")

@@ -1,4 +1,4 @@
-"""What a check found: mistakes, warnings, and the figures of what was built."""
+"""The result of a check: mistakes, warnings, and values of what was built."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from uwsim.simulator import Simulator
 
 @dataclass(frozen=True, eq=False)
 class CheckReport:
-    """The result. mistakes, warnings: one line each. scene: None for a file with mistakes, or of no scenario.
+    """mistakes, warnings: one line each. scene: None for a file with mistakes, or of another kind than a scenario.
 
-    vehicle: of a vehicle's file, in fresh water.
+    vehicle: for a vehicle's file, in fresh water.
     """
 
     file: str

@@ -1,4 +1,4 @@
-"""What a scenario's scene will look like, in figures: the bed, each obstacle on it, each vehicle at its start."""
+"""A scenario's scene in numbers: the bed, each obstacle on it, each vehicle at its start."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from uwsim.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
 from uwsim.simulator import Simulator
 
 CONTRAST = 0.02
-"""The least contrast that is seen: Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53:214."""
+"""The smallest visible contrast: Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53:214."""
 
 STILL_M_S = 0.005
-"""A slower current moves no vehicle that counts, and is shown as 0.00 m/s."""
+"""A slower current has no relevant effect on a vehicle, and is shown as 0.00 m/s."""
 
 CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
-"""The current that is not exceeded in this share of the mission, at so many times: tides turn, gusts pass."""
+"""The current that is not exceeded during this share of the mission, at this number of times: tides and gusts vary."""
 
 Floats = NDArray[np.float64]
 
@@ -46,9 +46,9 @@ class Bed:
 
 @dataclass(frozen=True)
 class ObstacleScene:
-    """An obstacle. lowest_m, highest_m: z. clearance_m: its lowest point above the bed below it; negative: sunk in.
+    """An obstacle. lowest_m, highest_m: z. clearance_m: of its lowest point above the bed below; negative: sunk in.
 
-    size_m: along x, y and z of the world. buried_share: of its surface, below the bed. above_water_share: of its
+    size_m: along x, y and z of the world. buried_share: share of its surface below the bed. above_water_share: of its
     surface.
     """
 
@@ -67,11 +67,11 @@ class ObstacleScene:
 class VehicleScene:
     """A vehicle at its start.
 
-    altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is not over it.
-    free_m: to the nearest surface; for a docked one, from the dock's exit. radius_m: of a sphere round its hull.
-    weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: what it can push up or down.
-    current_m_s: at its start, see CURRENT_SHARE. holds_current: whether it can stay there in it. figures: of its own
-    file, in this water.
+    altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is outside it.
+    free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: of a sphere round its
+    hull. weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: its largest thrust up and
+    down. current_m_s: at its start, see CURRENT_SHARE. holds_current: whether it can stay there in it. figures: of its
+    own file, in this water.
     """
 
     name: str
@@ -93,7 +93,10 @@ class VehicleScene:
 
 @dataclass(frozen=True)
 class Scene:
-    """All of it. sight_m: how far cameras see a dark target, see CONTRAST. station_bed_m: z of the bed there."""
+    """The whole scene. sight_m: the range at which cameras see a dark target, see CONTRAST.
+
+    station_bed_m: z of the bed.
+    """
 
     name: str
     bed: Bed
@@ -105,13 +108,13 @@ class Scene:
     vehicles: tuple[VehicleScene, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values; numbers that are not finite as None."""
+        """Return plain values, with None for numbers that are not finite."""
         values: dict[str, Any] = plain(asdict(self))
         return values
 
 
 def plain(value: Any) -> Any:
-    """Return plain values, for JSON; numbers that are not finite as None."""
+    """Return plain values, for JSON, with None for numbers that are not finite."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -120,7 +123,7 @@ def plain(value: Any) -> Any:
 
 
 def measured_scene(sim: Simulator) -> Scene:
-    """Measure the scene of a simulator at its start."""
+    """Return the scene of a simulator at its start."""
     scenario = sim.scenario
     terrain = build_terrain(scenario.terrain)
     part = terrain.window(scenario.terrain.window_m)
@@ -205,7 +208,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
 
 
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
-    """Return the speed of the current there, without the orbits of waves, which take a vehicle to and fro."""
+    """Return the speed of the current there, without waves, whose orbital motion only moves a vehicle to and fro."""
     calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
     water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
     times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
@@ -219,13 +222,13 @@ def _three(values: Floats) -> tuple[float, float, float]:
 
 
 def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
-    """Return how much force the thrusters give downward (negative) and upward."""
+    """Return the thrusters' largest forces downward (negative) and upward."""
     down, up = (float(control.reachable((0.0, 0.0, sign * 1e5, 0.0, 0.0, 0.0))[2]) for sign in (-1.0, 1.0))
     return down, up
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Whether the thrusters can push the vehicle ahead at a speed through the water; in still water they need not."""
+    """Return whether the thrusters can drive the vehicle ahead at a speed through the water; in still water, true."""
     if speed_m_s < STILL_M_S:
         return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -1,4 +1,4 @@
-"""What in a scenario is allowed but hardly meant: a wreck under the bed, a start in the ground, a camera in ink."""
+"""Likely oversights in a valid scenario: a wreck under the bed, a start in the ground, a camera in opaque water."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from uwsim.scenario_check.vehicle_surprises import vehicle_surprises
 from uwsim.simulator import Simulator
 
 SIGHT_M = 3.0
-"""Water in which cameras see less far is told of."""
+"""Visibility below which a warning is given."""
 FLOATING_M = 0.3
-"""An obstacle that is farther above the bed is told of: it hangs in the water."""
+"""Height above the bed beyond which an obstacle gives a warning: it hangs in the water."""
 BURIED, HIDDEN = 0.6, 0.999
-"""Shares of an obstacle's surface below the bed, from which it is told of, and from which it cannot be seen."""
+"""Shares of an obstacle's surface below the bed beyond which it gives a warning, or is invisible."""
 TRIM_SHARE = 0.004
-"""Of a vehicle's weight: net buoyancy beyond it is told of."""
+"""Net buoyancy, as a share of a vehicle's weight, beyond which a warning is given."""
 RISING_SHARE = 0.03
-"""An operator leaves a vehicle a little buoyant, up to this share."""
+"""Operators leave a vehicle slightly buoyant, up to this share."""
 FREE_M = 0.1
 LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
-"""What is longer than so many terrains (a wall round one is its diagonal), rises so far out of the water or is smaller
-than a fist may be in another unit."""
+"""Limits beyond which an obstacle may be in another unit: longer than so many terrains (a wall round one is its
+diagonal), this high out of the water, or smaller than a fist."""
 
 
 def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
-    """Return a sentence on each, with the line of the file."""
+    """Return one sentence for each, with the line in the file."""
     source = sim.scenario.source_file
     found: list[tuple[tuple[str | int, ...], str]] = []
     for index, obstacle in enumerate(scene.obstacles):

@@ -1,4 +1,4 @@
-"""A check's report as lines for the terminal."""
+"""A check's report as lines for a terminal."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario_check.vehicle_surprises import attitude_text
 
 
 def report_lines(report: CheckReport) -> list[str]:
-    """Return the lines about a file without mistakes: what its scene looks like."""
+    """Return the lines about a file without mistakes: a description of its scene."""
     count = len(report.warnings)
     lines = [f"{report.file}: ok" + (f", {count} warning{'s' if count > 1 else ''}" if count else "")]
     told = [*_scene_lines(report.scene)] if report.scene else []
@@ -26,7 +26,7 @@ def report_lines(report: CheckReport) -> list[str]:
 
 
 def vehicle_lines(figures: VehicleFigures) -> Iterator[str]:
-    """Yield what a vehicle's own file makes of it."""
+    """Yield lines about a vehicle's derived properties."""
     yield (
         f"{size_text(np.array(figures.size_m))}, {figures.volume_m3:.4g} m3, {figures.mass_kg:.4g} kg, in the mean "
         f"{figures.density_kg_m3:.4g} kg/m3; in water of {figures.water_density_kg_m3:.4g} kg/m3 "

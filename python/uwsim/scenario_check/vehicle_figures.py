@@ -1,4 +1,4 @@
-"""What a vehicle's file makes of it, in figures: size, mass, attitude at rest, what turns it, its mounts."""
+"""Derived properties of a vehicle: size, mass, attitude at rest, stability, its mounts."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from uwsim.scenario_check.mounts import Mount, mounts
 
 Floats = NDArray[np.float64]
 NO_LEVER_M = 1e-3
-"""Centres nearer to each other than this right nothing that counts: then it has no attitude of its own at rest."""
+"""Distance of the two centres below which righting moments are negligible: the vehicle has no attitude at rest."""
 UNDER_WAY_M_S = 1.5
-"""The speed at which a course is judged, typical of AUVs."""
+"""The speed at which course stability is assessed, typical of AUVs."""
 SURGE, SWAY, YAW = 0, 1, 5
 
 
 @dataclass(frozen=True)
 class VehicleFigures:
-    """A vehicle with its ballast and trim, wholly under water of water_density_kg_m3.
+    """A vehicle with its ballast and trim, fully submerged in water of water_density_kg_m3.
 
-    size_m: of the box round the hull. righting_lever_m: from the centre of mass up to the centre of buoyancy in the
-    body's frame, which is also the metacentric height of a submerged body; negative: it turns over. righting_nm_rad:
-    the moment for each radian from rest. nose_down_deg, roll_to_starboard_deg: at rest, None where nothing rights it.
-    gyration_m: radii of gyration about the body's axes, without ballast and trim; hull_gyration_m: those of the hull
-    as a solid; reach_m: of the hull's farthest point from each axis. drives: axes that thrusters or fins drive.
-    course_growth_1_s: how fast a yaw grows under way without control, at UNDER_WAY_M_S; negative: it dies out; None
-    where thrusters push it sideways.
+    size_m: of the hull's bounding box. righting_lever_m: from the centre of mass up to the centre of buoyancy in the
+    body frame, which is also the metacentric height of a submerged body; negative: it turns over. righting_nm_rad:
+    the moment per radian from rest. nose_down_deg, roll_to_starboard_deg: at rest, None without a righting moment.
+    gyration_m: radii of gyration about the body axes, without ballast and trim; hull_gyration_m: those of the hull
+    as a solid; reach_m: of the hull's farthest point from each axis. drives: axes with thrusters or fins.
+    course_growth_1_s: growth rate of a yaw disturbance without control, at UNDER_WAY_M_S; negative: it decays; None
+    if thrusters push it sideways.
     """
 
     size_m: tuple[float, float, float]
@@ -59,7 +59,7 @@ class VehicleFigures:
 def vehicle_figures(
     model: VehicleModel, control: _core.ControlModel, density_kg_m3: float, trim: Trim | None
 ) -> VehicleFigures:
-    """Measure a vehicle. control: of it in that water; trim: instead of the model's. Raises ScenarioError."""
+    """Return a vehicle's properties. control: its model in that water; trim: instead of the model's. ScenarioError."""
     body = rigid_body(model, density_kg_m3)
     weights = trim_weights(model, body, trim or model.trim, density_kg_m3)
     mass_kg, centre_m, _ = mass_with_ballast(model, body, weights)
@@ -92,8 +92,8 @@ def vehicle_figures(
 def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:
     """Return pitch (nose down) and roll (to starboard) at which the centre of buoyancy is right above that of mass.
 
-    lever_m: (3,) from the centre of mass to that of buoyancy, body frame. Then buoyancy and weight make no moment,
-    however large each is, and a body that is turned from there is turned back.
+    lever_m: (3,) from the centre of mass to that of buoyancy, body frame. There buoyancy and weight have no moment,
+    whatever their size, and a body that is turned away from it turns back.
     """
     length_m = float(np.linalg.norm(lever_m))
     if length_m < NO_LEVER_M:
@@ -132,7 +132,7 @@ def _lift(fin: _core.FinParameters, velocity: Floats, density_kg_m3: float) -> F
 
 
 def _solid_inertia(model: VehicleModel, density_kg_m3: float) -> Floats:
-    """Return the moments of the hull as a solid of the model's mass, about its own centre."""
+    """Return the moments of inertia of the hull as a solid of the model's mass, about its own centre."""
     return rigid_body(model.model_copy(update={"inertia_kg_m2": None}), density_kg_m3).inertia_kg_m2
 
 

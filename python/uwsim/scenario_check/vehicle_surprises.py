@@ -1,4 +1,4 @@
-"""What in a vehicle's own file is allowed but hardly meant: it hangs upside down, a propeller is far away."""
+"""Likely oversights in a valid vehicle file: it hangs upside down, a propeller is far away."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from uwsim.scenario_check.mounts import Mount
 from uwsim.scenario_check.vehicle_figures import NO_LEVER_M, VehicleFigures
 
 TILT_DEG = 5.0
-"""A vehicle that rests farther from level is warned of."""
+"""Tilt at rest beyond which a warning is given."""
 AWAY_LENGTHS = 0.5
-"""A mount is warned of that is farther from the box round the hull than this share of the hull's longest side."""
+"""Distance of a mount from the hull's box, as a share of its longest side, beyond which a warning is given."""
 OFF_DOWN_DEG = 60.0
-"""A DVL that looks farther from straight down is warned of: two of its beams are then above the horizon."""
+"""Angle of a DVL from straight down beyond which a warning is given: two of its beams are then above the horizon."""
 BLOCKED_SHARE = 0.5
 GYRATION_SHARES = (0.3, 3.0)
-"""Radii of gyration over those of the hull as a solid: outside, no distribution of parts explains them."""
+"""Limits of the radii of gyration over those of the hull as a solid: no distribution of parts explains others."""
 GROWTH_1_S = 0.05
-"""A yaw that grows faster is warned of: a helmsman of twenty seconds holds any slower one."""
+"""Growth rate of a yaw disturbance beyond which a warning is given: slower ones take a helmsman 20 s to notice."""
 EXTREME_SHARE = 0.2
-"""Net buoyancy over weight, in fresh and in sea water: beyond it, no trimming helps."""
+"""Net buoyancy over weight, in fresh and in sea water, beyond which trimming cannot help."""
 FRESH_KG_M3, SEA_KG_M3 = 1000.0, 1026.0
 
 Found = tuple[tuple[str | int, ...], str]
 
 
 def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield keys of the vehicle's file and a sentence for each."""
+    """Yield keys of the vehicle's file with a sentence for each."""
     yield from _of_attitude(figures)
     yield from _of_inertia(figures)
     yield from _of_steering(figures)
@@ -38,7 +38,7 @@ def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
 
 
 def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield what is wrong with the buoyancy whatever the water, for a file that names none."""
+    """Yield warnings about the buoyancy in any water, for a file that names no water."""
     density = figures.density_kg_m3
     if density > SEA_KG_M3 / (1.0 - EXTREME_SHARE):
         yield (), f"its mean density is {density:.0f} kg/m3: it sinks like a stone in any water"

@@ -1,4 +1,4 @@
-"""Many jobs on many processes: workers on this machine or on a Dask cluster, and a ledger of what is finished."""
+"""Many jobs on many processes: workers on this machine or on a Dask cluster, and a ledger of finished jobs."""
 
 from uwsim.workers.ledger import Ledger
 from uwsim.workers.workers import Finished, Workers, open_workers

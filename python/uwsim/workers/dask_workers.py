@@ -1,4 +1,4 @@
-"""Workers of Dask's `distributed`: processes of this machine, or of any cluster that a scheduler knows."""
+"""Workers of Dask's `distributed`: processes on this machine, or on any cluster with a scheduler."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.workers.workers import Finished, Work
 
 AHEAD = 2
-"""Jobs that each worker has at hand, so that none waits for the next."""
+"""Jobs queued at each worker, so that none is idle."""
 CONNECT_S, POLL_S = 10.0, 0.2
 WORKERLESS_S = 300.0
-"""How long no worker may be there: one that has died starts again within seconds, on a busy machine within a minute."""
+"""Longest time without any worker: one that died restarts within seconds, on a busy machine within a minute."""
 NO_WORKERS = "all workers have died, and none has come back; --resume continues"
 LOCALHOST = "127.0.0.1"
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,  # trials are counted here
-    "distributed.deploy.lost-worker-timeout": "1d",  # by default one that takes 15 s to start again is not awaited
-    "distributed.admin.tick.limit": "1h",  # a step of the simulator may hold Python's lock for longer than 3 s
-    "distributed.scheduler.http.routes": [],  # pages about the work, for whichever site asks
+    "distributed.deploy.lost-worker-timeout": "1d",  # the default gives up on workers that take 15 s to restart
+    "distributed.admin.tick.limit": "1h",  # a step may hold Python's lock for longer than 3 s
+    "distributed.scheduler.http.routes": [],  # status pages, which any site could read
     "distributed.worker.http.routes": [],
-    "distributed.worker.profile.enabled": False,  # it looks at every thread a hundred times a second
+    "distributed.worker.profile.enabled": False,  # it samples every thread a hundred times a second
 }
 
 
 class ClusterWorkers:
-    """Workers of a Dask cluster. Each must have the same build of uwsim, and see the files that jobs name."""
+    """Workers of a Dask cluster. Each must have the same build of uwsim, and access to the files that jobs name."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class ClusterWorkers:
     ) -> None:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
-        self._seen_s = time.monotonic()  # when there were workers
+        self._seen_s = time.monotonic()  # when there last were workers
         if not self.count:
             raise ValueError("the scheduler has no workers")
         self._require_same_build()
@@ -67,7 +67,7 @@ class ClusterWorkers:
     def finished(
         self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
     ) -> Iterator[Finished]:
-        """Do jobs; see Workers."""
+        """Run jobs; see Workers."""
         done: queue.SimpleQueue[tuple[int, distributed.Future]] = queue.SimpleQueue()
         waiting, under_way, trials = deque(jobs), dict[int, distributed.Future](), _Trials(retries)
 
@@ -102,16 +102,16 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Let go of the cluster; end it if it was made here, at once if this process is told to end."""
+        """Release the cluster; end it if it was made here, at once if this process has been told to end."""
         if kind is None or issubclass(kind, Exception):
             self._closers.close()
             return
         self._kill()
-        with contextlib.suppress(Exception):  # Dask's, about workers that are gone
+        with contextlib.suppress(Exception):  # Dask's errors about workers that are gone
             self._closers.close()
 
     def _kill(self) -> None:
-        """Kill this machine's workers: closing would wait for the jobs that they have at hand."""
+        """Kill this machine's workers: closing would wait for their queued jobs."""
         for nanny in self._own.workers.values() if self._own is not None else ():
             nanny.auto_restart = False
             if nanny.pid:
@@ -119,7 +119,7 @@ class ClusterWorkers:
                     os.kill(nanny.pid, signal.SIGKILL)
 
     def _alive(self) -> int:
-        """Return how many workers there are now: one that has died is being started again."""
+        """Return the present number of workers: one that has died is being restarted."""
         return max(1, int(sum(self._client.nthreads().values())))
 
     def _require_scheduler(self) -> None:
@@ -127,7 +127,7 @@ class ClusterWorkers:
             raise OSError("the connection to the scheduler was lost; --resume continues")
 
     def _require_workers(self) -> None:
-        """Raise OSError if there has been none for long, as when each dies while it starts."""
+        """Raise OSError if there has been no worker for long, as when each dies at its start."""
         if self._client.nthreads():
             self._seen_s = time.monotonic()
         elif time.monotonic() - self._seen_s > WORKERLESS_S:
@@ -143,9 +143,9 @@ class ClusterWorkers:
 class _Trials:
     """Counts the trials of each job.
 
-    When a worker dies, Dask tells so of all the jobs that it had at hand, since it cannot know which of them was to
-    blame. They are suspects: until they are finished, no worker has more than one job, and each of them has one trial
-    more than others.
+    When a worker dies, Dask reports it for all the jobs queued there, since it cannot know which of them was the
+    cause. These jobs are suspects: until they are finished, no worker has more than one job, and each of them has one
+    more trial than others.
     """
 
     def __init__(self, retries: int) -> None:
@@ -154,15 +154,15 @@ class _Trials:
         self.suspects: set[int] = set()
 
     def judged(self, number: int, future: distributed.Future) -> Finished | None:
-        """Return the finished job; None if it is to be tried again. Raises what work should not have raised."""
+        """Return the finished job; None if it is to be tried again. Raises errors that work must not raise."""
         failed = self._failed.get(number, 0)
         if future.status == "finished":
             self.suspects.discard(number)
             try:
-                return Finished(number, future.result(WORKERLESS_S), failed + 1)  # it waits if its worker has just died
+                return Finished(number, future.result(WORKERLESS_S), failed + 1)  # waits if its worker has just died
             except TimeoutError:
                 raise OSError(NO_WORKERS) from None
-        if future.status in ("pending", "lost"):  # its result went with another worker's death before it was fetched
+        if future.status in ("pending", "lost"):  # its result was lost with another worker before it was fetched
             return None
         if future.status != "error":
             raise OSError("the scheduler has lost its jobs; --resume continues")
@@ -180,7 +180,7 @@ class _Trials:
 
 
 def local_workers(count: int) -> ClusterWorkers:
-    """Start processes on this machine, which listen on 127.0.0.1 alone. Raises OSError."""
+    """Start processes on this machine, which listen on 127.0.0.1 only. Raises OSError."""
     closers = contextlib.ExitStack()
     try:
         closers.enter_context(dask.config.set(SETTINGS))
@@ -190,7 +190,7 @@ def local_workers(count: int) -> ClusterWorkers:
             threads_per_worker=1,
             processes=True,
             host=LOCALHOST,
-            dashboard_address=f"{LOCALHOST}:0",  # of its health page; without it Dask takes port 8787
+            dashboard_address=f"{LOCALHOST}:0",  # for its health page; by default Dask takes port 8787
             scheduler_kwargs={"dashboard": False},
             preload=["uwsim.workers.ignore_ctrl_c"],
             memory_limit=0,
@@ -206,7 +206,7 @@ def local_workers(count: int) -> ClusterWorkers:
 
 
 def _connected_client(address: str) -> distributed.Client:
-    for name in ("distributed", "distributed.client"):  # Dask gives the second a level of its own
+    for name in ("distributed", "distributed.client"):  # Dask sets a separate level for the second
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         return distributed.Client(address, timeout=CONNECT_S, set_as_default=False)

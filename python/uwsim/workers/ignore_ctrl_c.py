@@ -1,4 +1,4 @@
-"""What a worker process does first: it leaves Ctrl-C, which a terminal sends to all processes, to the first."""
+"""Setup of a worker process: it ignores Ctrl-C, which a terminal sends to all processes and the first one handles."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import signal
 
 
 def dask_setup(worker: object) -> None:
-    """Dask calls this when a worker starts."""
+    """Ignore Ctrl-C; Dask calls this when a worker starts."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""The progress bar of many jobs, and Ctrl-C meanwhile."""
+"""The progress bar of many jobs, and the handling of Ctrl-C."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from uwsim.stoppable import Stoppable
 
 
 class JobProgress(Stoppable):
-    """How many jobs are finished, on stderr. Ctrl-C stops them; SIGTERM, or a second Ctrl-C, at once."""
+    """A progress bar of jobs on stderr. Ctrl-C stops the jobs; SIGTERM, or a second Ctrl-C, at once."""
 
     def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
         self._bar, self._task, self._doing = bar, task, doing
 
     def tell(self, finished: int, failed: int, count: int) -> None:
-        """Show that so many of the jobs are finished, and so many of these failed."""
+        """Show the numbers of finished and failed jobs."""
         note = f"[red]{failed:,} failed" if failed else ""
         self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
 
     @contextmanager
     def activity(self, activity: str) -> Iterator[None]:
-        """Show an activity while the block runs."""
+        """Show an activity during the block."""
         self._bar.update(self._task, activity=activity)
         yield
 
     def stop(self, *, in_haste: bool = False) -> None:
-        """End early; what is under way is lost. In haste: at once, since what is finished is on disk."""
+        """End early; jobs in progress are lost. In haste: at once, since finished jobs are on disk."""
         super().stop(in_haste=in_haste)
         if in_haste:
             raise KeyboardInterrupt
@@ -37,7 +37,7 @@ class JobProgress(Stoppable):
 
 @contextmanager
 def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
-    """Show a progress bar while the block runs. what: the jobs, such as "runs"; doing: what is done with them."""
+    """Show a progress bar during the block. what: the jobs, such as "runs"; doing: the activity."""
     console = Console(stderr=True)
     bar = Progress(
         TextColumn("{task.fields[activity]}"),
@@ -53,5 +53,5 @@ def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
         with bar:
             yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
     except KeyboardInterrupt:
-        console.print("interrupted; what is finished is kept: --resume continues", highlight=False, soft_wrap=True)
+        console.print("interrupted; finished jobs are kept: --resume continues", highlight=False, soft_wrap=True)
         raise

@@ -1,4 +1,4 @@
-"""The ledger of a folder: which jobs of a plan are finished, with their results. It survives any kill."""
+"""The ledger of a folder: the finished jobs of a plan, with their results. It survives any kill."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ LEDGER = "ledger.jsonl"
 
 
 class Ledger:
-    """A file of JSON lines: the first says of which plan it is, each other holds the result of one job.
+    """A file of JSON lines: the first holds the plan, each other line the result of one job.
 
-    A line is written to disk before the next job is counted. A line that a kill has cut off is dropped by the next
-    `resume`, so that each job is either finished or not. Of several lines on one job the last counts.
+    A line is written to disk before the next job is counted. The next `resume` drops a line that was cut off by a
+    kill, so each job is either finished or not. If a job has several lines, the last counts.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -25,16 +25,16 @@ class Ledger:
 
     @property
     def exists(self) -> bool:
-        """Whether the folder holds one."""
+        """Return whether the folder has a ledger."""
         return self.path.exists()
 
     def begin(self, plan: Mapping[str, Any]) -> None:
-        """Begin a new ledger. Raises OSError."""
+        """Start a new ledger. Raises OSError."""
         self._open("xb")
         self._write({"plan": dict(plan)})
 
     def resume(self, plan: Mapping[str, Any]) -> None:
-        """Read what is finished and go on. Raises ValueError if the ledger is of another plan, OSError."""
+        """Read the finished jobs and continue. Raises ValueError if the ledger has another plan, OSError."""
         found = self.read()
         for key, value in plan.items():
             if found.get(key) != value:
@@ -42,7 +42,7 @@ class Ledger:
         self._open("ab")
 
     def read(self) -> dict[str, Any]:
-        """Return the plan, and take in the results; drop a last line that is not whole. Raises ValueError, OSError."""
+        """Return the plan, and read the results; drop an incomplete last line. Raises ValueError, OSError."""
         content = self.path.read_bytes()
         whole = content.rfind(b"\n") + 1
         if whole < len(content):
@@ -56,7 +56,7 @@ class Ledger:
             raise ValueError(f"'{self.path}': is damaged") from None
 
     def add(self, job: int, result: Mapping[str, Any]) -> None:
-        """Note a finished job. Raises OSError."""
+        """Record a finished job. Raises OSError."""
         line = {"job": job, **result}
         self._write(line)
         self.results[job] = line
@@ -69,7 +69,7 @@ class Ledger:
 
     def _open(self, mode: str) -> None:
         try:
-            self._file = self.path.open(mode, buffering=0)  # else closing would try again, and fail in its own words
+            self._file = self.path.open(mode, buffering=0)  # else closing would write again, and fail again
         except OSError as error:
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}") from error
 
@@ -82,5 +82,5 @@ class Ledger:
                 left = left[self._file.write(left) :]
             os.fsync(self._file.fileno())
         except OSError as error:
-            os.ftruncate(self._file.fileno(), found.st_size)  # half a line is none
+            os.ftruncate(self._file.fileno(), found.st_size)  # removes the partial line
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}; --resume continues") from error

@@ -1,4 +1,4 @@
-"""Workers: they take jobs and give results, in whatever order these are finished."""
+"""Workers: processes that take jobs and return results, in the order in which these are finished."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any, Protocol, Self
 from uwsim.extras import need_extra
 
 Work = Callable[[Any], dict[str, Any]]
-"""A function of a module that takes a job and returns its result, plain values; it raises only what may go away."""
+"""A module's function that takes a job and returns its result, plain values; it raises only transient errors."""
 
 
 @dataclass(frozen=True)
 class Finished:
-    """A job that is finished. result: None if no worker survived it, or each of several trials failed. why: then."""
+    """A finished job. result: None if no worker survived it, or every trial failed. why: the reason, in that case."""
 
     job: int
     result: dict[str, Any] | None
@@ -25,18 +25,18 @@ class Finished:
 
 
 class Workers(Protocol):
-    """Processes that work. A context manager, which ends them."""
+    """Processes that run jobs. A context manager, which ends them."""
 
     count: int
-    """How many jobs they do at once."""
+    """Number of jobs that run at once."""
 
     def finished(
         self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
     ) -> Iterator[Finished]:
-        """Do jobs, given by number; yield each as it is finished.
+        """Run jobs, given by number; yield each when it is finished.
 
-        retries: how often a job is tried again whose worker died, or that raised OSError or MemoryError. Ends early,
-        and lets go of what is under way, once stop_requested() is true.
+        retries: number of further trials of a job whose worker died, or that raised OSError or MemoryError. Ends early,
+        without the jobs in progress, once stop_requested() is true.
         """
 
     def __enter__(self) -> Self: ...
@@ -47,14 +47,14 @@ class Workers(Protocol):
 
 
 class ThisProcess:
-    """Works in this process, one job after the other: for tests and debuggers."""
+    """Runs jobs in this process, one after the other: for tests and debuggers."""
 
     count = 1
 
     def finished(
         self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
     ) -> Iterator[Finished]:
-        """Do jobs; see Workers."""
+        """Run jobs; see Workers."""
         for number, job in jobs.items():
             if stop_requested():
                 return
@@ -80,9 +80,9 @@ class ThisProcess:
 
 
 def open_workers(count: int | None = None, *, scheduler: str | None = None) -> Workers:
-    """Return workers, to be used in a `with`.
+    """Return workers, for a `with` statement.
 
-    count: processes on this machine, by default one for each core; 0: none, this process works. scheduler: the address
+    count: processes on this machine, by default one per core; 0: none, jobs run in this process. scheduler: the address
     of a Dask cluster, such as tcp://10.0.0.1:8786, whose workers are used instead. Raises ValueError.
     """
     if count is not None and not 0 <= count <= 4096:
