@@ -86,7 +86,7 @@ def test_a_port_is_free_ours_or_taken():
     assert servers.rosbridge_port(port).found == "free"
     with http.server.HTTPServer(("127.0.0.1", 0), Silent) as web:
         threading.Thread(target=web.serve_forever, daemon=True).start()
-        assert servers.rosbridge_port(web.server_port).found == "taken, by something that is no rosbridge"
+        assert servers.rosbridge_port(web.server_port).found == "taken, but not by a rosbridge"
         assert servers.foxglove_port(web.server_port).verdict == "note"
         web.shutdown()
     with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:

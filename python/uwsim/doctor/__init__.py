@@ -1,4 +1,4 @@
-"""`uwsim doctor`: looks for what keeps two sides from seeing each other, and says what to do."""
+"""`uwsim doctor`: finds out what keeps two sides from seeing each other, and suggests a remedy."""
 
 from uwsim.doctor.examine import Plan, examine
 from uwsim.doctor.finding import Finding, Verdict

@@ -1,4 +1,4 @@
-"""Who else is in the ROS 2 domain: joins it for a while and listens."""
+"""Participants in the ROS 2 domain: joins it for a while and listens."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOOK_S = 0.05
 
 
 def discovery(settings: Ros2Settings, listen_s: float) -> list[Finding]:
-    """Join the domain for listen_s and return who is there, who should be, and which distribution they speak."""
+    """Join the domain for listen_s; return findings about its participants and their distribution of ROS 2."""
     domain, ports = settings.domain_id, udp_ports()
     here = participants_here(domain, ports)
     others = {number: participants_here(number, ports) for number in range(SAFE_DOMAIN_MAX + 1) if number != domain}
@@ -38,7 +38,7 @@ def discovery(settings: Ros2Settings, listen_s: float) -> list[Finding]:
         found.append(_speech("nodes", named, settings, set(nodes.values())))
     elif heard:
         theirs: set[Distro] = {"jazzy"} if hashed else {"humble"}
-        found.append(_speech("nodes", "none tell their names", settings, theirs))
+        found.append(_speech("nodes", "none report their names", settings, theirs))
     return found
 
 
@@ -51,9 +51,9 @@ def _presence(what: str, settings: Ros2Settings, here: int, heard: int, elsewher
     if not heard and elsewhere:
         where = ", ".join(elsewhere[:8])
         advice = "give both sides the same ROS_DOMAIN_ID"
-        return Finding(what, f"nobody; but there are participants in {where}", "wrong", advice)
+        return Finding(what, f"none; but there are participants in {where}", "wrong", advice)
     if not heard:
-        return Finding(what, "nobody else is there", "note", "start a node of ROS and look again")
+        return Finding(what, "no other participant", "note", "start a node of ROS and look again")
     return Finding(what, found)
 
 
@@ -64,7 +64,7 @@ def _speech(what: str, found: str, settings: Ros2Settings, theirs: set[Distro]) 
 
 
 def _listen(settings: Ros2Settings, listen_s: float) -> tuple[int, dict[str, Distro], bool]:
-    """Return how many others there are, their nodes by name, and whether any tells hashes of types, as Jazzy does."""
+    """Return the number of other participants, their nodes by name, and whether any sends type hashes (as in Jazzy)."""
     participants = {distro: Participant(replace(settings, distro=distro), b"") for distro in get_args(Distro)}
     try:
         ours = {participant.guid for participant in participants.values()}

@@ -1,4 +1,4 @@
-"""What the environment tells ROS 2, where it is at odds with us."""
+"""ROS 2's environment variables, compared with our settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LOCALHOST_ADVICE = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST (Humble: ROS_
 
 
 def environment(variables: Mapping[str, str], settings: Ros2Settings) -> list[Finding]:
-    """Return what ROS's variables say. A node of ROS that is started elsewhere may have others."""
+    """Return findings about ROS's variables. A ROS node that is started elsewhere may have others."""
     found = [_domain(variables, settings), _distro(variables, settings), _range(variables, settings)]
     rmw = variables.get("RMW_IMPLEMENTATION", "")
     if "zenoh" in rmw:
@@ -35,7 +35,7 @@ def _domain(variables: Mapping[str, str], settings: Ros2Settings) -> Finding:
     theirs = variables.get(what, "") or "0"
     if theirs != str(ours):
         advice = f"export ROS_DOMAIN_ID={ours} on the side of ROS"
-        return Finding(what, f"{theirs} here, {ours} asked for", "wrong", advice)
+        return Finding(what, f"{theirs} here, {ours} requested", "wrong", advice)
     if ours > SAFE_DOMAIN_MAX:
         advice = f"choose one up to {SAFE_DOMAIN_MAX}: Linux may have given the ports of higher ones away"
         return Finding(what, str(ours), "note", advice)

@@ -1,4 +1,4 @@
-"""All examinations in turn."""
+"""All examinations, in order."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.doctor.software import extra, software
 
 @dataclass(frozen=True)
 class Plan:
-    """What to look at. listen_s: how long to listen for others in the domain."""
+    """The examinations' settings. listen_s: time to listen for others in the domain."""
 
     settings: Ros2Settings
     port: int = 9090
@@ -24,7 +24,7 @@ class Plan:
 
 
 def examine(plan: Plan, variables: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield the findings, as they are made. variables: the environment's."""
+    """Yield the findings as they are made. variables: the environment's."""
     yield from software()
     yield rosbridge_port(plan.port)
     yield foxglove_port(plan.foxglove)

@@ -1,4 +1,4 @@
-"""A finding: what was looked at, what was found, whether it is wrong, and what to do."""
+"""A finding: the subject, the observation, whether it is wrong, and the remedy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Verdict = Literal["ok", "note", "wrong"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the table. advice: what to do, for what is not ok."""
+    """One line of the table. advice: the remedy, for findings that are not ok."""
 
     what: str
     found: str

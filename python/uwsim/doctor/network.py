@@ -1,4 +1,4 @@
-"""Interfaces, multicast, ports and buffers of this machine. Linux, as the packages of ROS."""
+"""Interfaces, multicast, ports and buffers of this machine. Linux only, like the packages of ROS."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def interfaces() -> dict[str, tuple[str, int]]:
 
 
 def network(settings: Ros2Settings) -> list[Finding]:
-    """Return what DDS has to work with."""
+    """Return findings about the network that DDS uses."""
     there = interfaces()
     if settings.reach == "localhost":
         loopback = [name for name, (_, flags) in there.items() if flags & LOOPBACK]
@@ -48,7 +48,7 @@ def network(settings: Ros2Settings) -> list[Finding]:
 
 
 def multicast(name: str, address: str, flags: int) -> Finding:
-    """Send a packet to DDS's group on an interface and wait for its return."""
+    """Send a packet to DDS's group on an interface and wait for it to return."""
     what = f"multicast on {name}"
     if not flags & MULTICAST:
         advice = f"sudo ip link set {name} multicast on; or --ros-reach subnet --ros-peer HOST"
@@ -73,11 +73,11 @@ def multicast(name: str, address: str, flags: int) -> Finding:
 
 
 def buffers() -> Finding:
-    """Look at what a socket of a reader holds by default."""
+    """Return a finding about the default receive buffer of a socket."""
     try:
         default = int(Path("/proc/sys/net/core/rmem_default").read_text())
     except (OSError, ValueError):
-        return Finding("socket buffers", "unknown", "note", "clouds and pictures want net.core.rmem_default of 2 MB")
+        return Finding("socket buffers", "unknown", "note", "clouds and pictures need net.core.rmem_default of 2 MB")
     found = f"{default / 1e3:.0f} kB"
     if default >= BUFFER_GOOD:
         return Finding("socket buffers", found)
@@ -86,7 +86,7 @@ def buffers() -> Finding:
 
 
 def udp_ports() -> set[int]:
-    """Return the UDP ports on which somebody listens on this machine."""
+    """Return the UDP ports in use on this machine."""
     found = set()
     for name in ("udp", "udp6"):
         try:
@@ -98,5 +98,5 @@ def udp_ports() -> set[int]:
 
 
 def participants_here(domain_id: int, ports: set[int]) -> int:
-    """Return how many participants of a domain there are on this machine, by the ports that they listen on."""
+    """Return the number of a domain's participants on this machine, from the ports in use."""
     return sum(unicast_port(domain_id, number) in ports for number in range(PARTICIPANTS_MAX))

@@ -1,4 +1,4 @@
-"""Whether the ports that `uwsim serve` listens on are free, or who has them."""
+"""Whether the ports of `uwsim serve` are free, and if not, which server uses them."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from uwsim.doctor.finding import Finding
 
 ANSWER_S = 2.0
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
-LOCKED = "taken, by a server that asks for a token, as uwsim serve --token does"
+LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
 
 
 def rosbridge_port(port: int) -> Finding:
-    """Look at the rosbridge's port."""
+    """Return a finding about the rosbridge's port."""
     what = f"rosbridge, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")
@@ -27,14 +27,14 @@ def rosbridge_port(port: int) -> Finding:
     except PermissionError:
         return Finding(what, LOCKED)
     if nodes is None:
-        return Finding(what, "taken, by something that is no rosbridge", "wrong", "end it, or uwsim serve --port N")
+        return Finding(what, "taken, but not by a rosbridge", "wrong", "end it, or uwsim serve --port N")
     if "/uwsim" in nodes:
         return Finding(what, "uwsim serves here")
     return Finding(what, f"another rosbridge: {', '.join(nodes)[:60]}", "wrong", "end it, or uwsim serve --port N")
 
 
 def foxglove_port(port: int) -> Finding:
-    """Look at Foxglove's port."""
+    """Return a finding about Foxglove's port."""
     what = f"Foxglove, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")
@@ -44,7 +44,7 @@ def foxglove_port(port: int) -> Finding:
     except (OSError, ValueError, WebSocketException) as error:
         if _is_locked(error):
             return Finding(what, LOCKED)
-        return Finding(what, "taken, by no Foxglove server", "note", "end it, or uwsim serve --foxglove-port N")
+        return Finding(what, "taken, but not by a Foxglove server", "note", "end it, or uwsim serve --foxglove-port N")
     return Finding(what, f"{name or 'a Foxglove server'} serves here")
 
 
@@ -55,7 +55,7 @@ def _is_taken(port: int) -> bool:
 
 
 def _rosbridge_nodes(port: int) -> list[str] | None:
-    """Return the names of a rosbridge's nodes, or None if it is none. Raises PermissionError."""
+    """Return the names of a rosbridge's nodes, or None if it is not a rosbridge. Raises PermissionError."""
     try:
         with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))

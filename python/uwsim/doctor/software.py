@@ -1,4 +1,4 @@
-"""Versions, and optional packages that are missing."""
+"""Versions, and missing optional packages."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ EXTRAS = {"ros2": ("cyclonedds",), "foxglove": ("foxglove-sdk",), "tables": ("pa
 
 
 def software() -> list[Finding]:
-    """Return what is installed."""
+    """Return findings about the installed software."""
     python = f"Python {platform.python_version()}, {platform.machine()}, {platform.system()} {platform.release()}"
     return [Finding("uwsim", f"{version('uwsim')} on {python}"), *map(extra, EXTRAS), ros1()]
 
 
 def extra(name: str) -> Finding:
-    """Look at the packages of an extra."""
+    """Return a finding about the packages of an extra."""
     what, found, missing = f"extra {name}", [], []
     for package in EXTRAS[name]:
         try:
@@ -37,7 +37,7 @@ def extra(name: str) -> Finding:
 
 
 def ros1() -> Finding:
-    """Look for Debian's rospy."""
+    """Return a finding about Debian's rospy."""
     if find_spec("rospy") is not None or (DEBIAN / "rospy").is_dir():
         return Finding("ROS 1", "rospy is there")
     return Finding("ROS 1", "no rospy", "note", f"for --ros1: {INSTALL}")

@@ -1,4 +1,4 @@
-"""Published results made again: each figure as our own picture, with the values behind it."""
+"""Published results reproduced: each figure as a picture of our own, with its values."""
 
 from uwsim.reproduce.paper import reproduce_paper
 

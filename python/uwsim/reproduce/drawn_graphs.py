@@ -1,4 +1,4 @@
-"""Transform tree and node map, drawn from what the running system told (Figs. 10 and 11)."""
+"""Transform tree and node map, drawn from data of the running system (Figs. 10 and 11)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BOX = {"boxstyle": "round,pad=0.45", "facecolor": "#eef4f8", "edgecolor": INK, "
 
 
 def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Path) -> Figure:
-    """Fig. 10."""
+    """Draw Fig. 10."""
     figure = new_figure(12.0, 7.6)
     left, right = figure.add_axes((0.0, 0.0, 0.24, 1.0)), figure.add_axes((0.26, 0.0, 0.74, 1.0))
     _draw_tree(left, published, "the published nodes' /tf")
@@ -27,13 +27,13 @@ def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Pa
     rows = [(tree, link.parent, link.child, link.rate_hz or "static")
             for tree, links in (("published", published), ("standard", standard)) for link in links]  # fmt: skip
     return Figure(
-        10, "The transform tree", "As the topics of a running system tell it, with the rate of each moving transform.",
+        10, "The transform tree", "From the topics of a running system, with the rate of each moving transform.",
         True, columns=("wire", "parent", "child", "rate [Hz]"), rows=rows,
     )  # fmt: skip
 
 
 def node_map(edges: Sequence[Edge], path: Path) -> Figure:
-    """Fig. 11."""
+    """Draw Fig. 11."""
     figure = new_figure(12.0, 4.6)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _bare(axes, "Nodes and topics")
@@ -54,13 +54,13 @@ def node_map(edges: Sequence[Edge], path: Path) -> Figure:
         axes.text(*place, name, fontsize=10, color=INK, ha="center", va="center", bbox=BOX, zorder=3)
     save_figure(figure, path)
     return Figure(
-        11, "The node map", "The simulator and the paper's chain as five processes, as rosapi tells of them.", True,
+        11, "The node map", "The simulator and the paper's chain as five processes, from rosapi.", True,
         columns=("publisher", "topic", "subscriber"), rows=[(e.publisher, e.topic, e.subscriber) for e in edges],
     )  # fmt: skip
 
 
 def _draw_tree(axes: Axes, links: Sequence[Link], title: str) -> None:
-    """Draw a tree from the top down; leaves are set side by side."""
+    """Draw a tree from the top down, with its leaves side by side."""
     _bare(axes, title)
     children: dict[str, list[Link]] = {}
     for link in links:
@@ -104,7 +104,7 @@ def _leaves(children: dict[str, list[Link]], frame: str) -> int:
 
 
 def _layered(pairs: Sequence[tuple[str, str]]) -> dict[str, Place]:
-    """Place nodes from left to right by the longest way from a source; a node that many hear stands lower."""
+    """Place nodes from left to right by the longest path from a source; nodes with many publishers are lower."""
     names = list(dict.fromkeys(name for pair in pairs for name in pair))
     level = dict.fromkeys(names, 0)
     for _ in names:

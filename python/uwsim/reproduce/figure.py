@@ -1,4 +1,4 @@
-"""A figure of the paper, made again: its picture's file, its title, and the values behind it."""
+"""A reproduced figure of the paper: its picture file, title and values."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ PAPER = "Development of an Underwater Simulator using Unity3D and Robot Operatin
 class Figure:
     """One of the paper's figures.
 
-    number: in the paper. subject_known: whether the paper's figure of this number is known to show this; the others
-    show, in its order, what else it describes. columns, rows: the table behind the picture; values: single ones.
+    number: in the paper. subject_known: whether the subject of the paper's figure with this number is known; the others
+    show, in its order, other things that it describes. columns, rows: the table behind the picture; values: single
+    ones.
     """
 
     number: int

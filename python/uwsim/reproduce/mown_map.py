@@ -1,4 +1,4 @@
-"""The published lawn-mower's flight, and the map that the chain makes of its pings (Fig. 12)."""
+"""The published lawn-mower's flight, and the chain's map of its pings (Fig. 12)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, Key, Seen, publish
 from uwsim.reproduce.figure import Figure
 
 CONTROL_S = 0.1
-FALL_S = 5.0  # as the published node waits after the release
+FALL_S = 5.0  # the published node's wait after the release
 LONGEST_S = 2000.0
 
 
 class Flight:
-    """The scenario `paper`, flown over its channels as nodes would, in step with a paused simulator."""
+    """The scenario `paper`, flown over its channels as by nodes, in step with a paused simulator."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -35,7 +35,7 @@ class Flight:
         self.track_m: list[tuple[float, float, float]] = []
 
     def fly(self) -> list[Key]:
-        """Fly to the end; return the keys that were given. Raises RuntimeError if it takes too long."""
+        """Fly to the end; return the keys pressed. Raises RuntimeError if it takes too long."""
         mower, keys = published_mower(), []
         key = next(mower)
         while self._live.simulator.time_s < LONGEST_S:
@@ -87,7 +87,7 @@ def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64
 
 
 def mown_map(path: Path, map_file: Path) -> Figure:
-    """Fig. 12."""
+    """Draw Fig. 12."""
     with LiveSimulator("paper", paused=True) as live:
         flight = Flight(live)
         keys = flight.fly()

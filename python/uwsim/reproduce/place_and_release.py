@@ -19,7 +19,7 @@ RELEASE_S, SAMPLE_S = 60.0, 0.05
 
 
 def place(sim: Simulator, path: Path) -> Figure:
-    """Fig. 3."""
+    """Draw Fig. 3."""
     along = np.arange(-HALF_M, HALF_M + SPACING_M, SPACING_M)
     x, y = np.meshgrid(along, along)
     heights = sim.world.height_at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(x.shape)
@@ -57,7 +57,7 @@ def place(sim: Simulator, path: Path) -> Figure:
 
 
 def release(sim: Simulator, path: Path) -> Figure:
-    """Fig. 6."""
+    """Draw Fig. 6."""
     sim.reset()
     rov, rows = sim.rov, []
     rov.release()
@@ -74,7 +74,7 @@ def release(sim: Simulator, path: Path) -> Figure:
     label_axes(lower, "", "time since the release [s]", "vertical speed [m/s]")
     save_figure(figure, path)
     return Figure(
-        6, "The release", "Gravity takes the vehicle into the water; then it rises, for it is 1 % lighter than water.",
+        6, "The release", "The vehicle falls into the water and then rises, as it is 1 % lighter than water.",
         values={"fastest_fall_m_s": float(-speed_m_s.min()), "deepest_m": float(-height_m.min()),
                 "rises_at_m_s": float(np.median(speed_m_s[(time_s > 10.0) & (height_m < -0.5)]))},
         columns=("time [s]", "height [m]", "vertical speed [m/s]"), rows=rows[::20],

@@ -29,7 +29,7 @@ def place(sim: Simulator, where: tuple[tuple[float, float, float], float]) -> No
 
 
 def vehicle(sim: Simulator, path: Path) -> Figure:
-    """Fig. 1."""
+    """Draw Fig. 1."""
     place(sim, OVER_THE_PIPELINE)
     camera = sim.rov.cameras["chase"]
     frame = camera.capture()
@@ -41,7 +41,7 @@ def vehicle(sim: Simulator, path: Path) -> Figure:
 
 
 def scene(sim: Simulator, path: Path) -> Figure:
-    """Fig. 2."""
+    """Draw Fig. 2."""
     place(sim, BEFORE_THE_GATE)
     camera, water = sim.rov.cameras["front"], sim.optics.coefficients
     pair = [camera.capture(effects) for effects in ("on", "off")]
@@ -60,7 +60,7 @@ def scene(sim: Simulator, path: Path) -> Figure:
 
 
 def start_screen(path: Path) -> Figure:
-    """Fig. 4: the choices that the start screen offers."""
+    """Draw Fig. 4: the choices on the start screen."""
     scenario = load("paper")
     rows = []
     for number, model in ranging.MODELS.items():
@@ -88,13 +88,13 @@ def start_screen(path: Path) -> Figure:
         cell.set_linewidth(0.4)
     save_figure(figure, path)
     return Figure(
-        4, "The start screen", "What an operator chooses; `uwsim station paper` asks for it on a page.",
+        4, "The start screen", "An operator's choices; `uwsim station paper` offers them on a page.",
         True, {"mission_time_s": scenario.mission_time_s}, columns, rows,
     )  # fmt: skip
 
 
 def main_screen(sim: Simulator, path: Path) -> Figure:
-    """Fig. 5: the vehicle's and the station's pictures beside the panel."""
+    """Draw Fig. 5: the vehicle's and the station's pictures beside the panel."""
     place(sim, BEFORE_THE_GATE)
     panel = sim.rov.telemetry()
     rows = [

@@ -21,7 +21,7 @@ IN_THE_BASIN = (20.0, -150.0, -20.0), 10.0
 
 
 def depth_image(sim: Simulator, path: Path) -> Figure:
-    """Fig. 7."""
+    """Draw Fig. 7."""
     place(sim, IN_THE_BASIN)
     frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
     ping = sim.rov.sonar.ping()
@@ -43,7 +43,7 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
     label_axes(lower, "The sonar's ranges", "angle to port [deg]", "range [m]")
     save_figure(figure, path)
     return Figure(
-        7, "Depth and ranges", "What a depth camera sees, and the sonar's ranges at the same place by both methods.",
+        7, "Depth and ranges", "A depth camera's image, and the sonar's ranges at the same pose by both methods.",
         values={name: _plain(value) for name, value in vars(errors).items()},
         columns=("angle [deg]", "range [m]", "from a depth image [m]"),
         rows=[(float(a), float(r), float(d)) for a, r, d in zip(angles, ping.ranges_m, found, strict=True)][::16],
@@ -51,7 +51,7 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
 
 
 def coverage(path: Path) -> Figure:
-    """Fig. 8."""
+    """Draw Fig. 8."""
     simulated: dict[Cell, float] = {cell: half_detected_m(cell) for cell in DEPTH_M}
     draw_table(simulated, path)
     rows = [
@@ -67,7 +67,7 @@ def coverage(path: Path) -> Figure:
 
 
 def ping(sim: Simulator, path: Path) -> Figure:
-    """Fig. 9."""
+    """Draw Fig. 9."""
     place(sim, IN_THE_BASIN)
     ping, model = sim.rov.sonar.ping(), sim.rov.sonar.model
     sonar_fan(path, sim.world, ping, model.range_max_m)

@@ -1,4 +1,4 @@
-"""Validation: compares the simulator with closed forms and published data, as tables and curves.
+"""Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
 A suite is a module with `run(out) -> list[Check]` and a line in SUITES.
 """

@@ -1,7 +1,7 @@
-"""Reads a vehicle's actuator wrench off its motion.
+"""Measurement of a vehicle's actuator wrench from its motion.
 
 Two simulators, one with the actuators and one without, make one step from the same state. The difference of their
-velocities times the published mass is the impulse of the actuators.
+velocities times the published mass is the actuators' impulse.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ WRENCH_TOLERANCE = 1e-3
 
 
 class Probe:
-    """A vehicle with its actuators, and the same vehicle without, both in deep water."""
+    """A vehicle with its actuators, and the same vehicle without them, both in deep water."""
 
     def __init__(self, name: str, model: VehicleModel | None = None) -> None:
         used = model or load_vehicle(name)

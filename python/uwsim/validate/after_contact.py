@@ -1,8 +1,8 @@
-"""Navigation after contacts: soon after the vehicle is free, the filter errs by no more than it says.
+"""Navigation after contacts: soon after the vehicle is free, the filter's errors match its covariance again.
 
-A collision exceeds what the accelerometer can tell, and a hull that overlaps the ground is moved and turned by the
-contact solver without any instrument seeing it. The measure is the NEES of estimation.py, RECOVERY_S after the vehicle
-lifts off.
+A collision exceeds the accelerometer's range, and a hull that overlaps the ground is moved and rotated by the
+contact solver without any instrument measuring it. The measure is the NEES of estimation.py, RECOVERY_S after the
+vehicle lifts off.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from uwsim.validate.estimation import ERRORS, errors, nees_of, start_navigation
 
 Array = NDArray[np.float64]
 PLACE_WORLD_M = (-30.0, -40.0)
-CONTACTS = {  # the height of the hull's middle above the bed, half of its own being 0.3 m, and the velocity [m/s]
+CONTACTS = {  # height of the hull's centre above the bed, half of its own being 0.3 m; velocity [m/s]
     "thrown onto the bed at 2 m/s": (1.0, (0.0, 0.0, -2.0)),
     "skidding on the bed from 1.8 m/s": (0.6, (1.5, 0.0, -1.0)),
     "placed halfway in the bed": (0.05, (0.0, 0.0, 0.0)),
 }
-BEYOND = {"placed halfway in the bed": 2.0}  # of the bound: what no instrument sees is not made good wholly
+BEYOND = {"placed halfway in the bed": 2.0}  # times the bound: unmeasured motion is not fully recovered
 PRESSED_S, LIFTED_S, RECOVERY_S = 5.0, 10.0, 20.0
 PRESSING, LIFTING = (0.6, 0.0, -0.5, 0.0, 0.0, 0.2), (-0.2, 0.0, 0.5, 0.0, 0.0, 0.0)
 

@@ -54,7 +54,7 @@ class View:
     side: int = SIDE
 
     def picture(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> _core.Picture:
-        """Render it, with radiance."""
+        """Return its picture, with radiance."""
         centre = 0.5 * (self.side - 1)
         lens = _core.Lens(self.side, self.side, self.focal, self.focal, centre, centre)
         turn = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat()
@@ -71,13 +71,13 @@ class View:
         )
 
     def ahead(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> Floats:
-        """Return the radiance (3,) of the middle pixel."""
+        """Return the radiance (3,) of the central pixel."""
         middle = self.side // 2
         return np.asarray(self.picture(light, effects, lamps).radiance[middle, middle], np.float64)
 
 
 def box_scene(centre_m: Sequence[float], size_m: Sequence[float]) -> _core.CameraScene:
-    """Return a world of one uniformly grey box (albedo 0.5) in open water."""
+    """Return a world with one uniformly grey box (albedo 0.5) in open water."""
     world = _core.World()
     box = trimesh.creation.box(size_m)
     box.apply_translation(centre_m)
@@ -93,7 +93,7 @@ def wall_at(range_m: float, depth_m: float = 6.0) -> View:
 
 
 def wall_against_range() -> list[Check]:
-    """L(r) = L0 exp(-c r) + B (1 - exp(-c r)), c = a + b: L0 the wall's own light, B the backscatter of open water."""
+    """Check L(r) = L0 exp(-c r) + B (1 - exp(-c r)), c = a + b: L0 of the wall, B the backscatter of open water."""
     checks = []
     ranges = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 16.0])
     for jerlov in TYPES:
@@ -115,7 +115,7 @@ def wall_against_range() -> list[Check]:
 
 
 def sunlight_against_depth() -> list[Check]:
-    """A level plate's light falls as exp(-Kd z) from the daylight that enters the water."""
+    """Check that a level plate's light falls as exp(-Kd z) from the daylight that enters the water."""
     checks = []
     depths = np.array([1.0, 3.0, 6.0, 12.0, 24.0])
     for jerlov in TYPES:
@@ -134,7 +134,7 @@ def sunlight_against_depth() -> list[Check]:
 
 
 def lamp_against_distance() -> list[Check]:
-    """A lamp beside the camera lights a wall by I cos / d^2 exp(-c d), of which exp(-c r) returns to the camera."""
+    """Check that a lamp beside the camera lights a wall by I cos / d^2 exp(-c d), with exp(-c r) back to the camera."""
     flux_lm, half, soft, aside = 20_000.0, 0.6, 0.5, 0.2
     light = Light("III", NIGHT_DEG)
     c = np.asarray(light.water.absorption) + np.asarray(light.water.scattering)
@@ -156,7 +156,7 @@ def lamp_against_distance() -> list[Check]:
 
 
 def refraction_at_the_surface() -> list[Check]:
-    """Snell's law, for the sun's beam and for the edge of the window through which the sky is seen from below."""
+    """Check Snell's law for the sun's beam and for the edge of the window in which the sky appears from below."""
     checks = []
     for sun_deg in (15.0, 45.0, 75.0):
         optics = Light("I", sun_deg).optics
@@ -175,7 +175,7 @@ def refraction_at_the_surface() -> list[Check]:
 
 
 def lake_depths() -> list[Check]:
-    """Each pixel's depth equals the range of the sonar's ray along it, solved in double; relative to the range."""
+    """Check that each pixel's depth equals the range of the sonar's ray along it, solved in double precision."""
     from uwsim.simulator import Simulator
 
     sim = Simulator("lake")
@@ -207,7 +207,7 @@ SQUARE_M = 0.05
 def checkerboard_scene(distance_m: float) -> tuple[_core.CameraScene, Floats]:
     """Return a scene with a tilted checkerboard ahead, and the board's inner corners (n, 3), world."""
     columns, rows = CHECKERS[0] + 3, CHECKERS[1] + 3
-    texels = 12  # interpolation blurs an edge over one of them, about three pixels: corner finders expect that
+    texels = 12  # interpolation blurs an edge over one texel, about three pixels, as corner finders expect
     tiles = np.add.outer(np.arange(rows), np.arange(columns)) % 2
     tiles[[0, -1]], tiles[:, [0, -1]] = 1, 1  # a white border
     image = np.kron(np.where(tiles, 235, 20).astype(np.uint8), np.ones((texels, texels), np.uint8))
@@ -226,7 +226,7 @@ def checkerboard_scene(distance_m: float) -> tuple[_core.CameraScene, Floats]:
 
 
 def checkerboard_corners() -> list[Check]:
-    """Corners found in a picture through a distorting lens are where OpenCV's projectPoints puts them. Needs OpenCV."""
+    """Check corners in a picture through a distorting lens against OpenCV's projectPoints. Needs OpenCV."""
     try:
         import cv2
     except ImportError:
@@ -238,7 +238,7 @@ def checkerboard_corners() -> list[Check]:
     picture = scene.render(
         _core.Camera("check", lens), light, (0, 0, -3), (0, 0, 0, 1), 0.0, 0, ["distortion"], keep_radiance=True
     )
-    # Linear light: the transfer curve would widen white edges and so shift the corners that the finder finds.
+    # Linear light: the transfer curve would widen white edges and so shift the corners that are found.
     linear = np.asarray(picture.radiance)[..., 1]
     grey = np.clip(linear / linear.max() * 250, 0, 255).astype(np.uint8)
     found, pixels = cv2.findChessboardCorners(grey, CHECKERS)

@@ -33,14 +33,14 @@ def relative(group: str, name: str, expected: float, got: float, tolerance: floa
 
 
 def within(group: str, name: str, expected: float, got: float, scale: float, tolerance: float, unit: str = "") -> Check:
-    """Compare a value with one that may be zero; the error is relative to `scale`."""
+    """Compare a value with an expected value that may be zero; the error is relative to `scale`."""
     return Check(group, name, expected, got, abs(got - expected) / scale, tolerance, unit)
 
 
 def along(
     group: str, name: str, expected: ArrayLike, got: ArrayLike, scale: float, tolerance: float, unit: str = ""
 ) -> Check:
-    """Compare two curves; the error is their largest distance relative to `scale`, and the values are those there."""
+    """Compare two curves; the error is their largest difference relative to `scale`, with the values there."""
     reference, found = np.asarray(expected, np.float64), np.asarray(got, np.float64)
     distance = np.abs(found - reference) / scale
     worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))

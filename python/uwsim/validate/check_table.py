@@ -1,4 +1,4 @@
-"""Prints a validation's checks as a table: expected, got, error and tolerance."""
+"""A validation's checks as a printed table: expected, got, error and tolerance."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def simulator_with_body(
     friction: float = 0.5,
     restitution: float = 0.1,
 ) -> Simulator:
-    """Return a simulator with a vehicle of these coefficients and this hull, through the same files as a user's."""
+    """Return a simulator with a vehicle of these coefficients and this hull, made from the same files as a user's."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hull.obj"
         _write_obj(mesh, path)
@@ -64,14 +64,17 @@ def simulator_with_body(
 
 
 def _write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
-    """Write all digits; trimesh's own exporters round."""
+    """Write a mesh with all digits; trimesh's own exporters round."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def sphere_from_rest() -> list[Check]:
-    """A sphere released at rest accelerates as if it carried half the water it displaces (Lamb 1932, art. 92)."""
+    """Check that a sphere released at rest accelerates as if it carried half its displaced water (Lamb 1932, art.
+
+    92).
+    """
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=0.0)
     got = _first_acceleration(sim)
     displaced = WATER_KG_M3 * body.volume_m3
@@ -80,7 +83,7 @@ def sphere_from_rest() -> list[Check]:
 
 
 def terminal_speed() -> list[Check]:
-    """At terminal speed a falling sphere's drag equals its weight in water, a driven one's the force of the effort."""
+    """Check terminal speeds: a falling sphere's drag equals its weight in water, a driven one's the effort's force."""
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=50.0)
     weight_n = (body.mass_kg - WATER_KG_M3 * body.volume_m3) * GRAVITY_M_S2
     fallen = fly(sim, ZERO_6, 20.0).velocities[-1, 2]
@@ -94,7 +97,7 @@ def terminal_speed() -> list[Check]:
 
 
 def floating_box() -> list[Check]:
-    """A box with two fifths of the water's density floats two fifths deep; its righting moment is the wall-sided one.
+    """Check the draught and righting moment of a box with two fifths of the water's density.
 
     M = m g sin(heel) (GM + BM tan^2(heel) / 2), GM = BM - BG: exact while each edge stays on its side of the surface
     (Rawson and Tupper 2001, Basic Ship Theory, ch. 4).
@@ -132,7 +135,7 @@ def floating_box() -> list[Check]:
 
 
 def tumbling() -> list[Check]:
-    """BlueROV2 Heavy, neutral, r_G = r_B, undamped, tumbles for 100 s: the constants of Kirchhoff's equations hold.
+    """Check that BlueROV2 Heavy, neutral, r_G = r_B, undamped, keeps the constants of Kirchhoff's equations for 100 s.
 
     Energy, |P|^2 and P.L are constants of the motion; the attitude is compared with a high-order integration.
     """

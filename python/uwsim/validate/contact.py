@@ -1,4 +1,4 @@
-"""Laws of contact with the bed: the impulse with the full mass matrix, energy that never grows, and rest."""
+"""Laws of contact with the bed: the impulse with the full mass matrix, energy that never increases, and rest."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def contact_laws() -> list[Check]:
 
 
 def impulses() -> list[Check]:
-    """The impulse when a face, an edge or a corner strikes: J = (1 + e) v / (n^T M^-1 n), M of body and water."""
+    """Check the impulse of a face, an edge or a corner: J = (1 + e) v / (n^T M^-1 n), M of body and water."""
     checks = []
     for name, pitch, roll in (("face", 0.0, 0.0), ("edge", 0.3, 0.0), ("corner", 0.3, 0.25)):
         for restitution in (0.0, 0.5):
@@ -37,7 +37,7 @@ def impulses() -> list[Check]:
 
 
 def energy() -> list[Check]:
-    """A tumbling body, its added mass in heave ten times its mass, strikes the bed repeatedly: energy never grows."""
+    """Check that a tumbling body never gains energy on the bed; its added mass in heave is ten times its mass."""
     body = _body(density_kg_m3=1500.0, added_mass=(300.0, 3000.0, 8600.0, 100.0, 250.0, 400.0))
     sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), restitution=0.5)
     weight_n = (body.mass_kg - 1000.0 * body.volume_m3) * GRAVITY_M_S2
@@ -59,7 +59,7 @@ def energy() -> list[Check]:
 
 
 def rest() -> list[Check]:
-    """A sinking body comes to rest within a millimetre of the bed, whatever its added mass."""
+    """Check that a sinking body comes to rest within a millimetre of the bed, whatever its added mass."""
     checks = []
     for factor in (0.0, 10.0):
         body = _body(

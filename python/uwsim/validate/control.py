@@ -10,7 +10,7 @@ from uwsim.validate.gust_flights import gust_checks, top_speed_m_s
 from uwsim.validate.step_responses import StepResponse, step_responses
 
 VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_wu", "bluerov2_tank", "remus100")
-"""All packaged vehicles; remus100, which steers by fins, under way."""
+"""All packaged vehicles; remus100, which steers by fins, is tested under way."""
 RISE_S = {"m": 5.0, "rad": 5.0, "m/s": 2.5, "rad/s": 1.5}
 SETTLING_S = {"m": 10.0, "rad": 10.0, "m/s": 5.0, "rad/s": 4.0}
 GUST_VEHICLE, MAKERS_SPEED_M_S, SPEED_TOLERANCE = "bluerov2_heavy_cfd", 1.5, 0.1  # Blue Robotics' data sheet: 3 knots

@@ -1,11 +1,11 @@
-"""Navigation: the filter's errors against its own covariance, and its drift without DVL and USBL against a closed form.
+"""Navigation: the filter's errors against its covariance, and its drift without DVL and USBL against a closed form.
 
 Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has the
 mean n (here 9 errors: position, velocity, attitude), and N x its average is chi-square distributed with N n degrees of
 freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", ch. 5.4).
 
-Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): position errs by
-e_p + e_v t - R [f]x (e_attitude t^2 / 2 - e_rate t^3 / 6) - R e_force t^2 / 2, and by the integrals of white noise.
+Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): the position error
+is e_p + e_v t - R [f]x (e_attitude t^2 / 2 - e_rate t^3 / 6) - R e_force t^2 / 2, plus the integrals of white noise.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 
 
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
-    """Return all checks; draw the curves into the folder `out`. seeds: how many flights; by default SEEDS."""
+    """Return all checks; draw the curves into the folder `out`. seeds: number of flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
     nees = np.array([list(flownnees_of(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
-    from uwsim.validate.after_contact import contact_checks  # here, since these build on this
+    from uwsim.validate.after_contact import contact_checks  # these import this module
     from uwsim.validate.turning_flights import turning_checks
 
     return [
@@ -55,7 +55,7 @@ def start_navigation(
     start_world_m: tuple[float, float, float] = START_WORLD_M,
     velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Navigator, np.random.Generator]:
-    """Begin a flight, heading east, whose navigation starts with errors that are drawn as it expects them."""
+    """Begin a flight, heading east, whose navigation starts with errors drawn from its own covariance."""
     sim.reset(seed=seed)
     sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
     draws = np.random.default_rng(seed)
@@ -92,14 +92,14 @@ def nees_of(error: Array, covariance: Array, part: slice) -> float:
 
 
 def consistency_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks of NEES, (flights, looks, 1 + PARTS). how: they were flown."""
+    """Return the checks of NEES, (flights, looks, 1 + PARTS). how: the way in which they were flown."""
     flights, looks = nees.shape[:2]
     group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
     mean = nees.mean(axis=0)
     low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
     inside = float(np.mean((mean[:, 0] > low) & (mean[:, 0] < high)))
     checks = [within(group, f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)]
-    # Over the whole flight errors are correlated, so that the bounds are those of a single time.
+    # Over a whole flight, errors are correlated, so the bounds apply to a single time.
     checks.append(within(group, "mean of all 9 errors", ERRORS, float(mean[:, 0].mean()), ERRORS, high / ERRORS - 1.0))
     for k, name in enumerate(PARTS, 1):
         most = chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0
@@ -110,7 +110,7 @@ def consistency_checks(nees: Array, how: str = "") -> list[Check]:
 def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
     """Hover, then lose DVL and USBL.
 
-    Returns the filter's covariance of the horizontal position at the end, the closed form's, and the error, (2,).
+    Returns the filter's final covariance of the horizontal position, the closed form's, and the error, (2,).
     """
     navigator, draws = start_navigation(sim, seed)
     for _ in range(round(DROP_OUT_AFTER_S / LEG_S) - 3):
@@ -133,7 +133,7 @@ def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
     growth = np.hstack([eye, t * eye, -0.5 * t**2 * force, t**3 / 6.0 * force, -0.5 * t**2 * turn])[:2]
     rate, accel = imu["angular_velocity"], imu["linear_acceleration"]
     variance = accel.density**2 * t**3 / 3.0 + gravity**2 * rate.density**2 * t**5 / 20.0
-    # A drift is taken for a random walk of the bias, of 2 std^2 / time.
+    # A drift is treated as a random walk of the bias, of 2 std^2 / time.
     variance += 2.0 * accel.bias_std**2 / accel.bias_time_s * t**5 / 20.0
     variance += gravity**2 * 2.0 * rate.bias_std**2 / rate.bias_time_s * t**7 / 252.0
     return np.asarray(growth @ navigator.covariance @ growth.T + variance * np.eye(2))

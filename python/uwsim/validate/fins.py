@@ -1,7 +1,7 @@
-"""REMUS 100's fins and hull lift, each alone and in a turn under propulsion, compared with published figures and law.
+"""REMUS 100's fins and hull lift, each alone and in a turn under propulsion, against published values and laws.
 
-The figures are written here apart from the YAML file, and the law (Beard and McLain 2012, Small Unmanned Aircraft,
-ch. 4) apart from the core. The turn is integrated by SciPy.
+The values are repeated here independently of the YAML file, and the law (Beard and McLain 2012, Small Unmanned
+Aircraft, ch. 4) independently of the core. The turn is integrated by SciPy.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _PLACE_CROSS = np.array([cross_matrix(place) for place in _PLACE])
 
 
 def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag in drift."""
+    """Check drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag."""
     probe, ahead = Probe(name, model), np.array([2.0, 0, 0, 0, 0, 0])
     cases: list[tuple[str, Array, dict[str, float]]] = [("fins centred", ahead, {})]
     cases += [(f"{fin} at 10 deg", ahead, {fin: 10.0}) for fin in FINS]
@@ -75,7 +75,7 @@ def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> I
 
 
 def fin_travel(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """At full effort the fins turn at their rate to their limit, in the sense that turns to port or nose down."""
+    """Check that at full effort the fins turn at their rate to their limit, and in the sense of port or nose down."""
     probe = Probe(name, model)
     for effort, sides in (("yaw", {"top": -1, "bottom": 1}), ("pitch", {"port": -1, "starboard": 1})):
         probe.rov.set_effort(**{effort: 1.0})
@@ -118,7 +118,7 @@ def _turn() -> tuple[Array, Array]:
 
 
 def fin_turn(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Path, speed and yaw rate from rest into a steady turn by propeller and rudders."""
+    """Check path, speed and yaw rate from rest into a steady turn by propeller and rudders."""
     positions, velocities = _turn()
     sim = deep_water(model or load_vehicle(name), density_kg_m3=REMUS_100.water_density_kg_m3)
     sim.rov.set_effort(surge=TURN_SURGE, yaw=TURN_YAW)

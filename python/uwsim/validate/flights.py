@@ -1,4 +1,4 @@
-"""Motions flown by the simulator in deep still water, to be compared with reference solutions."""
+"""Motions flown by the simulator in deep still water, for comparison with reference solutions."""
 
 from __future__ import annotations
 

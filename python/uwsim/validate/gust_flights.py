@@ -20,14 +20,14 @@ MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # eastward; of the horizontal
 SETTLE_S, HOLD_S = 20.0, 120.0
 START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # within the DVL's range of the bed
 SPEED_M_S, LEG_M = 1.0, 56.0
-LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the path is judged from CORNER_M behind each corner on
-ALIGN_S = 60.0  # of station keeping before the path, in which the filter learns its biases
+LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the path counts from CORNER_M behind each corner on
+ALIGN_S = 60.0  # of station keeping before the path, in which the filter estimates its biases
 TOP_SPEED_AFTER_S = 20.0
 LEGS = 3  # at 45 degrees to the mean current, to either side in turn
 SEEDS = (1, 2, 3, 4, 5, 6)
 NEAR_START_M = (20.0, 10.0, 0.0)
-ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # of the zigzag: the USBL's error across its line of sight grows with the range
-WAYS = {  # where the station is, and for how long the vehicle keeps its place before it sets out
+ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # of the zigzag: the USBL's error across its line of sight grows with range
+WAYS = {  # position of the station, and time of station keeping before the path
     "from rest, station at the start": (NEAR_START_M, 0.0),
     "after a minute, station at the start": (NEAR_START_M, ALIGN_S),
     "from rest, station above the middle": (ABOVE_MIDDLE_M, 0.0),
@@ -61,7 +61,7 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
 
 
 def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Array:
-    """Keep a place, facing along the mean current; return the true distance from it, from SETTLE_S on, (n,) [m]."""
+    """Keep station, facing along the mean current; return the true distance to the target after SETTLE_S, (n,) [m]."""
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
     away = []
     for _ in range(round(for_s / PERIOD_S)):
@@ -74,7 +74,7 @@ def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTL
 def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
-    Without what is within CORNER_M behind a corner.
+    Without the parts within CORNER_M behind a corner.
     """
     corners = _corners()
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
@@ -119,7 +119,7 @@ def top_speed_m_s(model: VehicleModel) -> float:
 
 
 def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) -> list[Check]:
-    """Fly all ways with each seed and compare the worst flight with the limits."""
+    """Fly all variants with each seed and compare the worst flight with the limits."""
     flights = [_GustFlights(model, seed) for seed in seeds]
     group = f"{len(seeds)} flights in gusts"
     own = f"{group}, by its own estimate"
@@ -137,7 +137,7 @@ def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) ->
 
 
 class _GustFlights:
-    """The flights of one seed. kept_m: from its place; across_m: of the path, by way; speed_m_s: the slowest's mean."""
+    """The flights of one seed. kept_m: distance to the target; across_m: of the path; speed_m_s: the smallest mean."""
 
     def __init__(self, model: VehicleModel, seed: int) -> None:
         kept = gusty_water(model, seed)

@@ -1,6 +1,6 @@
 """The imaging suite: the packaged imaging sonars over a flat bed, against the sonar equation and plain geometry.
 
-Expected values are computed here from published formulas, not by the code under test.
+Expected values are computed here from published formulas, independently of the code under test.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 BED_M, HEIGHT_M = -30.0, 6.0
 BED_DB, BOX_DB = -30.0, -15.0  # arbitrary, but different
 SILENCE_DB = -200.0
-AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # the sampling error of the packaged models
+AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # sampling errors of the packaged models
 HAMMING = 0.46  # taper of the vertical patterns' windows
-EDGE_SHARE = 0.04  # of the aperture's angles, excluded at both ends of its main lobe
+EDGE_SHARE = 0.04  # share of the aperture's angles, excluded at both ends of the main lobe
 EVEN_APERTURE_RAD = np.radians(170.0)
 
 
@@ -90,7 +90,7 @@ def pattern_power(off_axis_rad: Array, width_rad: float, taper: float) -> Array:
 def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, vertical: Array, per_range: Array) -> Array:
     """Return the level of a flat bed: SL - 40 log R - 2 alpha R + BS + 20 log cos i + 10 log (cell area x pattern).
 
-    width_rad: the beam's equivalent width. per_range: metres of bed along the range for each metre of slant range.
+    width_rad: the beam's equivalent width. per_range: metres of bed along the range per metre of slant range.
     """
     water = _core.Water()
     depth_m = -(BED_M + HEIGHT_M)
@@ -105,7 +105,7 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
 
 
 def bed_level_ahead(model: ForwardLooking, believed: ForwardLooking | None = None) -> Level:
-    """Return the level in the middle beam of a forward-looking sonar.
+    """Return the level in the central beam of a forward-looking sonar.
 
     believed: the model that the expected levels assume, by default the same.
     """
@@ -144,7 +144,7 @@ def bed_level_aside(model: SideScan, believed: SideScan | None = None) -> Level:
 
 
 def gain_checks() -> list[Check]:
-    """Time-varied gain makes a flat bed even; without it, two frequencies differ only by absorption."""
+    """Check that time-varied gain makes a flat bed uniform; without it two frequencies differ by absorption."""
     even = ForwardLooking(looks=0, noise_level_db=SILENCE_DB, vertical_width_rad=float(EVEN_APERTURE_RAD), beams=3,
                           field_of_view_rad=0.05, rays_per_column=3000)  # fmt: skip
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))
@@ -169,7 +169,7 @@ def gain_checks() -> list[Check]:
 
 
 def geometry_checks() -> list[Check]:
-    """Check the end of a box's shadow, the place of a small target, and the altitude of a side-scan."""
+    """Check the end of a box's shadow, the position of a small target, and the altitude of a side-scan."""
     top, back = 1.5, 15.0
     sim = basin(((back - 0.5, 0.0, BED_M + top / 2), (1.0, 10.0, top)))
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=0.2)
@@ -198,7 +198,7 @@ def geometry_checks() -> list[Check]:
 
 
 def speckle_checks() -> list[Check]:
-    """Noise alone has a Rayleigh amplitude, and a power that is a gamma variate of the number of looks."""
+    """Check that noise alone has a Rayleigh amplitude, and a power that is a gamma variate of the number of looks."""
     checks = []
     deep = imaging.pose_matrix((0, 0, BED_M / 2), pitch_rad=-1.2)
     for looks in (1, 4):
@@ -215,7 +215,7 @@ def speckle_checks() -> list[Check]:
 
 
 def profile_checks() -> list[Check]:
-    """The pencil beam measures a flat bed at height over cosine, averaged over pings to reduce speckle."""
+    """Check that the pencil beam measures a flat bed at height over cosine, averaged over pings to reduce speckle."""
     checks = []
     down = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2)
     model = SingleBeam()

@@ -1,6 +1,6 @@
-"""The link suite: travel times, levels and errors against closed forms; queues and access against their theory.
+"""The link suite: travel times, levels and errors against closed forms; queues and access against theory.
 
-The water is even or of a constant gradient, without a bed. Networks are tried under random load (`network_trial`).
+The water is uniform or of a constant gradient, without a bed. Networks are run under random load (`network_trial`).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from uwsim.scenario.build.link import modem_spec
 from uwsim.scenario.spec.modem import load_modem
 from uwsim.validate.check import Check, relative, within
 
-SLOPE_1_S = 0.02  # of the speed of sound, faster below
+SLOPE_1_S = 0.02  # of the speed of sound, faster with depth
 SURFACE_M_S = 1480.0
 PACKET_BYTES = 60
 SERVICE_S = 0.512  # of such a packet with 4 bytes of header, at 1000 bit/s
@@ -23,7 +23,7 @@ TRIAL_S = 40_000.0
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; draws nothing."""
+    """Return all checks; no curves are drawn."""
     return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *delivery_checks()]
 
 
@@ -60,7 +60,7 @@ def _shadow_edge_m(profile: _core.SoundSpeedProfile) -> float:
 
 
 def level_checks() -> list[Check]:
-    """Check received levels and noise in deep, even water against the sonar equation."""
+    """Check received levels and noise in deep, uniform water against the sonar equation."""
     spec, checks = _open_spec(), []
     water = _even_water()
     heard_in, nothing = _core.LinkWater(spec, water), _core.RayScene(_core.World())
@@ -70,7 +70,7 @@ def level_checks() -> list[Check]:
         level = spec.modem.source_level_db - 20.0 * math.log10(far_m) - alpha * far_m
         checks.append(within("received level", f"{far_m:g} m", level, heard.signal_db, 1.0, 0.1, "dB"))
     expected = _noise_db(spec)
-    spec.modem.source_level_db = 60.0  # so that no echo from the surface is heard
+    spec.modem.source_level_db = 60.0  # so that no echo from the surface is received
     quiet = _core.LinkWater(spec, water).hear(nothing, (0.0, 0.0, -5000.0), (100.0, 0.0, -5000.0)).noise_db
     checks.append(within("noise in the band", f"{spec.modem.bandwidth_hz:g} Hz", expected, quiet, 1.0, 0.2, "dB"))
     normal = (1.9 * 1.1 - 1.0) / (1.9 * 1.1 + 1.0)
@@ -117,11 +117,11 @@ def network_checks() -> list[Check]:
 
 
 def delivery_checks() -> list[Check]:
-    """Check where delivery falls: half of the packets at the range at which the sonar equation gives them so much."""
+    """Check the range at which half of the packets are delivered against the sonar equation."""
     spec = _open_spec()
     heard_in, nothing = _core.LinkWater(spec, _even_water()), _core.RayScene(_core.World())
     bits = 8.0 * (spec.modem.packet_bytes + spec.modem.header_bytes)
-    # One half of the packets: 1 - (1 - Pb)^n = 1/2, Pb = 1 / (2 + gamma) for FSK in Rayleigh fading.
+    # For half of the packets: 1 - (1 - Pb)^n = 1/2, Pb = 1 / (2 + gamma) for FSK in Rayleigh fading.
     gamma = 1.0 / -math.expm1(-math.log(2.0) / bits) - 2.0
     snr_db = 10.0 * math.log10(gamma * spec.modem.bit_rate_bit_s / spec.modem.bandwidth_hz) - spec.modem.coding_gain_db
     allowed_db = spec.modem.source_level_db - _noise_db(spec) - snr_db

@@ -1,4 +1,4 @@
-"""Writes what the validation found as a page: a table for each suite, and its curves."""
+"""The results of a validation as a page: a table for each suite, and its curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The vehicles' coefficients as their sources print them, apart from the YAML files that the simulator reads."""
+"""The vehicles' coefficients as printed in their sources, independent of the YAML files that the simulator reads."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ BLUEROV2_TANK = Coefficients(
     source="Nan Fernandez-Ayala 2025, bluerov2_dynamics, fossen/parameters.py; centre of buoyancy assumed",
 )
 
-# Fossen models the hull as a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001, as
-# worked out by Ariza Ramirez 2018).
+# Fossen models the hull as a spheroid; damping in sway, heave, pitch and yaw is its cross-flow drag (Prestero 2001,
+# derived by Ariza Ramirez 2018).
 REMUS_100 = Coefficients(
     mass_kg=31.03,
     volume_m3=31.03 / 1026,

@@ -1,6 +1,6 @@
-"""Propellers and their mounts as their sources print them, apart from the YAML files that the simulator reads.
+"""Propellers and their mounts as printed in their sources, independent of the YAML files that the simulator reads.
 
-The law of the thrust (Fossen 2011, Handbook, sec. 9.1) is written here apart from the core.
+The law of thrust (Fossen 2011, Handbook, sec. 9.1) is repeated here independently of the core.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from uwsim.validate.reference_solution import Array
 
 @dataclass(frozen=True)
 class Propeller:
-    """A propeller's figures.
+    """A propeller's parameters.
 
     table: (command, still-water thrust [N]). time_constant_s: lag of the thrust. bollard: K_T at rest.
     zero_thrust_advance: advance ratio J at which the thrust vanishes.
@@ -29,7 +29,7 @@ class Propeller:
     torque_per_thrust_m: float
 
     def thrust_n(self, still_n: float, inflow_m_s: float, density_kg_m3: float) -> float:
-        """Return the thrust that remains of the still-water thrust at an inflow along the axis."""
+        """Return the thrust at an inflow along the axis, given the still-water thrust."""
         slope = self.diameter_m / self.zero_thrust_advance * np.sqrt(density_kg_m3 * self.bollard * abs(still_n))
         return float(still_n - slope * inflow_m_s)
 

@@ -1,6 +1,6 @@
 """An independent integration of the published equations of a rigid body in fluid, by SciPy.
 
-It uses nothing of the simulator. Kirchhoff's equations in momentum form (Lamb 1932, Hydrodynamics, art. 124;
+It uses no part of the simulator. Kirchhoff's equations in momentum form (Lamb 1932, Hydrodynamics, art. 124;
 Fossen 2011, ch. 6), in body axes at the body's origin; P and L are the momenta of body and fluid together:
 
     P' = P x w + F        L' = L x w + P x v + T        (P, L) = (M_RB + M_A) (v, w)        R' = R [w]x
@@ -25,7 +25,7 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Coefficients:
-    """A vehicle's figures as published. Six-vectors: surge, sway, heave, roll, pitch, yaw; body frame, REP 103."""
+    """A vehicle's published coefficients. Six-vectors: surge, sway, heave, roll, pitch, yaw; body frame, REP 103."""
 
     mass_kg: float
     volume_m3: float

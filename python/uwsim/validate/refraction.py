@@ -31,7 +31,7 @@ def refraction_checks() -> list[Check]:
 
 
 def path_checks() -> list[Check]:
-    """Soundings with the true profile lie on the bed, at the distance of Snell's circle."""
+    """Check that soundings with the true profile lie on the bed, at the distance of Snell's circle."""
     levels = [0.0, BED_M + 10]
     profile = _core.SoundSpeedProfile(levels, [SURFACE_M_S + GRADIENT_1_S * depth for depth in levels])
     directions = np.stack([np.cos(DIPS_RAD), 0 * DIPS_RAD, -np.sin(DIPS_RAD)], axis=1)
@@ -44,7 +44,7 @@ def path_checks() -> list[Check]:
 
 
 def smile_checks() -> list[Check]:
-    """Physics mode with bending over a flat bed, sounded with the constant speed of sound at the head."""
+    """Check physics mode with bending over a flat bed, sounded with the constant speed of sound at the head."""
     ping, sonar = bent_ping()
     wrong_m = sound_points(ping, _core.SoundSpeedProfile.even(sonar.profile.at(0.0)))[:, 2]
     right_m = sound_points(ping, sonar.profile)[:, 2]
@@ -60,7 +60,7 @@ def smile_checks() -> list[Check]:
 
 
 def bent_ping() -> tuple[_core.PhysicsPing, _core.AcousticMultibeam]:
-    """Return one ping straight down from the surface, 120 degrees wide, with hardly any noise, and its sonar."""
+    """Return one ping straight down from the surface, 120 degrees wide, almost without noise, and its sonar."""
     fan = _core.MultibeamModel(
         name="refraction", beams=121, field_of_view_rad=math.radians(120), range_max_m=400.0, frequency_hz=400e3
     )

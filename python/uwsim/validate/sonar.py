@@ -1,7 +1,7 @@
 """The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against its formula.
 
 Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. Flat rock, one receiver.
-Each instrument has one set of figures a frequency, none for a cell of the table. Refraction against closed forms.
+Each instrument has one set of values per frequency, none for single cells of the table. Refraction: closed forms.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from uwsim.validate.sonar_table import COVERAGE_M, DEPTH_M, WATERS, Cell
 
 TABLE_TOLERANCE = 0.1
 INSTRUMENT_TOLERANCE = 0.05
-SWATH_TOLERANCE = 0.08  # at 700 kHz 0.2 dB: straight below and outer beams differ by 1 dB
-BEYOND = 1.15  # times the depth of the widest swath: there the outer beams are too weak, not the fan too narrow
-TOWARDS_DEEPEST = 1 / 3  # at most so far from that depth to the maximum, near which 0.06 dB are 8 % of the swath
+SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, where vertical and outer beams differ by 1 dB
+BEYOND = 1.15  # times the depth of the widest swath: beyond it, weak outer beams limit the swath, not the fan
+TOWARDS_DEEPEST = 1 / 3  # largest share of the way to the maximum depth, near which 0.06 dB are 8 % of the swath
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; draw depths, coverages, detection rates and the smile of refraction into the folder `out`."""
+    """Return all checks; draw depths, coverages, detection rates and the refraction's smile into the folder `out`."""
     simulated = {cell: half_detected_m(cell) for cell in DEPTH_M}
     if out is not None:
         draw_table(simulated, out / "sonar_depths.png")
@@ -32,14 +32,14 @@ def run(out: Path | None = None) -> list[Check]:
 
 
 def table_checks() -> list[Check]:
-    """Check each depth and each coverage that is known of the manufacturer's table, with the figures of the files."""
+    """Check each known depth and coverage of the manufacturer's table against the values of the instruments' files."""
     depths = [_in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
     coverages = [_in_table("coverage", cell, table_m, cell.coverage().width_m) for cell, table_m in COVERAGE_M.items()]
     return [*depths, *coverages]
 
 
 def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
-    """Check the depth at which physics mode detects half of the beams against the formula with the same figures."""
+    """Check the depth at which physics mode detects half of the beams against the formula with the same values."""
     return [
         relative(
             f"{cell.array} depth simulated, {cell.water}",
@@ -54,7 +54,7 @@ def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
 
 
 def swath_checks() -> list[Check]:
-    """Check the swath over which physics mode detects half of the beams against the formula, one depth a frequency."""
+    """Check physics mode's swath, where it detects half of the beams, against the formula, one depth per frequency."""
     checks = []
     for cell in (cell for cell in DEPTH_M if cell.array == "em2040-04" and cell.water == "ocean"):
         widest_m = cell.coverage().depth_m

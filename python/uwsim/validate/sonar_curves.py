@@ -36,18 +36,18 @@ def draw_table(simulated: dict[Cell, float], path: Path) -> None:
             )
         panels[0, column].set(title=array, yscale="log")
         panels[1, column].set(xlabel="frequency [kHz]", yscale="log")
-    panels[0, 0].set_ylabel("greatest depth [m]")
+    panels[0, 0].set_ylabel("maximum depth [m]")
     panels[1, 0].set_ylabel("widest swath [m]")
     for panel in panels.flat:
         panel.grid(alpha=0.3, which="both")
     panels[0, 1].legend(fontsize=8)
-    figure.suptitle("Over flat rock, one receiver, cold water, figures as packaged")
+    figure.suptitle("Over flat rock, one receiver, cold water, values as packaged")
     save_figure(figure, path)
     plt.close(figure)
 
 
 def draw_detections(path: Path) -> None:
-    """Draw the detection rate of the packaged sonars straight below, over depth."""
+    """Draw the detection rate of the packaged sonars straight down, over depth."""
     figure, panel = plt.subplots(figsize=(8, 5), layout="constrained", dpi=120)
     for khz in FREQUENCIES_KHZ:
         cell = Cell(ARRAYS[0], khz, "ocean")

@@ -1,4 +1,4 @@
-"""Physics mode over a flat bottom: the depth at which half of the beams straight below are detected, and the swath."""
+"""Physics mode over a flat bottom: the depth at which half of the vertical beams are detected, and the swath."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from scipy.optimize import bisect, minimize
 from uwsim import _core
 from uwsim.validate.sonar_table import WATERS, Cell, acoustics
 
-PLACES, APART_M = 256, 15.0  # pings from as many places: speckle repeats at one place
+PLACES, APART_M = 256, 15.0  # pings at different positions: speckle repeats at one position
 SWATH_PLACES, SWATH_APART_M = 1024, 5.0
 LOOKING_DOWN_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 
 
 def detection_rate(cell: Cell, depths_m: list[float]) -> list[float]:
-    """Return the detection rate straight below at each depth, as packaged but without false detections."""
+    """Return the detection rate straight down at each depth, as packaged but without false detections."""
     sonar = _sonar(cell, beams=2, fan_rad=math.radians(0.2))
     return [float(_rates(sonar, depth_m, PLACES, APART_M).mean()) for depth_m in depths_m]
 
@@ -31,7 +31,7 @@ def half_detected_m(cell: Cell) -> float:
 
 
 def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
-    """Return the width of the swath at a depth: out to the beams with a detection rate of one half."""
+    """Return the width of the swath at a depth: up to the beams with a detection rate of one half."""
     sonar = _sonar(cell, cell.fan.beams, 2 * cell.half_fan_rad)
     rates = _rates(sonar, depth_m, SWATH_PLACES, SWATH_APART_M)
     return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
@@ -40,7 +40,7 @@ def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
 def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
     """Return the tangent at which a logistic curve over its square, fitted to the rates of all beams, is one half.
 
-    A fit, as the rate may fall slowly: where single beams cross one half is then chance. At most that of the fan.
+    A fit, because the rate may fall slowly, which makes single crossings of one half random. At most that of the fan.
     """
     outermost = float(tangents.max())
     squares = (tangents / outermost) ** 2
@@ -54,12 +54,12 @@ def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.floa
 
 
 def sonar_angles(cell: Cell) -> NDArray[np.float64]:
-    """Return the angles of the beams from straight below."""
+    """Return the angles of the beams from straight down."""
     return np.linspace(-cell.half_fan_rad, cell.half_fan_rad, cell.fan.beams)
 
 
 def flat_world(depth_m: float, half_m: float = 3000.0) -> _core.World:
-    """Return a world with a flat bottom only."""
+    """Return a world with only a flat bottom."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), -depth_m, np.float32), 2 * half_m, (-half_m, -half_m))
     return world
@@ -80,7 +80,7 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
 
 
 def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> NDArray[np.float64]:
-    """Return the detection rate of each beam, from places along the normal of the fan."""
+    """Return the detection rate of each beam, from positions along the normal of the fan."""
     scene = _core.RayScene(flat_world(depth_m))
     along_m = apart_m * (np.arange(places) - places / 2)
     pings = [sonar.ping(scene, (x, 0.0, 0.0), LOOKING_DOWN_XYZW, tick=tick) for tick, x in enumerate(along_m)]

@@ -1,9 +1,9 @@
-"""The manufacturer's table of an EM 2040, and its figures by the sonar equation with those of the instrument's file.
+"""The manufacturer's table of an EM 2040, and the sonar equation's values with the parameters of the instrument's file.
 
-Over flat rock, a beam is detected while SL + PG + DI - NL less the losses along its path exceeds what the detector
-needs (_core.bottom_echo). The maximum depth is that of the beam straight below; the coverage is the widest swath at any
-depth. The depths are those of the seed paper's Fig. 8. Of its coverages (one receiver) those at 600 and 700 kHz are at
-hand; at 200 to 400 kHz the coverage is computed, without a figure to compare it with.
+Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses along its path exceeds the detector's
+threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
+depth. The depths are those of the seed paper's Fig. 8. Of its coverages (one receiver), those at 600 and 700 kHz are
+known; at 200 to 400 kHz the coverage is computed, without a value to compare with.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ WATERS = {
 
 @dataclass(frozen=True)
 class Swath:
-    """The widest swath of an instrument: its width, and the depth at which it has it."""
+    """An instrument's widest swath: its width and depth."""
 
     width_m: float
     depth_m: float
@@ -81,7 +81,7 @@ class Cell:
         return 0.5 * self.fan.field_of_view_rad
 
     def margin_db(self, depth_m: float, angle_rad: float = 0.0) -> float:
-        """Return by how much the echo of a beam at an angle from straight below exceeds what the detector needs."""
+        """Return the excess of the echo of a beam, at an angle from straight down, over the detector's threshold."""
         figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
         absorption_db_m = 1e-3 * _mean_absorption_db_km(self.frequency_khz, self.water, depth_m)
         snr_db, _, needed_db = _core.bottom_echo(
@@ -168,5 +168,5 @@ def _packaged_fan(array: str, frequency_khz: int) -> _core.MultibeamModel:
 
 @lru_cache(maxsize=32)
 def acoustics(array: str, frequency_khz: int) -> _core.AcousticSpec:
-    """Return the figures of the packaged model."""
+    """Return the parameters of the packaged model."""
     return acoustic_spec(load_sonar(array), frequency_khz)

@@ -1,4 +1,4 @@
-"""Draws step responses: one panel for each step, with its rise, overshoot, settling and steady error."""
+"""Figures of step responses: one panel for each step, with its rise, overshoot, settling and steady error."""
 
 from __future__ import annotations
 

@@ -24,9 +24,9 @@ SETTLED = 0.05  # share of the step
 
 @dataclass(frozen=True)
 class Step:
-    """A step of one quantity. needs: the axis that must be driven. command, read: set it, and read it.
+    """A step of one quantity. needs: the axis that must have actuators. command, read: set and read the quantity.
 
-    under_way_m_s: the speed ahead at which it begins, held for SETTLE_S before; 0: from rest.
+    under_way_m_s: the speed ahead at which it begins, after SETTLE_S at that speed; 0: from rest.
     """
 
     name: str
@@ -88,7 +88,7 @@ STEPS = (
 
 
 def _ahead(c: Controller, heading_rad: float = 0.0, z_m: float | None = None, pitch_rad: float = 0.0) -> None:
-    """Go on at the cruising speed."""
+    """Continue at the cruising speed."""
     velocity_m_s = (CRUISE_M_S * math.cos(heading_rad), CRUISE_M_S * math.sin(heading_rad))
     c.steer(heading_rad, velocity_m_s, z_m, pitch_rad=pitch_rad)
 
@@ -131,12 +131,12 @@ STEPS_UNDER_WAY = (
         CRUISE_M_S,
     ),
 )
-"""Of vehicles that no thruster lifts: they climb by their pitch, and fins turn them only under way."""
+"""Steps for vehicles without vertical thrust: they climb by pitching, and fins turn them only under way."""
 
 
 @dataclass(frozen=True, eq=False)
 class StepResponse:
-    """A step as flown: values in shares of the step, (n,), at times_s (n,)."""
+    """The response to a step: values in shares of the step, (n,), at times_s (n,)."""
 
     vehicle: str
     step: Step
@@ -150,7 +150,7 @@ class StepResponse:
 
     @property
     def overshoot(self) -> float:
-        """Largest share beyond the step."""
+        """Largest excess beyond the step, as a share of it."""
         return max(0.0, float(self.values.max()) - 1.0)
 
     @property
@@ -172,7 +172,7 @@ class StepResponse:
 
 
 def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
-    """Fly all steps that the vehicle's actuators drive; those under way if no thruster lifts it."""
+    """Return the responses to all steps that the actuators can drive; those under way without vertical thrust."""
     sim = deep_water(model)
     driven = dict(zip(AXES, sim.rov.control.model.driven, strict=True))
     return [_fly(name, sim, step) for step in (STEPS if driven["heave"] else STEPS_UNDER_WAY) if driven[step.needs]]

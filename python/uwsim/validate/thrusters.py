@@ -1,4 +1,4 @@
-"""The thrusters of the packaged vehicles, each alone, compared with their published figures and law."""
+"""The thrusters of the packaged vehicles, each alone, against their published values and law."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HEIGHT_TOLERANCE = 5e-3
 
 
 def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """The table's points, zero inside the dead band, and halfway from it to its neighbours half their thrust."""
+    """Check the table's points, zero in the dead band, and half the neighbours' thrust halfway between."""
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T
     middles = 0.5 * (commands[1:] + commands[:-1])
@@ -35,7 +35,7 @@ def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Chec
 
 
 def thruster_wrenches(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Each thruster alone, full ahead and full astern, at rest: force, moment r x F and reaction torque."""
+    """Check each thruster alone, full ahead and full astern, at rest: force, moment r x F and reaction torque."""
     probe = Probe(name, model)
     for thruster, mount in MOUNTS[name].items():
         expected, got = [], []
@@ -50,7 +50,7 @@ def thruster_wrenches(name: str, model: VehicleModel | None = None) -> Iterator[
 
 
 def thruster_heights(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """A thruster's position along its own axis, which gives no moment: found where it comes out of the water."""
+    """Check a thruster's position along its own axis, which causes no moment, by where it leaves the water."""
     probe = Probe(name, model)
     for thruster, mount in MOUNTS[name].items():
         upright = abs(mount.unit[2]) == 1
@@ -68,7 +68,7 @@ def thruster_heights(name: str, model: VehicleModel | None = None) -> Iterator[C
 
 
 def thruster_lag(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """From rest to full command: 63.2 % of the thrust after one time constant."""
+    """Check that thrust reaches 63.2 % after one time constant, from rest to full command."""
     probe = Probe(name, model)
     thruster, mount = next(iter(MOUNTS[name].items()))
     command, full_n = mount.propeller.table[-1]
@@ -81,7 +81,7 @@ def thruster_lag(name: str, model: VehicleModel | None = None) -> Iterator[Check
 
 
 def advance_loss(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """The thrust lost to inflow while the vehicle moves and turns; the wrench without thrust is subtracted."""
+    """Check the thrust lost to inflow while the vehicle moves and turns; the wrench without thrust is subtracted."""
     probe = Probe(name, model)
     velocity = np.array([1.2, -0.4, 0.3, 0.2, -0.3, 0.4])
     idle = probe.wrench(velocity)  # the lift of the fins
@@ -94,7 +94,7 @@ def advance_loss(name: str, model: VehicleModel | None = None) -> Iterator[Check
 
 
 def driven_terminal_speed(name: str = "bluerov2_heavy", model: VehicleModel | None = None) -> Iterator[Check]:
-    """BlueROV2 Heavy, trimmed neutral, ahead and up: at terminal speed the thrust, less the inflow's loss, is the drag.
+    """Check that BlueROV2 Heavy's thrust, minus the loss to inflow, equals its drag at terminal speed ahead and up.
 
     The horizontal thrusters push at 45 degrees. Full effort ahead is 39.9 N from each front thruster and 51.5 N from
     each rear one; efforts below 0.87 of it are shared evenly. The vertical thrusters give 51.5 N each.

@@ -1,7 +1,7 @@
-"""Navigation of a vehicle that turns about all its axes: it errs by no more, and no less, than it says.
+"""Navigation of a vehicle that turns about all its axes: the filter's errors match its covariance.
 
-A BlueROV2 without control hardly rights itself, so that small torques roll, pitch and tumble it, upside down, too: then
-its DVL sees no bottom, and depth, compass, USBL and the IMU carry on. The measure is the NEES of estimation.py.
+A BlueROV2 without control hardly rights itself, so small torques make it roll, pitch and tumble, even upside down: then
+its DVL sees no bottom, and depth, compass, USBL and the IMU continue. The measure is the NEES of estimation.py.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from uwsim.validate.check import Check
 from uwsim.validate.estimation import ERRORS, PARTS, consistency_checks, errors, nees_of, start_navigation
 
 Array = NDArray[np.float64]
-TURNS = {  # the smallest and the largest torque about each body axis, of the full one, to either side
+TURNS = {  # shares of the full torque about each body axis, smallest and largest, to either side
     "rolling": ((0.03, 0.0, 0.0), (0.12, 0.01, 0.05)),
     "pitching": ((0.0, 0.03, 0.0), (0.01, 0.12, 0.05)),
     "tumbling": ((0.02, 0.02, 0.02), (0.08, 0.08, 0.1)),
 }
-PUSH = np.array([0.3, 0.3, 0.15])  # the largest forces, likewise
+PUSH = np.array([0.3, 0.3, 0.15])  # largest shares of the full forces
 LEGS, LEG_S, LEGS_PER_LOOK = 16, 2.5, 2
 
 

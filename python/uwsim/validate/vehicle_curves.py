@@ -1,4 +1,4 @@
-"""Draws decay and turning curves: flown and published."""
+"""Figures of decay and turning curves: flown and published."""
 
 from __future__ import annotations
 

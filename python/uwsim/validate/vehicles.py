@@ -1,6 +1,6 @@
-"""The packaged vehicles compared with their published equations: decay of speed, turning, free fall, terminal speed.
+"""The packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
 
-Every coefficient that a source prints affects some check by more than its tolerance: 5 % more or less of any of them is
+Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % is
 a miss. Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
 """
 
@@ -22,9 +22,9 @@ from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients,
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
-SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping shows
+SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping matters
 DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
-PUSH_M_S2, PUSH_S = 0.01, 0.05  # gentle and short, so that drag is less than 1e-4 of the force
+PUSH_M_S2, PUSH_S = 0.01, 0.05  # weak and short, so that drag is less than 1e-4 of the force
 DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4, 1e-3, 2e-3
 
 
@@ -75,13 +75,13 @@ def _decays(name: str, sim: Simulator) -> list[Curve]:
 
 
 def _free_fall(name: str, sim: Simulator) -> Curve:
-    """Fly from rest, level, under the weight in water."""
+    """Return the motion from rest, level, under the weight in water."""
     still = (0.0,) * 6
     return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
 
 
 def _decay_check(curve: Curve) -> Check:
-    """Compare the worst of the six velocities, relative to the largest linear or angular speed of the reference."""
+    """Compare the largest error of the six velocities, relative to the reference's largest linear or angular speed."""
     expected, got = curve.published.velocities, curve.flown.velocities
     linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
     angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
@@ -106,7 +106,7 @@ def _leading_axis(curve: Curve, scales: Array) -> int:
 
 
 def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
-    """Return the vehicle with forces and torques along the body axes in place of thrusters and fins."""
+    """Return the vehicle with forces and torques along the body axes instead of thrusters and fins."""
     return model.model_copy(
         update={
             "max_force_n": wrench[:3],
@@ -119,9 +119,9 @@ def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> Vehicle
 
 
 def _mass_check(name: str, model: VehicleModel) -> Check:
-    """Compare the mass: a known force over the acceleration that it causes, less the published added mass.
+    """Compare the mass: a known force over the acceleration that it causes, minus the published added mass.
 
-    A centre of mass below the line of the force makes the body pitch, and so seem slightly lighter. A vehicle that is
+    A centre of mass below the force's line makes the body pitch and appear slightly lighter. A vehicle that is
     trimmed neutral has no mass in its file: it follows from the volume and the water's density.
     """
     body = PUBLISHED[name]
@@ -139,7 +139,7 @@ def _mass_check(name: str, model: VehicleModel) -> Check:
 
 
 def _turning(name: str, model: VehicleModel) -> Curve:
-    """Fly a turning circle from rest, under constant surge force and yaw torque."""
+    """Return the curve of a turning circle from rest, under constant surge force and yaw torque."""
     body = PUBLISHED[name]
     surge = _steady_wrench(body, 0, 0.8)
     yaw = _steady_wrench(body, 5, 0.3)
