@@ -1,12 +1,17 @@
 """The command line: one clear line on a mistake, help with units, and the small commands."""
 
 import os
+import re
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
 from command_line import error_line, uwsim
+from docs_pages import page_named
 from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
+from uwsim.cli.main import app
 from uwsim.scenario.read.assets import assets_folder
 
 MAP = str(Path(__file__).parent / "data" / "v1" / "survey" / "map.bt")
@@ -93,8 +98,21 @@ def test_no_line_of_help_is_cut(command: list[str]) -> None:
     assert "..." not in shown.replace("COMMAND [ARGS]...", "")
 
 
+def test_each_command_is_listed_once_under_a_heading() -> None:
+    sections = re.findall(r"^([A-Z][\w ]+):\n((?:  .*\n)+)", uwsim("--help").stdout, flags=re.MULTILINE)
+    by_heading = {
+        heading: re.findall(r"^  ([a-z]\w*)", lines, flags=re.MULTILINE)
+        for heading, lines in sections
+        if heading not in ("Options", "Exit codes")
+    }
+    program: Any = typer.main.get_command(app)
+    assert sorted(name for names in by_heading.values() for name in names) == sorted(program.commands)
+    assert "Commands" not in by_heading, "a command has no heading"
+    assert by_heading["Fly"][:2] == ["survey", "run"]
+
+
 def test_every_exit_code_is_in_the_help_and_in_the_documentation() -> None:
-    shown, page = uwsim("--help").stdout, (assets_folder().parent / "docs" / "conventions.md").read_text()
+    shown, page = uwsim("--help").stdout, page_named("conventions").read_text()
     for code, meaning in EXIT_CODES.items():
         assert f"{code}  {meaning}" in shown
         assert f"| {code} | {meaning} |" in page

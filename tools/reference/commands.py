@@ -3,6 +3,11 @@
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import typer
+
+from uwsim.cli.main import app
 
 HEAD = """# Commands
 
@@ -15,7 +20,11 @@ GROUPS = ("map", "scenario")
 def commands_page() -> str:
     """Return the page, with a section for each command."""
     overview = _help()
-    names = [*_names(overview), *(f"{group} {name}" for group in GROUPS for name in _names(_help(group)))]
+    program: Any = typer.main.get_command(app)
+    names = [
+        *program.commands,
+        *(f"{group} {name}" for group in GROUPS for name in program.commands[group].commands),
+    ]
     with ThreadPoolExecutor() as pool:
         texts = list(pool.map(lambda name: _help(*name.split()), names))
     parts = [f"## uwsim {name}\n\n```text\n{text}\n```\n" for name, text in zip(names, texts, strict=True)]
@@ -32,8 +41,3 @@ def _help(*command: str) -> str:
         env={"COLUMNS": "110", "PATH": "/usr/bin:/bin", "NO_COLOR": "1"},
     )
     return done.stdout.rstrip()
-
-
-def _names(overview: str) -> list[str]:
-    lines = overview.split("Commands:\n")[1].split("\n\n")[0].splitlines()
-    return [line.split()[0] for line in lines if line.startswith("  ") and not line.startswith("   ")]

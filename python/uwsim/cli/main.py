@@ -11,6 +11,7 @@ import resource
 import signal
 import sys
 import warnings
+from collections.abc import Callable
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -27,6 +28,7 @@ from uwsim.cli.doctor import doctor
 from uwsim.cli.exit_codes import FAILED, INTERRUPTED, exit_code_help
 from uwsim.cli.fingerprint import fingerprint
 from uwsim.cli.fleet import fleet
+from uwsim.cli.groups import CommandsByHeading
 from uwsim.cli.link import link
 from uwsim.cli.map import app as map_app
 from uwsim.cli.nodes import nodes
@@ -47,6 +49,7 @@ from uwsim.cli.validate import validate
 
 app = typer.Typer(
     name="uwsim",
+    cls=CommandsByHeading,
     help="A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap.",
     epilog=exit_code_help(),
     **{**SETTINGS, "add_completion": True},
@@ -70,32 +73,20 @@ def _program(
     """A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap."""
 
 
-app.command()(survey)
-app.command()(run)
-app.command()(compare)
-app.command()(sweep)
-app.command()(fleet)
-app.command()(dataset)
-app.command()(serve)
-app.command()(station)
-app.command()(teleop)
-app.command()(connect)
-app.command()(nodes)
-app.command()(doctor)
-app.command()(recording)
-app.command()(replay)
-app.command()(diff)
-app.command()(parameters)
-app.command()(sonar)
-app.command()(link)
-app.command()(validate)
-app.command()(fingerprint)
-app.command()(reproduce)
-app.command()(camera)
-app.command()(decompose)
-app.add_typer(bench_app, name="bench")
-app.add_typer(map_app, name="map")
-app.add_typer(scenario_app, name="scenario")
+def _add(heading: str, *commands: Callable[..., None], **groups: typer.Typer) -> None:
+    """Add commands, and groups of commands by name, under a heading of --help."""
+    for command in commands:
+        app.command(rich_help_panel=heading)(command)
+    for name, group in groups.items():
+        app.add_typer(group, name=name, rich_help_panel=heading)
+
+
+_add("Fly", survey, run, compare, sweep, fleet, dataset)
+_add("Look", sonar, camera, link)
+_add("Connect", serve, station, teleop, connect, nodes, doctor)
+_add("Record", recording, replay, diff)
+_add("Scenarios and maps", parameters, decompose, scenario=scenario_app, map=map_app)
+_add("Check", validate, fingerprint, reproduce, bench=bench_app)
 
 
 def main() -> NoReturn:
