@@ -11,12 +11,12 @@ import pytest
 import typer
 from ruamel.yaml import YAML
 
+import docs_pages
 from uwsim.cli.main import app
 from uwsim.scenario.schema import schema
 from uwsim.sweeps.spec import SweepSpec
 
-ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [docs_pages.ROOT / "README.md", docs_pages.ROOT / "CONTRIBUTING.md", *docs_pages.PAGES]
 
 
 def blocks(language: str, page: Path) -> list[str]:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-DOCS = ROOT / "docs"
+from docs_pages import PAGES, ROOT, page_named
+
 INCLUDES = ["-I", str(ROOT / "cpp"), "-I", str(ROOT / "tests/cpp"), "-isystem", "/usr/include/eigen3"]
 TABLES = {
     "add-a-sensor": ("cpp/uwsim/sensors/sensor_kinds.cpp", "kSalinity"),
@@ -17,11 +17,9 @@ TABLES = {
 }
 
 
-def blocks(page: str, language: str = "cpp") -> list[str]:
-    found = re.findall(
-        rf"^```{language}\n(.*?)^```$", (DOCS / f"{page}.md").read_text(), flags=re.DOTALL | re.MULTILINE
-    )
-    assert found, page
+def blocks(name: str, language: str = "cpp") -> list[str]:
+    found = re.findall(rf"^```{language}\n(.*?)^```$", page_named(name).read_text(), flags=re.DOTALL | re.MULTILINE)
+    assert found, name
     return found
 
 
@@ -29,8 +27,8 @@ def kind_of(block: str) -> str:
     return "test" if "TEST" in block else "table" if "kKinds" in block else "source"
 
 
-def one(page: str, kind: str) -> str:
-    (found,) = (block for block in blocks(page) if kind_of(block) == kind)
+def one(name: str, kind: str) -> str:
+    (found,) = (block for block in blocks(name) if kind_of(block) == kind)
     return found
 
 
@@ -41,27 +39,27 @@ def names(text: str, pattern: str) -> list[str]:
 
 
 def test_every_page_with_cpp_is_checked() -> None:
-    assert {path.stem for path in DOCS.glob("*.md") if "```cpp" in path.read_text()} == set(TABLES)
+    assert {path.stem for path in PAGES if "```cpp" in path.read_text()} == set(TABLES)
 
 
-@pytest.mark.parametrize("page", TABLES)
-def test_the_tables_of_a_page_are_ours_with_one_more_entry(page: str) -> None:
-    path, added = TABLES[page]
+@pytest.mark.parametrize("name", TABLES)
+def test_the_tables_of_a_page_are_ours_with_one_more_entry(name: str) -> None:
+    path, added = TABLES[name]
     for pattern in (r"extern const \w+ ([^;]*);", r"kKinds = \{([^}]*)\}"):
-        assert names(one(page, "table"), pattern) == [*names((ROOT / path).read_text(), pattern), added]
+        assert names(one(name, "table"), pattern) == [*names((ROOT / path).read_text(), pattern), added]
 
 
-@pytest.mark.parametrize("page", TABLES)
-def test_the_sources_and_tests_of_a_page_compile(page: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", TABLES)
+def test_the_sources_and_tests_of_a_page_compile(name: str, tmp_path: Path) -> None:
     compiler = shutil.which("g++") or shutil.which("clang++")
     if compiler is None:
         pytest.skip("there is no C++ compiler")
-    test = one(page, "test")
+    test = one(name, "test")
     if "#include" not in test:  # it is added to the sensors' tests
         before, end, after = (ROOT / "tests/cpp/test_sensors.cpp").read_text().rpartition("}  // namespace\n")
         test = before + test + end + after
     both = tmp_path / "both.cpp"
-    both.write_text(one(page, "source") + test)
+    both.write_text(one(name, "source") + test)
     command = [compiler, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", *INCLUDES, str(both)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 from tools.reference.python_names import PUBLIC
 
+import docs_pages
 import uwsim
+from docs_pages import DOCS, page_named
 
-DOCS = Path(__file__).parents[2] / "docs"
 PROGRAM = re.compile(r"^```python\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
 ELSEWHERE = {
     "add-a-sensor": "needs the sensor that it adds, in C++: see test_docs_cpp.py",
@@ -21,13 +22,13 @@ ELSEWHERE = {
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
 PAGES = sorted(
-    path.stem for path in DOCS.glob("*.md") if PROGRAM.search(path.read_text()) and path.stem not in ELSEWHERE
+    path.stem for path in docs_pages.PAGES if PROGRAM.search(path.read_text()) and path.stem not in ELSEWHERE
 )
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_the_programs_of_a_page_run(page: str, tmp_path: Path) -> None:
-    programs = PROGRAM.findall((DOCS / f"{page}.md").read_text())
+    programs = PROGRAM.findall(page_named(page).read_text())
     run = subprocess.run(
         [sys.executable, "-c", "\n".join(programs)],
         cwd=tmp_path,
@@ -54,7 +55,7 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
 def test_what_the_programs_import_is_public() -> None:
     """The Python reference lists it: whoever copies a program relies on nothing that may change unsaid."""
     listed = [name.removesuffix("()") for names in PUBLIC.values() for name in names]
-    texts = ["\n".join(PROGRAM.findall((DOCS / f"{page}.md").read_text())) for page in PAGES]
+    texts = ["\n".join(PROGRAM.findall(page_named(page).read_text())) for page in PAGES]
     texts += [path.read_text().replace("\\n", "\n").replace('"', " ") for path in (DOCS / "notebooks").glob("*.ipynb")]
     imports = {
         (module, name.strip())
@@ -81,9 +82,9 @@ def test_notebooks_are_kept_without_what_they_gave() -> None:
 
 
 def test_every_picture_is_shown_and_made_by_a_command() -> None:
-    pages = "".join(path.read_text() for path in [*DOCS.glob("*.md"), DOCS.parent / "README.md"])
+    texts = "".join(path.read_text() for path in [*docs_pages.PAGES, DOCS.parent / "README.md"])
     commands = (DOCS.parent / "tools" / "pictures").read_text()
-    pictures = [path.name for path in DOCS.iterdir() if path.suffix in (".png", ".jpg", ".webp")]
+    pictures = [path.name for path in DOCS.rglob("*") if path.suffix in (".png", ".jpg", ".webp")]
     assert pictures
     for name in pictures:
-        assert name in commands and name in pages, name
+        assert name in commands and name in texts, name

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from pathlib import Path
 
+from docs_pages import page_named
 from uwsim.bridges.foxglove.shows import shows_of
 from uwsim.channels import Channel, services
 from uwsim.channels.feed import Feed
@@ -20,7 +20,7 @@ from uwsim.simulator import Simulator
 from uwsim.station import Station
 from uwsim.station.running import Running
 
-PAGE = (Path(__file__).parents[2] / "docs/link.md").read_text()
+PAGE = page_named("link").read_text()
 OVER = {"station/drive", "station/all_stop", "station/command"}
 """The station's services that put commands on the link: see the last test."""
 TOLD = ("track", "map")

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from command_line import error_line, uwsim
+from docs_pages import page_named
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import ScenarioError, load
@@ -287,7 +288,7 @@ def test_saltellis_points_change_one_column_at_a_time() -> None:
 
 
 def test_the_sweeps_of_the_page_are_accepted(folder: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text()
+    page = page_named("sweeps").read_text()
     (folder / "mow.py").write_text(page.split("```python\n# mow.py\n")[1].split("```")[0])
     for name in ("overlap", "nightly"):
         text = page.split(f"```yaml\n# {name}.yaml\n")[1].split("```")[0]
