@@ -1,4 +1,4 @@
-"""What the pages put in back-ticks exists: paths of the project, names of its sources, options of its commands."""
+"""Paths, symbols and options that the pages put in back-ticks exist."""
 
 import re
 import subprocess
@@ -22,6 +22,7 @@ OTHERS: dict[str, set[str]] = {
         "cpp/uwsim/sonar/imaging/echo_sounder.cpp",
         "python/uwsim/sonars/imaging/echo_sounder.py",
         "tests/cpp/test_echo_sounder.cpp",
+        "uwsim_test(test_echo_sounder uwsim_sonar)",
     },
     "coming-from": {  # names of the other simulators
         "AcousticBeaconSensor",
@@ -98,14 +99,16 @@ def options_of(command: Any) -> set[str]:
 @cache
 def options() -> set[str]:
     """The options of `uwsim`, and every option that another source names."""
-    ours = [file for file in files() if file.parts[0] in FOLDERS - {"docs", "assets"} and not file.match("test_docs_*.py")]
+    ours = [
+        file for file in files() if file.parts[0] in FOLDERS - {"docs", "assets"} and not file.match("test_docs_*.py")
+    ]
     texts = [(ROOT / file).read_text(errors="ignore") for file in ours]
     named = {name for text in texts for name in re.findall(r"--[a-z][\w-]*", text)}
     return named | options_of(typer.main.get_command(app))
 
 
 def exists(path: str) -> bool:
-    """Whether a path, which may have stars, is of the project."""
+    """Return True if the project has this path, which may contain wildcards."""
     path = path.rstrip("/").removeprefix("../")
     if "*" in path:
         return any(file.match(path) for file in files())
@@ -114,7 +117,8 @@ def exists(path: str) -> bool:
 
 def is_path(text: str) -> bool:
     path = PurePosixPath(text)
-    return path.suffix in SOURCES or path.parts[0] in FOLDERS or bool(re.fullmatch(r"[a-z_]+(/[a-z_]+)*/", text))
+    in_folder = any(path.is_relative_to(folder) for folder in FOLDERS)
+    return in_folder or path.suffix in SOURCES or bool(re.fullmatch(r"[a-z_]+(/[a-z_]+)*/", text))
 
 
 def missing_names(symbol: str) -> set[str]:
@@ -135,7 +139,7 @@ def missing_names(symbol: str) -> set[str]:
 
 
 def dead(text: str) -> bool:
-    """Whether a text in back-ticks refers to something that there is not."""
+    """Return True if a text in back-ticks refers to something that does not exist."""
     if re.fullmatch(r"--[a-z][\w-]*", text):
         return text not in options()
     if re.fullmatch(r"[\w.*-]+(/[\w.*-]+)*/?", text) and is_path(text):
