@@ -87,7 +87,7 @@ def from_recording(
         str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
     ] = None,
 ) -> None:
-    """Make the map from a recording alone, with the same bytes as in the run."""
+    """Make the map from a recording, with the same bytes as in the run."""
     from uwsim.mapping.files.map_files import MAP_SUFFIXES
     from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.reader import Recording

@@ -17,7 +17,7 @@ def parameters(
     prefix: Annotated[str, typer.Argument(help="List only those at and below this name, such as rov.drag.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Write a JSON list instead of a table.")] = False,
 ) -> None:
-    """List the parameters that may be changed while a scenario runs.
+    """List the parameters that may change during a run.
 
     Prints name, value, unit, range and description of each.
 

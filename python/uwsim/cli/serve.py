@@ -77,7 +77,7 @@ def serve(
     foxglove_port: FoxglovePort = None,
     threads: Threads = None,
 ) -> None:
-    """Run a scenario in real time for rosbridge clients.
+    """Run a scenario in real time for rosbridge.
 
     For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
     """
