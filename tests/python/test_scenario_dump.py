@@ -39,7 +39,7 @@ from uwsim.missions import wait
 def mission(vehicle, effort=0.5):
     vehicle.release()
     vehicle.set_effort(surge=effort)
-    for _ in range(20):
+    for _ in range(5):
         yield wait(0.1)
 """
 PROFILE = {"kind": "linear", "surface": {"temperature_deg_c": 20}, "bottom": {"temperature_deg_c": 9}}
@@ -238,40 +238,45 @@ def test_a_recording_of_a_packaged_vehicle_is_replayed(name: str, tmp_path: Path
     require_replayed(tmp_path / "run.mcap")
 
 
-@pytest.fixture
-def remus(tmp_path: Path) -> Path:
-    """A folder with a scenario of a vehicle that nothing drives to the side, and a mission."""
-    write_scenario(tmp_path / "remus.yaml", load("pool").with_changes(vehicle_model=load_vehicle("remus100")))
+@pytest.fixture(params=[*packaged_scenarios(), *VEHICLES])
+def flyable(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A folder with a packaged scenario, or the pool with a packaged vehicle, and a mission."""
+    name = request.param
+    scenario = load("pool").with_changes(vehicle_model=load_vehicle(name)) if name in VEHICLES else load(name)
+    write_scenario(tmp_path / "scenario.yaml", scenario)
     (tmp_path / "push.py").write_text(MISSION)
     return tmp_path
 
 
-def test_a_sweep_flies_again_what_it_flew(remus: Path) -> None:
+def test_a_sweep_flies_again_what_it_flew(flyable: Path) -> None:
+    vehicle = load(flyable / "scenario.yaml").vehicles[0].name
     sweep = {
-        "scenario": str(remus / "remus.yaml"), "mission": str(remus / "push.py"), "worst": 1,
-        "vary": {"mission.effort": {"choices": [0.2, 0.8]}, "rov.drag.linear.roll": {"choices": [0.6]}},
+        "scenario": str(flyable / "scenario.yaml"), "mission": str(flyable / "push.py"), "worst": 1,
+        "vary": {"mission.effort": {"choices": [0.2]}, f"{vehicle}.drag.linear.roll": {"choices": [0.6]}},
         "objective": {"metric": "simulated_s", "best": "high"},
     }  # fmt: skip
-    done = run_sweep(sweep, remus / "out", workers=0)
+    done = run_sweep(sweep, flyable / "out", workers=0)
     assert done.failed == 0
-    assert (remus / "out" / "report.html").is_file()
-    (worst,) = (remus / "out" / "worst").iterdir()
-    fly_again(sweep, int(worst.name), remus / "again", report="none")
+    assert (flyable / "out" / "report.html").is_file()
+    (worst,) = (flyable / "out" / "worst").iterdir()
+    fly_again(sweep, int(worst.name), flyable / "again", report="none")
     digest = done.rows.rows[int(worst.name)]["scenario_digest"]
-    for folder in (worst, remus / "again"):
-        require_replayed(folder / "run.mcap")
+    for folder in (worst, flyable / "again"):
         assert scenario_fingerprint(load(folder / "scenario.yaml")) == digest
-        for name in ("log.jsonl", "track-rov.csv", "scenario.yaml"):
-            assert (folder / name).read_bytes() == (worst / name).read_bytes(), name
+    require_replayed(flyable / "again" / "run.mcap")
+    for name in ("log.jsonl", f"track-{vehicle}.csv", "scenario.yaml"):
+        assert (flyable / "again" / name).read_bytes() == (worst / name).read_bytes(), name
 
 
-def test_a_flight_is_resumed_to_the_same_bytes(remus: Path) -> None:
-    scenario, mission = remus / "remus.yaml", remus / "push.py"
-    fly(mission, scenario, remus / "whole", report="none")
-    assert fly(mission, scenario, remus / "half", report="none", autosave=StopAfter(9)).interrupted
-    resume(remus / "half", report="none")
-    for name in ("log.jsonl", "track-rov.csv"):
-        assert (remus / "half" / name).read_bytes() == (remus / "whole" / name).read_bytes(), name
+def test_a_flight_is_resumed_to_the_same_bytes(flyable: Path) -> None:
+    scenario, mission = flyable / "scenario.yaml", flyable / "push.py"
+    fly(mission, scenario, flyable / "whole", report="none")
+    assert fly(mission, scenario, flyable / "half", report="none", autosave=StopAfter(3)).interrupted
+    resume(flyable / "half", report="none")
+    tracks = [path.name for path in (flyable / "whole").glob("track-*.csv")]
+    assert tracks
+    for name in ("log.jsonl", *tracks):
+        assert (flyable / "half" / name).read_bytes() == (flyable / "whole" / name).read_bytes(), name
 
 
 OLD = ["lake", "pair", "remus100", *(block for block in BLOCKS if block != "a figure of noise with its usual value")]
