@@ -6,26 +6,27 @@
 
 namespace uwsim {
 
-/// A body's search for contacts that would not end in reasonable time; what() has the numbers and what to look for.
+/// Thrown when the search for a body's contacts would not end in reasonable time. what() gives the numbers and the
+/// likely cause.
 class ContactBudgetExceeded : public std::runtime_error {
  public:
   ContactBudgetExceeded(std::size_t body, const std::string& message) : std::runtime_error(message), body(body) {}
   std::size_t body;
 };
 
-/// What the search for one body's contacts may cost in a step, counted in tests of one feature against another, some 10
-/// ns each. So a hull in millimetres among a thousand times smaller cells is refused by its numbers, on every machine
-/// at the same step, instead of searching for hours.
+/// The cost of one body's search for contacts in a step, and its limit, counted in tests of one feature against another
+/// (about 10 ns each). A hull in millimetres, among cells a thousand times smaller, is thus refused at the same step on
+/// every machine instead of being searched for hours.
 class ContactBudget {
  public:
-  /// About a second of one core, and some hundred times what a vehicle on a fine bed of 5 cm takes.
+  /// About a second on one core, and about a hundred times the cost of a vehicle on a bed with a 5 cm grid.
   static constexpr std::size_t kMostTests = 300'000'000;
-  static constexpr std::size_t kTestsPerTriangle = 300;   ///< to make a triangle, and for its memory: a million fit
-  static constexpr std::size_t kTestsPerOverlap = 3'000;  ///< an overlap of convex shapes by GJK and EPA, some 30 us
+  static constexpr std::size_t kTestsPerTriangle = 300;   ///< building and storing one triangle; a million fit
+  static constexpr std::size_t kTestsPerOverlap = 3'000;  ///< one overlap of convex shapes by GJK and EPA, about 30 us
 
-  /// Begins the search for a body. size_m: of its shape, for the message.
+  /// Starts the search for a body. size_m: the size of its shape, for the message.
   void begin(std::size_t body, const Eigen::Vector3d& size_m);
-  /// Throws ContactBudgetExceeded when more was spent than may be.
+  /// Throws ContactBudgetExceeded when the limit is exceeded.
   void spend(std::size_t tests) {
     spent_ += tests;
     if (spent_ > kMostTests) refuse();
@@ -34,7 +35,7 @@ class ContactBudget {
     triangles_ += count;
     spend(kTestsPerTriangle * count);
   }
-  /// How many triangles can still be afforded.
+  /// The number of triangles that still fit.
   std::size_t triangles_left() const { return (kMostTests - spent_) / kTestsPerTriangle; }
   std::size_t spent() const { return spent_; }
 

@@ -19,12 +19,12 @@ constexpr double kShockTurn_rad = 0.05;
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
 const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are righted
 
-// A blow, such as by the ground: the angular velocity changes between two samples by more, beyond the change before,
-// than thrusters (assumed) and noise do; a second difference has sqrt(6) times the noise of a sample.
+// A blow, for example by the ground: the second difference of the angular velocity exceeds what thrusters (assumed) and
+// noise can cause. A second difference has sqrt(6) times the noise of one sample.
 constexpr double kBlow_rad_s = 0.01;
 constexpr double kBlowInNoise = 15;
-// What ground that pushes the hull out turns it beside what the gyroscope samples: assumed, as in skids on the bed,
-// after which the NEES of 9 errors is 10.4 without this (uwsim validate estimation).
+// The turn, unseen by the gyroscope's samples, when the ground pushes the hull out. An assumed value: without it the
+// NEES of the 9 errors after skids on the bed is 10.4 (uwsim validate estimation).
 constexpr double kBlowTurn_rad = 1e-3;
 
 constexpr double kEven = 1.5;  // ratio up to which two intervals count as even

@@ -30,7 +30,7 @@ struct FilterStart {
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
-  /// Of what save() returns. 2: with the figures of its instruments, the IMU's last sample, and all
+  /// Version of the bytes that save() returns. 2: with the figures of its instruments, the IMU's last sample, and all
   /// three axes of a compass's hard iron.
   static constexpr std::uint64_t kVersion = 2;
 
