@@ -73,7 +73,7 @@ def _program(
     """A fast, headless underwater robotics simulator: fly an ROV, sweep a multibeam, get an OctoMap."""
 
 
-def _add(heading: str, *commands: Callable[..., None], **groups: typer.Typer) -> None:
+def _add(heading: str, *commands: Callable[..., object], **groups: typer.Typer) -> None:
     """Add commands, and groups of commands by name, under a heading of --help."""
     for command in commands:
         app.command(rich_help_panel=heading)(command)
