@@ -174,7 +174,7 @@ def test_a_live_run_with_a_failsafe_replays():
 @pytest.mark.parametrize(
     ("failsafe", "message"),
     [
-        ({"then": "hold"}, "watches nothing"),
+        ({"then": "hold"}, "monitors nothing"),
         ({"silence_s": 0.0}, "0.1"),
         ({"silence_s": 5.0, "then": "panic"}, "'hold', 'surface', 'return' or 'go_on'"),
     ],

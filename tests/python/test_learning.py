@@ -174,7 +174,7 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"camera": "frnt"}, "camera = 'frnt': must be one of"),
         ({"render_mode": "human"}, "render_mode = 'human'"),
         ({"num_envs": 0}, "num_envs = 0"),
-        ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping does not look"),
+        ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping uses no sonar"),
         ({"faults": [{"kind": "sensor", "sensor": "imu", "at_s": 1}]}, "'imu': StationKeeping reads none"),
         ({"faults": [{"kind": "sonar", "at_s": 1}]}, "StationKeeping uses no sonar"),
         ({"faults": [{"kind": "camera", "camera": "front", "at_s": 1}]}, "camera = 'front': must be one of none"),

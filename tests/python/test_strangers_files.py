@@ -38,7 +38,7 @@ def test_a_recording_writes_its_files_only_into_its_folder(name: str, tmp_path: 
 def test_a_scenario_that_would_take_longer_than_a_user_waits_is_refused_by_its_size(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text("name: a\nx: [" + "[]," * (MAX_BYTES // 3) + "]\n")
-    with pytest.raises(ValueError, match=f"has at most {MAX_BYTES}"):
+    with pytest.raises(ValueError, match=f"must be at most {MAX_BYTES}"):
         load(path)
 
 
