@@ -1,10 +1,12 @@
-"""The documentation's pages, in whichever folder of docs/ they are; those that the program writes are left out."""
+"""The documentation's pages and pictures, in whichever folder of docs/ they are; those that the program writes are left out."""
 
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PAGES = sorted(path for path in DOCS.rglob("*.md") if "reference" not in path.relative_to(DOCS).parts)
+_WRITTEN = [path for path in DOCS.rglob("*.*") if "reference" not in path.relative_to(DOCS).parts]
+PAGES = sorted(path for path in _WRITTEN if path.suffix == ".md")
+PICTURES = sorted(path for path in _WRITTEN if path.suffix in (".png", ".jpg", ".webp"))
 
 
 def page_named(name: str) -> Path:

@@ -84,7 +84,7 @@ def test_a_part_of_the_terrain_has_the_heights_of_the_whole() -> None:
     with Simulator(TileJob("lake", 0, tile, 0.5).scenario_of_tile(whole)) as sim, Simulator(whole) as all_of_it:
         places = np.random.default_rng(1).uniform(np.min(tile.area_m, axis=0), np.max(tile.area_m, axis=0), (500, 2))
         np.testing.assert_allclose(sim.world.height_at(places), all_of_it.world.height_at(places), atol=1e-5)
-    with pytest.raises(ScenarioError, match="window_m: is beside the terrain"):
+    with pytest.raises(ScenarioError, match="window_m: is outside the terrain"):
         full.window(((5000.0, 0.0), (6000.0, 10.0)))
 
 
