@@ -1,4 +1,4 @@
-"""The documentation's pages and pictures, in whichever folder of docs/ they are; those that the program writes are left out."""
+"""The pages and pictures of the documentation, except those that the program writes."""
 
 from pathlib import Path
 
