@@ -11,7 +11,6 @@ another client, which asks all the time.
 from __future__ import annotations
 
 import asyncio
-import gc
 import json
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.cli.run_live import keep_threads_moving
 
 SIZE = 2 << 20  # of a frame at most
 BEAT_S = 0.002
@@ -265,18 +265,16 @@ def witness(url: str) -> float:
 
 def main(names: list[str]) -> None:
     """Run the attacks of these names, all by default."""
-    sys.setswitchinterval(0.0005)  # as `uwsim serve` sets it
     for name in names or [*ONCE, *LONG]:
         subprocess.run([sys.executable, __file__, "--serve", name], check=True)
 
 
 def serve(name: str) -> None:
     """Be the server of one attack."""
-    sys.setswitchinterval(0.0005)
     with RosbridgeServer(None) as server:
         with connect(server.url) as client:
             settle(client)
-        gc.collect()
+        keep_threads_moving()
         first_mb = memory_mb("VmRSS")
         Path("/proc/self/clear_refs").write_text("5")  # the most so far begins again
         with Watch(server) as watch:

@@ -36,6 +36,7 @@ from steady import drift, growth, in_use_mb, open_files, peak_mb, resident_mb, t
 
 import uwsim
 from uwsim.bridges import RosbridgeServer
+from uwsim.cli.run_live import keep_threads_moving
 from uwsim.examples.m01_hello_dive import mission
 from uwsim.fingerprint import fingerprint
 from uwsim.live import LiveSimulator
@@ -184,7 +185,7 @@ def main() -> int:
     options = parser.parse_args()
     if not options.lap_hours >= 1.0:
         parser.error(f"--lap-hours {options.lap_hours:g}: must be at least 1")
-    sys.setswitchinterval(0.0005)  # as `uwsim serve` sets it
+    keep_threads_moving()
     with LiveSimulator(uwsim.Simulator("lake", threads=1)) as live, RosbridgeServer(live) as server:
         seconds = 60.0 * options.minutes + 3600.0
         clients = [sys.executable, str(Path(__file__).with_name("clients.py")), server.url, str(seconds)]

@@ -27,6 +27,7 @@ import cbor2
 from websockets.asyncio.client import connect
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.cli.run_live import keep_threads_moving
 from uwsim.live import LiveSimulator
 
 GROWTH_MB = 16.0
@@ -115,7 +116,7 @@ async def wave(url: str) -> None:
 def main() -> int:
     """Run; return the exit code."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 600.0
-    sys.setswitchinterval(0.0005)
+    keep_threads_moving()
     with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
         topics = len(server.graph.topics)
         # processes of their own: in this one they would take the simulator's turns of the interpreter

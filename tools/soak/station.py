@@ -25,6 +25,7 @@ import numpy as np
 from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.cli.run_live import keep_threads_moving
 from uwsim.station import Site, Station
 
 CHROMIUM = "/usr/bin/chromium-headless-shell"
@@ -41,7 +42,7 @@ def main() -> int:
     options = parser.parse_args()
     if options.minutes <= SETTLING_MIN + 1.0:
         parser.error(f"--minutes {options.minutes:g}: must be more than {SETTLING_MIN + 1.0:g}")
-    sys.setswitchinterval(0.0005)  # as `uwsim station` sets it
+    keep_threads_moving()
     station = Station(offered="lake")
     with (
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 import threading
@@ -40,10 +41,20 @@ def wait_for_interrupt(greeting: str) -> None:
     interrupted.wait()
 
 
+def keep_threads_moving() -> None:
+    """Set up a process that serves: no thread may keep the interpreter from the others for a whole step.
+
+    A thread that computes in Python keeps it for 5 ms by default, and a full garbage collection for 60 ms, most of them
+    for modules and classes that live as long as the process: they are left out of all later collections.
+    """
+    sys.setswitchinterval(SWITCH_S)
+    gc.collect()
+    gc.freeze()
+
+
 def _interrupt() -> threading.Event:
     """Return what is set at Ctrl-C or SIGTERM."""
-    # A thread that computes in Python keeps the others waiting for 5 ms by default, which is a whole step.
-    sys.setswitchinterval(SWITCH_S)
+    keep_threads_moving()
     interrupted = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: interrupted.set())

@@ -23,6 +23,7 @@ JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
 """A message that holds more is encoded off the network's thread, and keeps one encoding at a time."""
 SLICE_NUMBERS = 1 << 16  # of an array, written at once
+CBOR_ARRAY, CBOR_MAP = 4, 5  # major types, RFC 8949, section 3.1
 
 
 def to_json(operation: dict[str, Any]) -> str:
@@ -50,6 +51,28 @@ def _in_slices(value: Any) -> Any:
     starts = range(0, max(1, len(value)), SLICE_NUMBERS)
     slices = (np.ascontiguousarray(value[start : start + SLICE_NUMBERS]) for start in starts)
     return orjson.Fragment(b"[" + b",".join(orjson.dumps(part, option=JSON_OPTIONS)[1:-1] for part in slices) + b"]")
+
+
+def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
+    """Write a large message in CBOR, a value at a time: one call may not take long."""
+    buffer = io.BytesIO()
+    encoder = cbor2.CBOREncoder(buffer)
+
+    def write(value: Any) -> None:
+        if isinstance(value, dict):
+            encoder.encode_length(CBOR_MAP, len(value))
+            for key, part in value.items():
+                encoder.encode(key)
+                write(part)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            encoder.encode_length(CBOR_ARRAY, len(value))
+            for part in value:
+                write(part)
+        else:
+            encoder.encode(value)
+
+    write(plain)
+    return buffer.getvalue()
 
 
 def to_png(text: str) -> str:
@@ -135,7 +158,8 @@ class Sample:
             text = orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS)
             return bytes(memoryview(text))  # a copy: orjson's own keeps a buffer that may be ten times as long
         if compression == "cbor":
-            return cbor2.dumps(to_plain(self.message, ros, "cbor"))
+            plain = to_plain(self.message, ros, "cbor")
+            return _cbor_in_pieces(plain) if self.is_large else cbor2.dumps(plain)
         secs, nsecs = divmod(self.time_ns, 10**9)
         return cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": to_bytes(self.message, ros)})
 
