@@ -91,5 +91,5 @@ def test_cells_are_numbered_along_the_heading_and_the_way_leads_round_what_is_cl
     for cell in ((0, 0), (2, -3), (-5, 1)):
         assert cells.cell_of(cells.middle_m(cell)) == cell
     flown = {(0, 0), (0, 1), (1, 1), (2, 1)}
-    assert nearest((0, 0), lambda c: c == (2, 0), flown.__contains__) == [(0, 0), (0, 1), (1, 1), (2, 1), (2, 0)]
-    assert nearest((0, 0), lambda c: c == (9, 9), flown.__contains__) is None
+    assert nearest((0, 0), lambda c: c == (2, 0), flown) == [(0, 0), (0, 1), (1, 1), (2, 1), (2, 0)]
+    assert nearest((0, 0), lambda c: c == (9, 9), flown) is None

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.control.protocols import PingLike
+from uwsim.missions.grid_ways import GridWays
 from uwsim.sealed import Sealed
-
-if TYPE_CHECKING:
-    from scipy.sparse import coo_array
 
 Point = tuple[float, float]
 Cell = tuple[int, int]
@@ -24,7 +20,6 @@ ECHOES_IN_A_CELL = 4  # of one ping: a single echo may be a false detection
 BESIDE_A_SHOAL = 20.0  # a cell next to a shoal costs as much as this many others: it is crossed only to get away
 MARGIN_CELLS = 15  # round start, goal and shoals, for the way
 STEPS_TO_LEAVE = 4  # of half a cell
-WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
 class ShoalChart(Sealed):
@@ -114,44 +109,18 @@ class ShoalChart(Sealed):
         return self._known_way[2]
 
     def _search(self, start: Cell, goal: Cell) -> list[Cell] | None:
-        from scipy.sparse.csgraph import dijkstra  # here, since it takes long to import and few ways lead round shoals
-
         corners = np.array([start, goal, *self._shoals])
         low = corners.min(axis=0) - MARGIN_CELLS
-        shape = tuple((corners.max(axis=0) + MARGIN_CELLS + 1 - low).tolist())
-        cost = np.ones(shape)
+        cost = np.ones(tuple((corners.max(axis=0) + MARGIN_CELLS + 1 - low).tolist()))
         for cells, each in ((self._near, BESIDE_A_SHOAL), (self._shoals, np.inf)):
             at = np.array(sorted(cells)) - low
             cost[at[:, 0], at[:, 1]] = each
-        cost[start[0] - low[0], start[1] - low[1]] = 1.0
-        first, last = (int(np.ravel_multi_index((a - low[0], b - low[1]), shape)) for a, b in (start, goal))
-        distance, before = dijkstra(_neighbours(cost), directed=False, indices=first, return_predecessors=True)
-        if not math.isfinite(distance[last]):
-            return None
-        way = [last]
-        while way[-1] != first:
-            way.append(int(before[way[-1]]))
-        return [(int(k // shape[1] + low[0]), int(k % shape[1] + low[1])) for k in reversed(way)]
+        first, last = start - low, goal - low
+        cost[tuple(first)] = 1.0
+        way = GridWays(cost, first[None]).to(last)
+        return None if way is None else [(i, j) for i, j in (way + low).tolist()]
 
 
 def _cell(point_m: Iterable[float]) -> Cell:
     east_m, north_m = point_m
     return math.floor(east_m / CELL_M), math.floor(north_m / CELL_M)
-
-
-def _neighbours(cost: NDArray[np.float64]) -> coo_array:
-    """The graph of cells: an edge to each of eight neighbours costs its length times the mean of both cells' costs."""
-    from scipy.sparse import coo_array
-
-    number = np.arange(cost.size).reshape(cost.shape)
-    rows, columns, weights = [], [], []
-    for di, dj in WAYS:
-        here = (slice(None, -di or None), slice(max(0, -dj), -dj if dj > 0 else None))
-        there = (slice(di, None), slice(max(0, dj), dj if dj < 0 else None))
-        weight = math.hypot(di, dj) * 0.5 * (cost[here] + cost[there])
-        passable = np.isfinite(weight)
-        rows.append(number[here][passable])
-        columns.append(number[there][passable])
-        weights.append(weight[passable])
-    edges = (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns)))
-    return coo_array(edges, shape=(cost.size, cost.size)).tocsr()

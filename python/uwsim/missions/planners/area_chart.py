@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from uwsim.mapping import OccupancyMap
+from uwsim.missions.grid_ways import Grid, GridWays, straightened
 
 Floats = NDArray[np.float64]
 BEYOND_M = 2.0  # by which ways may leave the area
@@ -24,11 +22,10 @@ KEEP_M = 3.5  # from what cannot be passed over
 FINEST_M, MOST_CELLS = 1.0, 300  # along a side
 PATCH_M = 3.0
 ECHOES_IN_A_CELL = 3  # of one ping: fewer may be false detections
-WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
 class AreaChart:
-    """The chart of a polygon (k, 2). What reaches higher than top_z_m cannot be passed over.
+    """The chart of a polygon (k, 2). Nothing that reaches higher than top_z_m can be passed over.
 
     start_m: where the vehicle is, (2,); if that is outside, it may come in through the hull of area and start, until
     it has visited the area.
@@ -41,22 +38,23 @@ class AreaChart:
         area = polygon.buffer(BEYOND_M)
         whole = shapely.union(polygon, shapely.Point(start_m)).convex_hull.buffer(BEYOND_M)
         low_x, low_y, high_x, high_y = whole.bounds
-        self.edge_m = max(FINEST_M, max(high_x - low_x, high_y - low_y) / MOST_CELLS)
-        self._low = np.array([low_x, low_y]) - self.edge_m
-        shape = tuple(np.ceil((np.array([high_x, high_y]) - self._low) / self.edge_m).astype(int) + 1)
+        edge_m = max(FINEST_M, max(high_x - low_x, high_y - low_y) / MOST_CELLS)
+        low = np.array([low_x, low_y]) - edge_m
+        shape = tuple((np.ceil((np.array([high_x, high_y]) - low) / edge_m).astype(int) + 1).tolist())
+        self.grid = Grid(low, edge_m, shape)
         self._top_z_m = top_z_m
-        places = self._low + (np.indices(shape).reshape(2, -1).T + 0.5) * self.edge_m
+        places = self.grid.all_centres()
         self._area = np.asarray(shapely.contains_xy(area, places).reshape(shape))
         self._inner = np.asarray(shapely.contains_xy(polygon, places).reshape(shape))
         self._allowed = np.asarray(shapely.contains_xy(whole, places).reshape(shape))
         self._shoal, self._near, self._seen, self._been = (np.zeros(shape, bool) for _ in range(4))
-        reach = math.ceil(KEEP_M / self.edge_m)
+        reach = math.ceil(KEEP_M / edge_m)
         disc = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1).T
-        self._disc = disc[np.linalg.norm(disc, axis=1) * self.edge_m <= KEEP_M]
+        self._disc = disc[np.linalg.norm(disc, axis=1) * edge_m <= KEEP_M]
         self.visit(start_m)
 
     def visit(self, point_m: Floats) -> None:
-        """Tell where the vehicle is, (2,): once it has been in the area, ways stay there."""
+        """Note where the vehicle is, (2,): once it has been in the area, ways stay there."""
         (cell,), (held,) = self.cells_of(point_m[None])
         if held:
             self._been[tuple(cell)] = True
@@ -64,7 +62,7 @@ class AreaChart:
                 self._allowed = self._area
 
     def add(self, echoes_world_m: Floats) -> None:
-        """Chart what a ping shows, (n, 3)."""
+        """Chart the echoes of a ping, (n, 3)."""
         cells, held = self.cells_of(echoes_world_m[:, :2])
         self._seen[tuple(cells[held].T)] = True
         high = cells[held & (echoes_world_m[:, 2] > self._top_z_m)]
@@ -73,10 +71,10 @@ class AreaChart:
             self._close(found[counts >= ECHOES_IN_A_CELL])
 
     def add_map(self, occupancy: OccupancyMap) -> None:
-        """Chart what a map knows to reach too high: rays are cast down from the surface, a voxel apart."""
-        step_m = min(occupancy.resolution_m, self.edge_m)
-        counts = np.ceil(np.array(self._shoal.shape) * self.edge_m / step_m).astype(int)
-        places = self._low + (np.indices(tuple(counts)).reshape(2, -1).T + 0.5) * step_m
+        """Chart everything that a map knows to reach too high: rays are cast down from the surface, a voxel apart."""
+        step_m = min(occupancy.resolution_m, self.grid.edge_m)
+        counts = np.ceil(np.array(self._shoal.shape) * self.grid.edge_m / step_m).astype(int)
+        places = Grid(self.grid.low_m, step_m, tuple(counts.tolist())).all_centres()
         origins = np.column_stack([places, np.full(len(places), -0.5 * occupancy.resolution_m)])
         casts = occupancy.cast_rays(origins, np.tile([0.0, 0.0, -1.0], (len(places), 1)), -self._top_z_m, True)
         cells, held = self.cells_of(places[casts.states == 1])
@@ -97,18 +95,18 @@ class AreaChart:
 
     def open_places(self) -> Floats:
         """The middles (n, 2) of the open cells."""
-        return self.centre(np.argwhere(self._allowed & ~self._near))
+        return self.grid.centres(np.argwhere(self._allowed & ~self._near))
 
     def unseen_patches(self) -> Floats:
-        """The middles (n, 2) of squares of PATCH_M in the area, of whose open cells the sonar has not seen half."""
+        """Return the middles (n, 2) of squares of PATCH_M in the area in which half of the open cells are unseen."""
         wanted = self._inner & ~self._near
-        size = max(1, round(PATCH_M / self.edge_m))
+        size = max(1, round(PATCH_M / self.grid.edge_m))
         cells = np.argwhere(wanted)
         squares, number = np.unique(cells // size, axis=0, return_inverse=True)
         unseen = np.bincount(number.ravel(), ~self._seen[tuple(cells.T)], len(squares))
         middles = squares[(unseen >= 0.5 * np.bincount(number.ravel())) & (unseen >= 0.25 * size**2)] * size + size // 2
         middles = np.minimum(middles, np.array(wanted.shape) - 1)
-        return self.centre(middles[wanted[tuple(middles.T)]])
+        return self.grid.centres(middles[wanted[tuple(middles.T)]])
 
     def patch_seen(self, middle_m: Floats) -> bool:
         """Whether a square of `unseen_patches` has been seen since."""
@@ -116,9 +114,7 @@ class AreaChart:
 
     def straight(self, start_m: Floats, end_m: Floats) -> bool:
         """Whether a straight line between two points (2,) leads over open cells, or such as the vehicle has been in."""
-        count = max(2, math.ceil(2.0 * float(np.linalg.norm(end_m - start_m)) / self.edge_m) + 1)
-        places = start_m + np.linspace(0.0, 1.0, count)[:, None] * (end_m - start_m)
-        return bool(self._at(self._passable, places).all())
+        return bool(self._in(self._passable, self.grid.line(start_m, end_m)).all())
 
     def ways_from(self, start_m: Floats) -> AreaWays:
         """The ways from a point (2,); from one that is too near to a shoal they first lead back as it came."""
@@ -129,15 +125,10 @@ class AreaChart:
         """Cells that are open, or in which the vehicle has been."""
         return (self._allowed & ~self._near) | (self._been & ~self._shoal)
 
-    def centre(self, cells: NDArray[Any]) -> Floats:
-        """The middles (n, 2) of cells (n, 2)."""
-        return np.asarray(self._low + (cells + 0.5) * self.edge_m, np.float64)
-
     def cells_of(self, points_m: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """The cells (n, 2) of points (n, 2), and whether each lies in the raster."""
-        cells = np.floor((points_m - self._low) / self.edge_m).astype(np.int64)
-        held: NDArray[np.bool_] = ((cells >= 0) & (cells < self._shoal.shape)).all(axis=1)
-        return cells, held
+        cells = self.grid.cells_of(points_m)
+        return cells, self.grid.holds(cells)
 
     def _close(self, cells: NDArray[np.int64]) -> None:
         new = cells[~self._shoal[tuple(cells.T)]]
@@ -148,60 +139,35 @@ class AreaChart:
             self._near[tuple(near.T)] = True
 
     def _at(self, raster: NDArray[np.bool_], points_m: Floats) -> NDArray[np.bool_]:
-        cells, held = self.cells_of(points_m)
-        found = np.zeros(len(points_m), bool)
+        return self._in(raster, self.grid.cells_of(points_m))
+
+    def _in(self, raster: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return what a raster holds in cells (n, 2); false outside."""
+        held = self.grid.holds(cells)
+        found = np.zeros(len(cells), bool)
         found[held] = raster[tuple(cells[held].T)]
         return found
 
 
 class AreaWays:
-    """All shortest ways from one cell over the open cells of a chart, as it was when they were asked for."""
+    """All shortest ways from one cell over the open cells of a chart, as it was at that time."""
 
     def __init__(self, chart: AreaChart, open_cells: NDArray[np.bool_], first: NDArray[np.int64]) -> None:
-        self._chart, self._shape = chart, open_cells.shape
-        start = int(np.ravel_multi_index(tuple(first), open_cells.shape, mode="clip"))
-        self._lengths, self._before = dijkstra(
-            _graph(open_cells), directed=False, indices=start, return_predecessors=True
-        )
+        self._chart = chart
+        inside = np.clip(first, 0, np.array(open_cells.shape) - 1)
+        self._ways = GridWays(np.where(open_cells, 1.0, np.inf), inside[None])
 
     def lengths_m(self, points_m: Floats) -> Floats:
         """Lengths (n,) of the ways to points (n, 2); inf where none leads."""
         cells, held = self._chart.cells_of(points_m)
         lengths = np.full(len(points_m), np.inf)
-        lengths[held] = self._lengths[np.ravel_multi_index(tuple(cells[held].T), self._shape)]
-        return np.asarray(lengths * self._chart.edge_m)
+        lengths[held] = self._ways.costs[tuple(cells[held].T)]
+        return np.asarray(lengths * self._chart.grid.edge_m)
 
     def to(self, goal_m: Floats) -> Floats | None:
         """The corners of the way to a point (2,), (n, 2), from the first cell on; None if there is none."""
-        if not math.isfinite(float(self.lengths_m(goal_m[None])[0])):
+        (cell,), (held,) = self._chart.cells_of(goal_m[None])
+        cells = self._ways.to(cell) if held else None
+        if cells is None:
             return None
-        (cell,), _ = self._chart.cells_of(goal_m[None])
-        way = [int(np.ravel_multi_index(tuple(cell), self._shape))]
-        while self._before[way[-1]] >= 0:
-            way.append(int(self._before[way[-1]]))
-        cells = np.array(np.unravel_index(way[::-1], self._shape)).T
-        return self._straightened(np.vstack([self._chart.centre(cells), goal_m]))
-
-    def _straightened(self, points: Floats) -> Floats:
-        """Leave out the points between which a straight line is open."""
-        kept, k = [points[0]], 0
-        while k < len(points) - 1:
-            last = len(points) - 1
-            k = next((j for j in range(last, k + 1, -1) if self._chart.straight(points[k], points[j])), k + 1)
-            kept.append(points[k])
-        return np.array(kept)
-
-
-def _graph(open_cells: NDArray[np.bool_]) -> coo_array:
-    """The graph of open cells, each joined to those of its eight neighbours that are open."""
-    number = np.arange(open_cells.size).reshape(open_cells.shape)
-    rows, columns, lengths = [], [], []
-    for di, dj in WAYS:
-        here = (slice(None, -di or None), slice(max(0, -dj), -dj if dj > 0 else None))
-        there = (slice(di, None), slice(max(0, dj), dj if dj < 0 else None))
-        both = open_cells[here] & open_cells[there]
-        rows.append(number[here][both])
-        columns.append(number[there][both])
-        lengths.append(np.full(len(rows[-1]), math.hypot(di, dj)))
-    edges = np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns))
-    return coo_array(edges, shape=(open_cells.size, open_cells.size)).tocsr()
+        return straightened(np.vstack([self._chart.grid.centres(cells), goal_m]), self._chart.straight)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from uwsim.missions.grid_ways import GridWays
 
 Cell = tuple[int, int]
 NEIGHBOURS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -40,25 +41,32 @@ class Cells:
         return i, j
 
 
-def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Callable[[Cell], bool]) -> list[Cell] | None:
-    """The shortest way from a cell to the nearest wanted one over passable cells, both ends included; None if none.
+def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Collection[Cell]) -> list[Cell] | None:
+    """Return the shortest way from a cell to the nearest wanted one over passable cells, both ends included.
 
-    A wanted cell need not be passable. Of equal ways it is always the same one.
+    None if there is none. A wanted cell need not be passable. Of equal ways it is the one that takes the first of
+    NEIGHBOURS for as long as it can, then the second, and so on.
     """
-    before: dict[Cell, Cell | None] = {start: None}
-    queue = deque([start])
-    while queue:
-        cell = queue.popleft()
-        if cell != start and wanted(cell):
-            way = [cell]
-            while (previous := before[way[-1]]) is not None:
-                way.append(previous)
-            return way[::-1]
-        if cell != start and not passable(cell):
-            continue
-        for di, dj in NEIGHBOURS:
-            following = (cell[0] + di, cell[1] + dj)
-            if following not in before and (wanted(following) or passable(following)):
-                before[following] = cell
-                queue.append(following)
-    return None
+    ground = {start, *passable}
+    goals = {cell for here in ground for cell in _around(here) if cell != start and wanted(cell)}
+    if not goals:
+        return None
+    cells = np.array([*ground, *goals])
+    low = cells.min(axis=0) - 1  # so that all neighbours of a cell are in the grid
+    cost = np.full(tuple((cells.max(axis=0) - low + 2).tolist()), np.inf)
+    cost[tuple((cells - low).T)] = 1.0
+    steps_left = GridWays(cost, np.array(sorted(goals)) - low, diagonal=False).costs
+
+    def left(cell: Cell) -> float:
+        return float(steps_left[tuple(np.subtract(cell, low))])
+
+    if not math.isfinite(left(start)):
+        return None
+    way = [start]
+    while left(way[-1]) > 0.0:
+        way.append(next(cell for cell in _around(way[-1]) if left(cell) < left(way[-1])))
+    return way
+
+
+def _around(cell: Cell) -> list[Cell]:
+    return [(cell[0] + di, cell[1] + dj) for di, dj in NEIGHBOURS]

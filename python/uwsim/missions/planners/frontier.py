@@ -87,7 +87,7 @@ class _Search:
 
     def way(self) -> list[Cell] | None:
         """The way over open columns to the nearest unknown one."""
-        return nearest(self._here, self._unknown, self._open)
+        return nearest(self._here, self._unknown, [cell for cell in self._live.tops_m if self._open(cell)])
 
     def go(self, way: list[Cell]) -> Steps[None]:
         """Go along a way until its last column is known, or give that up, or close the column that is in the way."""

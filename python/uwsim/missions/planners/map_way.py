@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from uwsim.mapping import OccupancyMap
+from uwsim.missions.grid_ways import Grid, GridWays, straightened
 from uwsim.missions.moves import goto
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps
@@ -25,7 +23,6 @@ from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
 MOST_VOXELS = 4_000_000
-HALF_OF_26 = [step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)]
 
 
 class FreeWater:
@@ -46,9 +43,8 @@ class FreeWater:
         if (shape < 1).any() or int(np.prod(shape)) > MOST_VOXELS:
             rule = f"must be a box of at most {MOST_VOXELS:,} voxels of {edge_m:g} m"
             raise ValueError(f"low_world_m = {list(low_world_m)}, high_world_m = {list(high_world_m)} m: {rule}")
-        self._edge_m, self._corner = edge_m, origin + first * edge_m
-        centres = self._corner + (np.indices(tuple(shape)).reshape(3, -1).T + 0.5) * edge_m
-        free = (occupancy.state_at(centres) == 0).reshape(tuple(shape))
+        self._grid = Grid(origin + first * edge_m, edge_m, tuple(shape.tolist()))
+        free = (occupancy.state_at(self._grid.all_centres()) == 0).reshape(self._grid.shape)
         walled = np.pad(free, 1)  # what lies outside the box is not known
         clear_m = edge_m * (distance_transform_edt(walled)[1:-1, 1:-1, 1:-1] - 0.5)
         self._open = free & (clear_m >= clearance_m)
@@ -62,61 +58,28 @@ class FreeWater:
         if not self._open.any():
             return None
         first, last = self._nearest_open(start), self._nearest_open(goal)
-        voxels = self._search(first, last)
+        voxels = GridWays(np.where(self._open, 1.0, np.inf), first[None]).to(last)
         if voxels is None:
             return None
-        places = self._corner + (voxels + 0.5) * self._edge_m
+        places = self._grid.centres(voxels)
         ends = [start] if self._near(start, places[0]) else [start, places[0]]
         ends_there = [goal] if self._near(goal, places[-1]) else [places[-1], goal]
-        inner = self._straightened(np.vstack([ends[-1:], places[1:-1], ends_there[:1]]))
+        inner = straightened(np.vstack([ends[-1:], places[1:-1], ends_there[:1]]), self._clear)
         return np.vstack([*ends[:-1], inner, *ends_there[1:]])
 
     def _near(self, point: Floats, centre: Floats) -> bool:
         """Whether a point lies in the voxel about a centre."""
-        return bool((np.abs(point - centre) < 0.5 * self._edge_m).all())
+        return bool((np.abs(point - centre) < 0.5 * self._grid.edge_m).all())
 
-    def _nearest_open(self, point: Floats) -> int:
-        """The number of the open voxel that is nearest to a point."""
+    def _nearest_open(self, point: Floats) -> NDArray[np.int64]:
+        """Return the open voxel (3,) that is nearest to a point."""
         voxels = np.argwhere(self._open)
-        away = np.linalg.norm(self._corner + (voxels + 0.5) * self._edge_m - point, axis=1)
-        return int(np.ravel_multi_index(tuple(voxels[int(np.argmin(away))]), self._open.shape))
-
-    def _search(self, first: int, last: int) -> NDArray[np.int64] | None:
-        distance, before = dijkstra(self._graph(), directed=False, indices=first, return_predecessors=True)
-        if not math.isfinite(distance[last]):
-            return None
-        way = [last]
-        while way[-1] != first:
-            way.append(int(before[way[-1]]))
-        return np.array(np.unravel_index(way[::-1], self._open.shape)).T
-
-    def _graph(self) -> coo_array:
-        number = np.arange(self._open.size).reshape(self._open.shape)
-        rows, columns, lengths = [], [], []
-        for step in HALF_OF_26:
-            here = tuple(slice(max(0, -d), -d if d > 0 else None) for d in step)
-            there = tuple(slice(max(0, d), d if d < 0 else None) for d in step)
-            both = self._open[here] & self._open[there]
-            rows.append(number[here][both])
-            columns.append(number[there][both])
-            lengths.append(np.full(len(rows[-1]), math.hypot(*step)))
-        edges = np.concatenate(lengths), (np.concatenate(rows), np.concatenate(columns))
-        return coo_array(edges, shape=(self._open.size, self._open.size)).tocsr()
-
-    def _straightened(self, points: Floats) -> Floats:
-        """Leave out the points between which a straight line keeps the clearance."""
-        kept, k = [points[0]], 0
-        while k < len(points) - 1:
-            ahead = next((j for j in range(len(points) - 1, k + 1, -1) if self._clear(points[k], points[j])), k + 1)
-            kept.append(points[ahead])
-            k = ahead
-        return np.array(kept)
+        away = np.linalg.norm(self._grid.centres(voxels) - point, axis=1)
+        return voxels[int(np.argmin(away))]
 
     def _clear(self, a: Floats, b: Floats) -> bool:
-        count = max(2, math.ceil(2.0 * float(np.linalg.norm(b - a)) / self._edge_m) + 1)
-        places = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
-        i, j, k = np.floor((places - self._corner) / self._edge_m).astype(np.int64).T
-        return bool(self._open[i, j, k].all())
+        """Return whether a straight line keeps the clearance."""
+        return bool(self._open[tuple(self._grid.line(a, b).T)].all())
 
 
 def go_by_map(

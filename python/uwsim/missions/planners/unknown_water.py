@@ -114,7 +114,7 @@ class _Mower:
             following = (cell[0] + di, cell[1] + dj)
             if self._open(following):
                 return [cell, following]
-        return nearest(cell, self._open, lambda c: c in self._flown and c not in self._closed)
+        return nearest(cell, self._open, self._flown.keys() - self._closed.keys())
 
     def _open(self, cell: Cell) -> bool:
         """Whether a cell is within the bound, not flown and, for all that is known, not closed."""
