@@ -2,13 +2,25 @@
 
 import copy
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
 from test_missions import PLAN, ScriptedVehicle
 from uwsim import Simulator
-from uwsim.missions import AdaptiveLawnMower, LawnMowerPlan, Mission, ObstacleMemory, ResumableMission
+from uwsim.missions import (
+    AdaptiveLawnMower,
+    LawnMowerPlan,
+    ObstacleMemory,
+    OwnVehicle,
+    ResumableMission,
+    Steps,
+    drive,
+    run,
+    wait,
+)
+from uwsim.missions.run import made, steps_of
 
 
 class SavingClock:
@@ -85,16 +97,69 @@ def test_remembered_obstacles_are_saved_the_oldest_first() -> None:
     np.testing.assert_array_equal(other.peaks_world_m, memory.peaks_world_m)
 
 
-def test_a_mission_without_save_is_not_resumable() -> None:
+class Zigzag:
+    """A mission of one's own: as many legs as its state has left."""
+
+    def __init__(self, vehicle: OwnVehicle, legs: int = 5) -> None:
+        self.vehicle, self.left = vehicle, legs
+
+    def steps(self) -> Steps[str]:
+        while self.left:
+            self.vehicle.set_effort(surge=0.5, yaw=0.3 if self.left % 2 else -0.3)
+            self.left -= 1
+            yield wait(1.0)
+        return "all legs are flown"
+
+    def save(self) -> dict[str, int]:
+        return {"left": self.left}
+
+    def restore(self, state: dict[str, int]) -> None:
+        self.left = state["left"]
+
+
+@pytest.mark.parametrize("mission", [Zigzag, partial(Zigzag, legs=7)])
+def test_a_mission_of_ones_own_with_steps_and_a_state_resumes_at_any_moment(mission: type[Zigzag]) -> None:
+    vehicle = ScriptedVehicle()
+    clock = SavingClock(vehicle)
+    (clock.mission,) = made(mission, {"rov": OwnVehicle(vehicle, clock)})
+    assert isinstance(clock.mission, ResumableMission)
+    assert drive(steps_of([clock.mission]), clock) == "all legs are flown"
+    assert len(clock.saved) >= 5
+    for text, then in clock.saved:
+        (again,) = made(mission, {"rov": OwnVehicle(then, then)})
+        again.restore(json.loads(text))
+        assert drive(steps_of([again]), then) == "all legs are flown"
+        assert then.time_s == vehicle.time_s
+        np.testing.assert_array_equal(then.position, vehicle.position)
+
+
+def test_a_class_of_steps_flies_as_a_function_does() -> None:
+    def zigzag(vehicle: OwnVehicle) -> Steps[str]:
+        return (yield from Zigzag(vehicle).steps())
+
+    places = []
+    for mission in (Zigzag, zigzag):
+        vehicle = ScriptedVehicle()
+        assert run(mission, vehicle, vehicle) == "all legs are flown"
+        places.append(vehicle.position)
+    np.testing.assert_array_equal(*places)
+
+
+def test_a_function_and_a_mission_without_save_are_not_resumable() -> None:
     class Plain:
         progress = 0.0
 
         def run(self) -> str:
             return "done"
 
-    mission: Mission = Plain()
-    assert not isinstance(mission, ResumableMission)
-    assert isinstance(AdaptiveLawnMower(ScriptedVehicle(), ScriptedVehicle(), PLAN), ResumableMission)
+    def function(vehicle: OwnVehicle) -> Steps[None]:
+        yield wait(1.0)
+
+    assert not isinstance(Plain(), ResumableMission)
+    vehicle = ScriptedVehicle()
+    (one,) = made(function, {"rov": OwnVehicle(vehicle, vehicle)})
+    assert not isinstance(one, ResumableMission)
+    assert isinstance(AdaptiveLawnMower(vehicle, vehicle, PLAN), ResumableMission)
 
 
 @pytest.mark.parametrize(

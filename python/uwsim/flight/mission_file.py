@@ -36,7 +36,8 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
     try:
         first_parameter(found)
     except ValueError as error:
-        raise MissionError(f"{path}:{found.__code__.co_firstlineno}: {error}") from None
+        code = getattr(found, "__code__", None)  # a class has none
+        raise MissionError(f"{path}{f':{code.co_firstlineno}' if code else ''}: {error}") from None
     return found  # type: ignore[no-any-return]
 
 

@@ -1,34 +1,43 @@
-"""The interface of a mission: what a survey needs of it."""
+"""The interface of a mission: steps that fly it, and a state from which another process can continue it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, Protocol, runtime_checkable
 
+from uwsim.missions.steps import Steps
 
-class Mission(Protocol):
-    """Flies its vehicle when it is run; AdaptiveLawnMower is one."""
+
+class SteppedMission(Protocol):
+    """A mission whose steps fly it. A generator function is the short form of one that cannot be restored."""
+
+    def steps(self) -> Steps[Any]:
+        """Return the steps, which yield waits; they return the mission's result."""
+
+
+class Mission(SteppedMission, Protocol):
+    """A mission that a survey flies; AdaptiveLawnMower is one."""
 
     @property
     def progress(self) -> float:
         """Share of the mission that has been flown, 0..1."""
 
     def run(self) -> str:
-        """Fly to the end; return why it ended."""
+        """Fly all steps by a clock that can wait; return why it ended."""
 
 
 @runtime_checkable
-class ResumableMission(Mission, Protocol):
-    """A mission that another process can continue. A mission need not be resumable to fly."""
+class ResumableMission(Protocol):
+    """A mission that another process can continue. Without it a mission is continued by flying it again."""
 
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock.
 
-        Called while the mission is in the clock's `wait`: what it does when that returns must follow from this state.
+        Called while its steps are in a `yield`: what they do afterwards must follow from this state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state that `save` returned; `run` then goes on as if `wait` had just returned.
+        """Continue from a state that `save` returned: `steps` go on as if that `yield` had just ended.
 
         Raises ValueError.
         """

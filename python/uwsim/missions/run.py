@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
+from functools import partial
 from typing import Any
 
 from uwsim.control.protocols import Clock
+from uwsim.missions.mission import SteppedMission
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.steps import Steps, drive, parallel
 
-MissionFunction = Callable[..., Steps[Any]]
+MissionFunction = Callable[..., Steps[Any] | SteppedMission]
+"""A generator function, or a class with `steps`, of one vehicle or of several by name."""
 
 
 def run(
@@ -22,8 +25,8 @@ def run(
 ) -> Any:
     """Fly a mission to its end; return what it returns.
 
-    mission: a generator function of one vehicle, or of `vehicles`, a dict of all by name; see `begin`. vehicles: one,
-    or a dict of several, of a Simulator, a LiveSimulator or a rosbridge. hear: called with each event that it logs.
+    mission: see `begin`. vehicles: one, or a dict of several, of a Simulator, a LiveSimulator or a rosbridge. hear:
+    called with each event that it logs.
     """
     hulls = vehicles if isinstance(vehicles, Mapping) else {getattr(vehicles, "name", "vehicle"): vehicles}
     own = {
@@ -34,26 +37,39 @@ def run(
 
 
 def begin(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> Steps[Any]:
-    """Return the steps of a mission.
+    """Return the steps of a mission from its start; see `made`."""
+    return steps_of(made(mission, vehicles))
 
-    A mission whose first parameter is called `vehicles` gets all of them by name; any other flies each of them, at once
-    if there are several. Raises ValueError if it is no generator function of one argument.
+
+def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[Steps[Any] | SteppedMission]:
+    """Return one mission for all vehicles, if its first parameter is called `vehicles`, else one for each of them.
+
+    Those that are a ResumableMission may be restored before they are flown. Raises ValueError for what is neither a
+    generator function of one argument nor such a class with `steps`.
     """
-    first = first_parameter(mission)
-    if first == "vehicles":
-        return mission(dict(vehicles))
-    if len(vehicles) == 1:
-        return mission(next(iter(vehicles.values())))
-    return parallel(*(mission(vehicle) for vehicle in vehicles.values()))
+    if first_parameter(mission) == "vehicles":
+        return [mission(dict(vehicles))]
+    return [mission(vehicle) for vehicle in vehicles.values()]
+
+
+def steps_of(missions: list[Steps[Any] | SteppedMission]) -> Steps[Any]:
+    """Return the steps that fly all missions at once."""
+    steps = [one if isinstance(one, Generator) else one.steps() for one in missions]
+    return steps[0] if len(steps) == 1 else parallel(*steps)
 
 
 def first_parameter(mission: MissionFunction) -> str:
     """Return the name of a mission's only required parameter. Raises ValueError if it is no mission."""
     name = getattr(mission, "__name__", "mission")
-    if not inspect.isgeneratorfunction(inspect.unwrap(mission)):
+    if not (inspect.isgeneratorfunction(inspect.unwrap(mission)) or _makes_steps(mission)):
         raise ValueError(f"{name}: has no `yield`: a mission is a generator: `yield wait(0.1)` lets time pass")
     given = list(inspect.signature(mission).parameters.values())
     required = [p for p in given if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
     if not given or len(required) > 1 or (required and required[0] is not given[0]):
         raise ValueError(f"{name}{inspect.signature(mission)}: must take one argument: `vehicle`, or `vehicles`")
     return given[0].name
+
+
+def _makes_steps(mission: MissionFunction) -> bool:
+    made_by = mission.func if isinstance(mission, partial) else mission
+    return inspect.isclass(made_by) and callable(getattr(made_by, "steps", None))

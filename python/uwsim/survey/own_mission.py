@@ -14,7 +14,7 @@ from uwsim.did_you_mean import did_you_mean
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import first_parameter
-from uwsim.missions.steps import drive
+from uwsim.missions.steps import Steps, drive
 from uwsim.survey.fly import MakeMission
 
 OwnMission = MakeMission | Callable[..., Any]
@@ -28,6 +28,10 @@ class SteppedMission:
     def __init__(self, function: Callable[..., Any], vehicle: Any, clock: Clock) -> None:
         own = vehicle if isinstance(vehicle, OwnVehicle) else OwnVehicle(vehicle, clock)
         self._steps, self._clock = function(own), clock
+
+    def steps(self) -> Steps[Any]:
+        """Return the function's steps."""
+        return self._steps
 
     def run(self) -> str:
         """Fly to the end; return the mission's own text, if it returns one, else that all is flown."""
