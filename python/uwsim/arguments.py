@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.did_you_mean import did_you_mean
+
+UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
@@ -21,6 +24,17 @@ def number(value: Any, name: str, unit: str = "") -> float:
             pass
     shown = f"{value!r:.60}"
     raise ValueError(f"{name} = {shown}: must be a number{f' [{unit}]' if unit else ''}")
+
+
+def require_positive(step: str = "", /, **values: float) -> None:
+    """Raise ValueError unless all values, whose names end in their units, are positive and finite.
+
+    step: the function that they were given to, if that is not clear.
+    """
+    for name, value in values.items():
+        if not 0.0 < value < math.inf:
+            unit = next((f" {unit}" for end, unit in UNITS.items() if name.endswith(end)), "")
+            raise ValueError(f"{step and f'{step}: '}{name} = {value}{unit}: must be positive")
 
 
 def plain(value: Any, path: str) -> Any:

@@ -232,8 +232,8 @@ def test_a_way_that_is_blocked_ends_the_mission() -> None:
     [
         (lambda v: goto(v, (1.0, 2.0)), "must be finite and of shape"),
         (lambda v: goto(v, (1.0, 2.0, math.nan)), "must be finite"),
-        (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=0.0), "speed_m_s = 0.0: must be positive"),
-        (lambda v: goto(v, (1.0, 2.0), altitude_m=-1.0), "altitude_m = -1.0: must be positive"),
+        (lambda v: goto(v, (1.0, 2.0, -3.0), speed_m_s=0.0), "speed_m_s = 0.0 m/s: must be positive"),
+        (lambda v: goto(v, (1.0, 2.0), altitude_m=-1.0), "altitude_m = -1.0 m: must be positive"),
         (lambda v: follow(v, [(1.0, 2.0, -3.0)]), "n at least 2"),
         (lambda v: hold(v, -1.0), "must be positive"),
     ],

@@ -87,16 +87,16 @@ def test_what_the_camera_sees_aside_of_the_track_shifts_what_lies_ahead() -> Non
     for x in np.arange(0.5, 8.0, 0.5):
         across = np.linspace(-4.0, 4.0, 200)
         bump = np.abs(across) < 0.4
-        assert track.hear(np.column_stack([np.full(200, x), across, -9.0 + 0.6 * bump]))
+        assert track.add_ping(np.column_stack([np.full(200, x), across, -9.0 + 0.6 * bump]))
     beside = SeenPipe(np.array([4.0, 0.3]), np.array([-1.0, 0.0]), (-1.0, 1.0), 2.0)
-    assert not track.see(beside), "one picture is not enough"
+    assert not track.add_picture(beside), "one picture is not enough"
     for _ in range(6):
-        assert track.see(beside)
+        assert track.add_picture(beside)
     places = np.array(track.places)
     assert places[places[:, 0] > 2.5, 1] == pytest.approx(0.3, abs=0.1)
     assert places[places[:, 0] < 1.5, 1] == pytest.approx(0.0, abs=0.01)
     steep = SeenPipe(np.array([4.0, 0.0]), np.array([0.0, 1.0]), (-1.0, 1.0), 2.0)
-    assert not track.see(steep) and not track.see(steep)
+    assert not track.add_picture(steep) and not track.add_picture(steep)
 
 
 def test_pixels_are_where_opencv_has_them() -> None:

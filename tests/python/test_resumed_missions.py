@@ -76,7 +76,7 @@ def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
     mission = AdaptiveLawnMower(sim.rov, Clock(), plan)
     assert mission.run() == "the battery is used up"
     expected = sim.save_state()
-    assert len(mission.obstacles_ahead.peaks_world_m) > 10
+    assert len(mission.lookout.obstacles.peaks_world_m) > 10
     for k in (20, 500, 1180):
         fresh = Simulator("lake", mission_time_s=120.0)
         again = AdaptiveLawnMower(fresh.rov, fresh, plan)

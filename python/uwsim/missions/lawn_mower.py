@@ -24,10 +24,12 @@ from uwsim.control.protocols import Clock, PingLike, SurveyVehicle, Watch
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
+from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
 from uwsim.missions.mission_state import checked_state
-from uwsim.missions.obstacle_memory import ObstacleMemory
-from uwsim.missions.shoal_chart import ShoalChart
-from uwsim.missions.steps import Steps, Wait, drive, wait
+from uwsim.missions.moves import steer
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.sonar_head import is_at
+from uwsim.missions.steps import Steps, drive
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
 from uwsim.sealed import Sealed
@@ -36,13 +38,12 @@ COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mi
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5  # a point is reached within this distance
-SHALLOWEST_Z_M = -1.5  # the vehicle never climbs above this height
-PASSABLE_Z_M = SHALLOWEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
+PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
+HALF_WIDTH_M = 3.0  # of the corridor ahead in which it keeps above what it has seen
 LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
 SIDE_STEPS = 3.0  # line spacings: a lane farther away is reached in a transit, facing the way
 STUCK_AFTER_S = 60.0
-TILT_TOLERANCE_RAD = np.radians(0.5)
-CAPSIZED_COSINE = 0.3  # of the tilt from upright
+TURN_FIRST_RAD = math.radians(30.0)
 
 
 class AdaptiveLawnMower(Sealed):
@@ -59,8 +60,7 @@ class AdaptiveLawnMower(Sealed):
     plan: LawnMowerPlan
     period_s: float
     autopilot: Pilot
-    obstacles_ahead: ObstacleMemory
-    shoals: ShoalChart
+    lookout: Lookout
     _fixed_when = "the mission is made"
     _changed_by = MappingProxyType({"state": "restore()", "lanes": "the plan's lanes"})
 
@@ -72,10 +72,17 @@ class AdaptiveLawnMower(Sealed):
         self.clock = clock
         self.plan = plan
         self.period_s = period_s
-        self._pause = wait(period_s)
         self.autopilot = survey_pilot(vehicle, period_s)
-        self.obstacles_ahead = ObstacleMemory(ahead_m=max(20.0, 1.3 * plan.transit_view_m))
-        self.shoals = ShoalChart(PASSABLE_Z_M)
+        self._own = OwnVehicle(vehicle, clock, autopilot=self.autopilot)
+        self.lookout = Lookout(
+            self._own,
+            plan.altitude_m,
+            half_width_m=HALF_WIDTH_M,
+            ahead_m=max(20.0, 1.3 * plan.transit_view_m),
+            passable_z_m=PASSABLE_Z_M,
+            turn_first_rad=TURN_FIRST_RAD,
+            most_climb_m=math.inf,
+        )
         east_m, north_m, _ = self._position().tolist()
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
         self._plan_lanes()
@@ -97,8 +104,9 @@ class AdaptiveLawnMower(Sealed):
 
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock."""
-        peaks = [(x, y, z) for x, y, z in self.obstacles_ahead.peaks_world_m.tolist()]
-        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, self.shoals.cells))
+        seen = self.lookout
+        peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
+        return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells))
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
@@ -106,8 +114,8 @@ class AdaptiveLawnMower(Sealed):
         remember(self.autopilot, saved.autopilot)
         self._state = saved.mower
         self._plan_lanes()
-        self.obstacles_ahead.restore(saved.lookout)
-        self.shoals.restore(saved.shoals)
+        self.lookout.obstacles.restore(saved.lookout)
+        self.lookout.shoals.restore(saved.shoals)
 
     def run(self) -> str:
         """Fly until the last lane ends (COVERED) or something else ends the mission; return the reason."""
@@ -173,7 +181,7 @@ class AdaptiveLawnMower(Sealed):
         while math.dist(self._position(), start.position_world_m) < UNDOCK_M:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 raise StoppedError("stuck in the station's dock")
-            yield self._command(start.yaw_rad, ahead, start.position_world_m[2])
+            yield from steer(self._own, start.yaw_rad, ahead, start.position_world_m[2], most_climb_m=math.inf)
         return "approach"
 
     def _approach(self, start: LegStart) -> Steps[LegName]:
@@ -191,10 +199,10 @@ class AdaptiveLawnMower(Sealed):
     def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
         """Wait on the spot until the sonar's head has turned to its elevation, if the sonar reports one."""
         target_rad = -math.radians(self.plan.tilt_deg)
-        while abs(getattr(self.vehicle.sonar, "elevation_rad", target_rad) - target_rad) > TILT_TOLERANCE_RAD:
+        while not is_at(self.vehicle.sonar, target_rad):
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 break  # a survey with another tilt is better than none
-            yield self._steer(start.yaw_rad, self._back_to(start))
+            yield from self.lookout.steer(start.yaw_rad, self._back_to(start))
         return "turn"
 
     def _turn(self, start: LegStart) -> Steps[LegName]:
@@ -206,7 +214,7 @@ class AdaptiveLawnMower(Sealed):
                 raise StoppedError(f"stuck in a turn, {math.degrees(left):.0f} degrees before its end")
             half_turn_ahead = abs(left) > math.radians(120.0)
             aside = self.vehicle.pose.yaw_rad + direction * math.radians(60.0)
-            yield self._steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
+            yield from self.lookout.steer(aside if half_turn_ahead else lane.heading_rad, self._back_to(start))
         if self.state.lane > 0:
             self._require_clearance_to_port()
         return "abreast"
@@ -248,7 +256,7 @@ class AdaptiveLawnMower(Sealed):
             state.along_m = _clip(along, 0.0, lane.length_m)
             if along >= lane.length_m or not self._water_ahead(self.vehicle.sonar.ping()):
                 break
-            if self.shoals.any_known and self._shoal_ahead(position, lane):
+            if self._shoal_ahead(position, lane):
                 break
             if along > state.furthest_m + ARRIVED_M:
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
@@ -256,7 +264,7 @@ class AdaptiveLawnMower(Sealed):
                 raise StoppedError(f"stuck {along:.0f} m into a lane")
             port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # back to the line
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
-            yield self._steer(lane.heading_rad, velocity)
+            yield from self.lookout.steer(lane.heading_rad, velocity)
         state.lane, state.along_m = state.lane + 1, 0.0
         return "turn"
 
@@ -269,7 +277,7 @@ class AdaptiveLawnMower(Sealed):
     def _shoal_ahead(self, position: NDArray[np.float64], lane: Lane) -> bool:
         x, y, _ = position.tolist()
         ahead_x, ahead_y = lane.direction.tolist()
-        return self.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
+        return self.lookout.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
         """Go to a point, round shoals; return whether there is a way. On a long way the sonar looks farther ahead.
@@ -286,49 +294,15 @@ class AdaptiveLawnMower(Sealed):
             distance = math.dist((to_x, to_y), (x, y))
             if distance <= ARRIVED_M:
                 return True
-            if (aim := self.shoals.next_point((x, y), (to_x, to_y))) is None:
+            if (aim := self.lookout.shoals.next_point((x, y), (to_x, to_y))) is None:
                 return False
-            aim_x, aim_y = aim
-            ahead_m = max(math.dist(aim, (x, y)), 1e-6)
             straight = aim == (to_x, to_y)
             if self.clock.time_s > start.time_s + allowed_s:
                 if not straight:
                     return False  # a long search along shoals has found no way
                 raise StoppedError(f"stuck {distance:.0f} m before ({to_x:.0f}, {to_y:.0f}) m")
-            heading = heading_rad if heading_rad is not None and straight else math.atan2(aim_y - y, aim_x - x)
-            speed = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
-            if abs(wrap_angle(heading - self.vehicle.pose.yaw_rad)) > math.radians(30.0):
-                speed = 0.0  # turn first, so that the sonar sees what lies ahead
-            yield self._steer(heading, (speed * (aim_x - x) / ahead_m, speed * (aim_y - y) / ahead_m))
-
-    # One control period.
-
-    def _steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Wait:
-        """Steer at a safe height above the bed and the known obstacles ahead."""
-        pose = self.vehicle.pose
-        position, yaw = pose.position_world_m, pose.yaw_rad
-        height_m = float(position[2])
-        ping = self.vehicle.sonar.ping()
-        self.obstacles_ahead.add(ping, position, yaw)
-        self.shoals.add(ping)
-        bed_m = height_m - self.vehicle.sensors["altitude"].read()
-        wanted_m = max(bed_m, self.obstacles_ahead.highest_m(position, yaw)) + self.plan.altitude_m
-        target_m = min(wanted_m if math.isfinite(wanted_m) else height_m, SHALLOWEST_Z_M)
-        # Slow down while a climb is still to be made.
-        slower = _clip(1.0 - (target_m - height_m - 1.0) / 4.0, 0.1, 1.0)
-        east_m_s, north_m_s = velocity_world_m_s
-        return self._command(heading_rad, (slower * east_m_s, slower * north_m_s), target_m)
-
-    def _command(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Wait:
-        """Steer; return one control period. Raises StoppedError if the vehicle cannot go on."""
-        if getattr(self.vehicle, "all_stopped", False):
-            raise StoppedError("all stop is set")
-        if self.vehicle.telemetry().battery_percent <= 0.0:
-            raise StoppedError("the battery is used up")
-        if self.vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
-            raise StoppedError("capsized: the vehicle has nosed or rolled over")
-        self.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
-        return self._pause
+            speed_m_s = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
+            yield from self.lookout.head_for(aim, speed_m_s, heading_rad if straight else None)
 
     def _position(self) -> NDArray[np.float64]:
         return np.asarray(self.vehicle.pose.position_world_m, np.float64)

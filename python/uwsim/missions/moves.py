@@ -1,6 +1,6 @@
 """Steps that move a vehicle: goto, hold, turn_to, dive_to, follow. Each steers by the vehicle's estimate.
 
-They keep off nothing: a way must be free. They raise StoppedError if the vehicle does not get on, its battery is
+They avoid nothing: a way must be free. They raise StoppedError if the vehicle is stuck, its battery is
 empty or it has capsized. Positions are in the world's frame (ENU, z up).
 """
 
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import require_positive
 from uwsim.control.autopilot import wrap_angle
 from uwsim.control.controller import Controller
 from uwsim.missions.own_vehicle import OwnVehicle
@@ -26,8 +27,8 @@ SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DO
 FACE_FROM_M = 1.0  # farther away, it faces the way
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre
-CLIMB_M = 1.0  # largest error of height that is steered by: fast dives with way on nose slender vehicles over
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
+CLIMB_M = 1.0  # largest error of height that is steered by: fast dives with way on nose slender vehicles over
 
 
 def goto(
@@ -44,7 +45,7 @@ def goto(
     heading_rad: held on the way; by default it faces the way.
     """
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
-    _require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
+    require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
     start = vehicle.pose
     start_x, start_y, start_z = start.position_world_m.tolist()
     whole_m = math.hypot(x - start_x, y - start_y)
@@ -100,7 +101,7 @@ def hold(
 
 def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
     """Turn on the spot to a heading, counter-clockwise from east."""
-    _require_positive("turn_to", within_rad=within_rad)
+    require_positive("turn_to", within_rad=within_rad)
     x, y, z = vehicle.pose.position_world_m.tolist()
     deadline_s = vehicle.time_s + GRACE_S
     while abs(left_rad := wrap_angle(heading_rad - vehicle.pose.yaw_rad)) > within_rad:
@@ -111,7 +112,7 @@ def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math
 
 def dive_to(vehicle: OwnVehicle, depth_m: float, *, within_m: float = 0.2) -> Steps[None]:
     """Dive or climb on the spot to a depth, positive down."""
-    _require_positive("dive_to", within_m=within_m)
+    require_positive("dive_to", within_m=within_m)
     pose = vehicle.pose
     x, y, z = pose.position_world_m.tolist()
     heading, deadline_s = pose.yaw_rad, vehicle.time_s + GRACE_S + abs(depth_m + z) / 0.1
@@ -180,7 +181,7 @@ def _target(
         return x, y, lambda: z
     if "altitude" not in vehicle.sensors:
         raise ValueError(f"{step}: altitude_m: the vehicle has no sensor 'altitude'")
-    _require_positive(step, altitude_m=altitude_m)
+    require_positive(step, altitude_m=altitude_m)
     above_m, altitude = float(altitude_m), vehicle.sensors["altitude"]
 
     def height() -> float:
@@ -199,12 +200,19 @@ def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:
 
 
 def steer(
-    vehicle: OwnVehicle, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float
+    vehicle: OwnVehicle,
+    heading_rad: float,
+    velocity_world_m_s: tuple[float, float],
+    z_world_m: float,
+    *,
+    most_climb_m: float = CLIMB_M,
 ) -> Steps[None]:
-    """Steer for one control period. Raises StoppedError."""
+    """Steer for one control period, at most most_climb_m up or down. Raises StoppedError."""
     _require_able(vehicle)
-    z_m = float(vehicle.pose.position_world_m[2])
-    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_m + min(max(z_world_m - z_m, -CLIMB_M), CLIMB_M))
+    if most_climb_m < math.inf:
+        z_m = float(vehicle.pose.position_world_m[2])
+        z_world_m = z_m + min(max(z_world_m - z_m, -most_climb_m), most_climb_m)
+    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
     yield wait(vehicle.autopilot.period_s)
 
 
@@ -216,9 +224,3 @@ def _require_able(vehicle: OwnVehicle) -> None:
         raise StoppedError("the battery is used up")
     if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
         raise StoppedError("capsized: the vehicle has nosed or rolled over")
-
-
-def _require_positive(step: str, **values: float) -> None:
-    for name, value in values.items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{step}: {name} = {value}: must be positive")

@@ -1,4 +1,4 @@
-"""Memory of the obstacles that the sonar has seen ahead; it tells a mission how high to fly."""
+"""Memory of the obstacles that the sonar has seen ahead, from which follows how high to fly."""
 
 from __future__ import annotations
 

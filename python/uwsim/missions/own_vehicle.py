@@ -37,8 +37,8 @@ class Event(NamedTuple):
 class OwnVehicle(Sealed):
     """A mission's vehicle; see Vehicle.
 
-    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: tells time_s. estimate: by default the
-    hull itself, which is the truth. hear: called with each event of the log.
+    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: gives time_s. estimate: by default the
+    hull itself, which is the truth. autopilot: see `autopilot`. hear: called with each event of the log.
     """
 
     name: str
@@ -52,6 +52,7 @@ class OwnVehicle(Sealed):
         clock: Watch,
         *,
         estimate: EstimateLike | None = None,
+        autopilot: Autopilot | Controller | None = None,
         hear: Callable[[Event], object] = lambda event: None,
     ) -> None:
         self._hull, self._clock, self._hear = hull, clock, hear
@@ -59,6 +60,8 @@ class OwnVehicle(Sealed):
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
+        if autopilot is not None:
+            self._autopilot = autopilot
 
     @property
     def time_s(self) -> float:
@@ -84,9 +87,9 @@ class OwnVehicle(Sealed):
 
     @property
     def autopilot(self) -> Autopilot | Controller:
-        """What goto, hold and the others steer by: one, so that it keeps what it has learnt of trim and current.
+        """The autopilot of goto, hold and the others: one, so that it keeps what it has learnt of trim and current.
 
-        A Controller with the model and the gains of the vehicle's file; of a remote vehicle, which tells neither, an
+        A Controller with the model and the gains of the vehicle's file; for a remote vehicle, which reports neither, an
         Autopilot. Both have `steer` and `period_s`.
         """
         return self._autopilot
@@ -101,7 +104,7 @@ class OwnVehicle(Sealed):
 
     @property
     def authority(self) -> Any:
-        """What full efforts do, (6,), or None if that is not known; see uwsim.vehicle.Vehicle."""
+        """The effect of full efforts, (6,), or None if it is not known; see uwsim.vehicle.Vehicle."""
         return getattr(self._hull, "authority", None)
 
     @property
@@ -154,7 +157,7 @@ class OwnVehicle(Sealed):
 
     @property
     def all_stopped(self) -> bool:
-        """Whether all stop is set; False for a vehicle that does not tell."""
+        """Whether all stop is set; False for a vehicle that does not report it."""
         return bool(getattr(self._hull, "all_stopped", False))
 
     def release(self) -> None:

@@ -24,7 +24,7 @@ BEAMS = (0, 256, 512)
 
 
 class Seen(NamedTuple):
-    """What the node hears: propPos, three of decodedDepth, proximitySensor."""
+    """The node's inputs: propPos, three of decodedDepth, proximitySensor."""
 
     position_m: tuple[float, float, float]
     yaw_rad: float

@@ -42,11 +42,6 @@ class ShoalChart(Sealed):
         """The shoals: each cell's east and north number, sorted."""
         return sorted(self._shoals)
 
-    @property
-    def any_known(self) -> bool:
-        """Whether any shoal is charted."""
-        return bool(self._shoals)
-
     def restore(self, cells: Iterable[Cell]) -> None:
         """Chart these shoals and no others."""
         self._shoals, self._near = set(), set()

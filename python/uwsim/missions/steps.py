@@ -55,7 +55,7 @@ def wait(duration_s: float) -> Wait:
 
 
 def until(condition: Callable[[], object], *, timeout_s: float = math.inf, every_s: float = 0.1) -> Steps[bool]:
-    """Wait until a condition holds, asked every_s; return True, or False after timeout_s."""
+    """Wait until a condition holds, checked every_s; return True, or False after timeout_s."""
     pause, waited_s = wait(every_s), 0.0
     while not condition():
         if waited_s >= timeout_s:
@@ -105,7 +105,7 @@ def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, A
 
 
 def checked_wait(yielded: Any) -> Wait:
-    """Return what a mission has yielded. Raises TypeError, which says what to write instead, if it is no wait."""
+    """Return the wait that a mission has yielded. Raises TypeError, with what to write instead, if it is not one."""
     if isinstance(yielded, Wait):
         return yielded
     if isinstance(yielded, Generator):
@@ -115,7 +115,7 @@ def checked_wait(yielded: Any) -> Wait:
 
 
 def drive(steps: Steps[T], clock: Clock) -> T:
-    """Let a clock's time pass as steps ask for it, to their end; return what they return."""
+    """Let a clock's time pass as the steps yield waits, until they end; return their result."""
     try:
         while True:
             try:

@@ -12,7 +12,7 @@ from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLik
 
 
 class Panel(PanelLike, Protocol):
-    """The vehicle's panel; NaN, of a remote vehicle, for what it does not tell."""
+    """The vehicle's panel; NaN for values that a remote vehicle does not report."""
 
     @property
     def depth_m(self) -> float: ...

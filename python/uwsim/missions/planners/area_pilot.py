@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.missions.lookout import HIGHEST_Z_M
 from uwsim.missions.planners.area_chart import AreaChart
-from uwsim.missions.planners.lookout import GRACE_S, HIGHEST_Z_M, Lookout
+from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
 Floats = NDArray[np.float64]
@@ -18,13 +19,13 @@ CLIMB_S = 20.0  # time to climb over what is ahead
 
 
 class AreaPilot:
-    """Flies with a lookout that hears with chart.add."""
+    """Flies by a lookout that hands its echoes to the chart."""
 
-    def __init__(self, lookout: Lookout, chart: AreaChart) -> None:
+    def __init__(self, lookout: Wayfinder, chart: AreaChart) -> None:
         self.lookout, self.chart = lookout, chart
 
     def here(self) -> Floats:
-        """Where the vehicle is, (2,); the chart is told of it."""
+        """Return where the vehicle is, (2,), and note it on the chart."""
         here = np.array(self.lookout.vehicle.pose.position_world_m[:2], np.float64)
         self.chart.visit(here)
         return here
@@ -59,7 +60,7 @@ class AreaPilot:
         return True
 
     def clear(self) -> Steps[bool]:
-        """Climb over what is near ahead; if that is in vain, close it and return False."""
+        """Climb over what is near ahead; if that takes too long, close it and return False."""
         lookout, vehicle = self.lookout, self.lookout.vehicle
         end_s = vehicle.time_s + CLIMB_S
         while lookout.must_stop:

@@ -15,15 +15,17 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import require_positive
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.lanes import Lane, Span, cells_of, ordered, spans
+from uwsim.missions.lookout import HIGHEST_Z_M
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.planners.lane_flight import FlownLanes, fly_lanes
-from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, Lookout
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.unseen_patches import look_at_unseen
+from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
@@ -59,10 +61,10 @@ def mow_area(
         raise ValueError(f"overlap = {overlap}: must be in [0, 0.9]")
     here = np.asarray(vehicle.pose.position_world_m[:2], np.float64)
     area = checked_area(area_m)
-    chart = AreaChart(area, HIGHEST_Z_M - CLEARANCE_M, here)
+    chart = AreaChart(area, PASSABLE_Z_M, here)
     if known is not None:
         chart.add_map(known)
-    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=lambda ping, echoes: chart.add(echoes))
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s, on_ping=lambda ping, echoes: chart.add(echoes))
     spacing_m = (1.0 - overlap) * lookout.swath_m
     lanes = boustrophedon_lanes(area, spacing_m, here)
     yield from lookout.tilt()
@@ -83,8 +85,7 @@ def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: f
     Raises ValueError for a polygon without area, or a spacing that is not positive.
     """
     area = checked_area(area_m)
-    if not 0.0 < spacing_m < math.inf:
-        raise ValueError(f"spacing_m = {spacing_m} m: must be positive")
+    require_positive(spacing_m=spacing_m)
     along = _direction(area)
     across = np.array([-along[1], along[0]])
     sweeps = _sweeps(area @ along, area @ across, spacing_m)

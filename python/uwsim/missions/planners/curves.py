@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from uwsim.arguments import require_positive
 from uwsim.extras import need_extra
 from uwsim.missions.moves import follow, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.planners.lookout import Lookout
+from uwsim.missions.planners.wayfinder import Wayfinder
 from uwsim.missions.steps import Steps, race, wait
 from uwsim.missions.stopped import StoppedError
 
@@ -60,13 +61,13 @@ def fly_through(
     if altitude_m is None or not vehicle.sonars or "altitude" not in vehicle.sensors:
         yield from flight
         return path
-    lookout = Lookout(vehicle, altitude_m, speed_m_s)
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     yield from lookout.tilt()
     yield from race(flight, _stop_before_things(lookout))
     return path
 
 
-def _stop_before_things(lookout: Lookout) -> Steps[None]:
+def _stop_before_things(lookout: Wayfinder) -> Steps[None]:
     """Look ahead for ever. Raises StoppedError when something is in the way of a vehicle under way."""
     while True:
         lookout.look()
@@ -137,7 +138,5 @@ def _checked(points_m: Sequence[Sequence[float]] | Floats, **lengths_m: float) -
         raise ValueError(f"points_m.shape = {points.shape}: must be (n, 2) or (n, 3) finite points, n at least 2")
     if (np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1) < 1e-3).any():
         raise ValueError("points_m: two points in a row are at the same place")
-    for name, value in lengths_m.items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value} m: must be positive")
+    require_positive(**lengths_m)
     return points

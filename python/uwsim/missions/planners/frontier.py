@@ -16,8 +16,8 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
 from uwsim.missions.planners.live_map import LOOK_PERIOD_S, LiveMap
-from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, TURN_FIRST_RAD, Lookout
 from uwsim.missions.planners.unknown_water import find_bed
+from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayfinder
 from uwsim.missions.steps import Steps
 
 STUCK_S = 30.0  # time for a way beside four times what its length needs
@@ -53,7 +53,7 @@ def explore(
     start = vehicle.pose.position_world_m
     cells = Cells((float(start[0]), float(start[1])), 0.0, cell_m)
     live = LiveMap(vehicle, resolution_m, cells)
-    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=live.hear)
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s, on_ping=live.add)
     yield from lookout.tilt()
     yield from find_bed(vehicle)
     yield from lookout.steer(vehicle.pose.yaw_rad, (0.0, 0.0))
@@ -68,7 +68,7 @@ def explore(
 class _Search:
     """given_up: columns that stay unknown. closed: known ones into which the vehicle cannot go for another reason."""
 
-    def __init__(self, lookout: Lookout, live: LiveMap, cells: Cells, bound_m: float) -> None:
+    def __init__(self, lookout: Wayfinder, live: LiveMap, cells: Cells, bound_m: float) -> None:
         self._lookout, self._vehicle, self._live, self._cells = lookout, lookout.vehicle, live, cells
         self._bound_m = bound_m
         self.given_up: dict[Cell, None] = {}
@@ -83,7 +83,7 @@ class _Search:
 
     def _open(self, cell: Cell) -> bool:
         top_m = self._live.tops_m.get(cell, math.inf)
-        return top_m < HIGHEST_Z_M - CLEARANCE_M and cell not in self._closed and self.inside(cell)
+        return top_m < PASSABLE_Z_M and cell not in self._closed and self.inside(cell)
 
     def way(self) -> list[Cell] | None:
         """The way over open columns to the nearest unknown one."""

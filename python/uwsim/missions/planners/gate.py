@@ -15,10 +15,12 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import require_positive
 from uwsim.control.protocols import PingLike
 from uwsim.missions.moves import goto, hold, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps, until
+from uwsim.missions.sonar_head import until_at
+from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
@@ -29,7 +31,6 @@ WIDTH_TOLERANCE = 0.2  # of the gate's width
 LOOKS, LOOK_PERIOD_S = 8, 0.3
 NEAR_M = 8.0  # the gate is at most this far from where it is said to be
 SEARCH_RAD = math.radians(30.0)  # looked aside, to both sides, if it is not seen ahead
-LEVEL_RAD = math.radians(0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +54,13 @@ def pass_gate(
 
     Logs `gate_seen` for each measurement and `gate_passed`. Raises StoppedError if it is not seen; ValueError.
     """
-    for name, value in (("width_m", width_m), ("height_m", height_m)):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value} m: must be positive")
+    require_positive(width_m=width_m, height_m=height_m)
     place = np.asarray(near_m, np.float64)
     altitude_m = 0.5 * height_m
     sonar = vehicle.sonar
     sonar.aim(0.0)
     yield from goto(vehicle, vehicle.pose.position_world_m[:2], altitude_m=altitude_m, speed_m_s=speed_m_s)
-    yield from until(lambda: abs(getattr(sonar, "elevation_rad", 0.0)) < LEVEL_RAD, timeout_s=60.0)
+    yield from until_at(sonar, 0.0)
     gate = yield from _found(vehicle, place, width_m, altitude_m)
     for distance_m in (2.0 * STAND_OFF_M, STAND_OFF_M):
         ahead = np.array([math.cos(gate.heading_rad), math.sin(gate.heading_rad)])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from uwsim.missions.lanes import Lane
 from uwsim.missions.planners.area_chart import AreaChart
 from uwsim.missions.planners.area_pilot import AreaPilot
-from uwsim.missions.planners.lookout import GRACE_S, Lookout
+from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
 Floats = NDArray[np.float64]
@@ -40,11 +40,11 @@ class FlownLanes:
     seen_m: float
 
 
-def fly_lanes(lookout: Lookout, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
+def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
     """Fly lanes in their order, then what was left of them.
 
     Logs `trimmed` for what is known to be too high before the flight, `lane` where each begins, `left_over` where it
-    goes back to one, and `left_out`. The lookout must hear with chart.add. Raises StoppedError.
+    goes back to one, and `left_out`. The lookout must hand its echoes to the chart. Raises StoppedError.
     """
     return (yield from _LaneFlight(lookout, lanes, chart).steps())
 
@@ -52,7 +52,7 @@ def fly_lanes(lookout: Lookout, lanes: Sequence[Lane], chart: AreaChart) -> Step
 class _LaneFlight:
     """left: by lane, which of its points are still to be flown. flown: how many were. next: one past the last flown."""
 
-    def __init__(self, lookout: Lookout, lanes: Sequence[Lane], chart: AreaChart) -> None:
+    def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:
         self._lookout, self._vehicle, self._chart = lookout, lookout.vehicle, chart
         self._pilot = AreaPilot(lookout, chart)
         self._points = [_points(lane) for lane in lanes]

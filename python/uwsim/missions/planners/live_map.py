@@ -1,4 +1,4 @@
-"""LiveMap: the OctoMap that a mission makes of its own pings in flight, and what it tells of each column of water."""
+"""LiveMap: the OctoMap that a mission makes of its own pings in flight, and what it shows of each column of water."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LONGEST_RAY_M = 30.0  # a longer echo frees water up to here
 
 
 class LiveMap:
-    """Makes a map of pings as they are heard, at the vehicle's estimated poses, and of the bed straight below.
+    """Makes a map of the pings that it is given, at the vehicle's estimated poses, and of the bed straight below.
 
     cells: the columns of `tops_m` and `certainty`. period_s: between the pings that are put in.
     """
@@ -28,7 +28,7 @@ class LiveMap:
         self._next_s = self._next_look_s = -math.inf
         self._tops: dict[Cell, float] = {}
 
-    def hear(self, ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
+    def add(self, ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
         """Put a ping into the map, if the last one is old enough."""
         now_s = self._vehicle.time_s
         if now_s < self._next_s:

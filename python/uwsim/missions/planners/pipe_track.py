@@ -57,7 +57,7 @@ class PipeTrack:
         along_m = max(self.beyond_m(position), 0.0) + PURSUED_M
         return self._end + along_m * self._direction
 
-    def hear(self, echoes_world_m: Floats) -> bool:
+    def add_ping(self, echoes_world_m: Floats) -> bool:
         """Add where the pipe crosses a ping; return whether it is seen."""
         bumps = crossings(echoes_world_m, self._diameter_m)
         if not len(bumps):
@@ -68,7 +68,7 @@ class PipeTrack:
         self._add(nearest)
         return True
 
-    def see(self, pipe: SeenPipe | None) -> bool:
+    def add_picture(self, pipe: SeenPipe | None) -> bool:
         """Take what a picture shows, None for nothing: correct the track, and add what is new; return whether it fits.
 
         Two pictures in a row must show the pipe: one of caustics alone may look like it.

@@ -2,7 +2,7 @@
 
 The picture is laid onto the level of the pipe's axis, so that lengths are metres whatever lens, height and tilt.
 There, for each direction, values are averaged along all parallel lines (a Radon transform), and each bar of the pipe's
-width is compared with the strips on both of its sides. The bar that differs most is the pipe. What is compared are the
+width is compared with the strips on both of its sides. The bar that differs most is the pipe. Compared are the
 logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics, shadows
 and lamps brighten and darken all colours together, so they count little beside a difference of hue. It needs light,
 water that is clear to the bed, and both sides of the pipe in the picture.

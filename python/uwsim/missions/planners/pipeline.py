@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import require_positive
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.planners.lookout import Lookout
 from uwsim.missions.planners.pipe_track import PipeTrack
 from uwsim.missions.planners.pipe_view import pipe_in_picture
 from uwsim.missions.planners.unknown_water import find_bed
+from uwsim.missions.planners.wayfinder import Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.vehicle import PictureLike
@@ -65,11 +66,9 @@ def follow_pipeline(
     or camera have not seen the pipe for some time, and `pipe_lost`. Raises StoppedError if no pipe is found in
     search_m; ValueError.
     """
-    for name, value in (("diameter_m", diameter_m), ("search_m", search_m), ("picture_every_m", picture_every_m)):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value} m: must be positive")
+    require_positive(diameter_m=diameter_m, search_m=search_m, picture_every_m=picture_every_m)
     eye = None if camera is None else vehicle.cameras[camera]
-    lookout = Lookout(vehicle, altitude_m, speed_m_s)
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     yield from lookout.tilt()
     yield from find_bed(vehicle)
     if not (yield from lookout.go_to(start_m)):
@@ -100,7 +99,7 @@ def follow_pipeline(
 class _Look:
     """Looks for the pipe by sonar and by camera when each is due. sights: how often each has seen it."""
 
-    def __init__(self, vehicle: OwnVehicle, lookout: Lookout, eye: Any, track: PipeTrack, diameter_m: float) -> None:
+    def __init__(self, vehicle: OwnVehicle, lookout: Wayfinder, eye: Any, track: PipeTrack, diameter_m: float) -> None:
         self._vehicle, self._lookout, self._track, self._diameter_m = vehicle, lookout, track, diameter_m
         resized = getattr(eye, "resized", None)  # a remote camera has one size
         self._eye = eye if resized is None else resized(LOOK_PIXELS)
@@ -113,11 +112,11 @@ class _Look:
         if self._is_due("by_sonar", PING_PERIOD_S):
             echoes = self._lookout.echoes_world_m
             away_m = np.linalg.norm(echoes[:, :2] - self._vehicle.pose.position_world_m[:2], axis=1)
-            self._note("by_sonar", self._track.hear(echoes[away_m < FARTHEST * self._lookout.view_m]))
+            self._note("by_sonar", self._track.add_ping(echoes[away_m < FARTHEST * self._lookout.view_m]))
         if self._eye is not None and self._is_due("by_camera", LOOK_PERIOD_S):
             pose, altitude_m = self._vehicle.pose, float(self._vehicle.sensors["altitude"].read())
             pipe = pipe_in_picture(self._eye.capture(), float(pose.position_world_m[2]) - altitude_m, self._diameter_m)
-            self._note("by_camera", self._track.see(pipe))
+            self._note("by_camera", self._track.add_picture(pipe))
 
     def _is_due(self, name: str, period_s: float) -> bool:
         due = self._vehicle.time_s >= self._due_s[name]
@@ -133,7 +132,7 @@ class _Look:
             self.sights[name] += 1
             self._seen_s[name] = now_s
         elif now_s - self._seen_s[name] > BLIND_S:
-            self._seen_s[name] = math.inf  # told once, until it is seen again
+            self._seen_s[name] = math.inf  # logged once, until it is seen again
             self._vehicle.log("unseen", **{name: True})
 
 

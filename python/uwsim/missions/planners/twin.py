@@ -24,8 +24,8 @@ from uwsim.missions.planners.boustrophedon import boustrophedon_lanes, checked_a
 from uwsim.missions.planners.cells import Cell, Cells
 from uwsim.missions.planners.lane_flight import fly_lanes
 from uwsim.missions.planners.live_map import LiveMap
-from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, Lookout
 from uwsim.missions.planners.unknown_water import find_bed
+from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
@@ -74,13 +74,13 @@ def make_twin(
     away = np.array(vehicle.pose.position_world_m, np.float64)
     cells = Cells((float(away[0]), float(away[1])), 0.0, 2.0 * resolution_m)
     live = LiveMap(vehicle, resolution_m, cells, PING_PERIOD_S)
-    chart = AreaChart(checked_area(area_m), HIGHEST_Z_M - CLEARANCE_M, np.array(away[:2]))
+    chart = AreaChart(checked_area(area_m), PASSABLE_Z_M, np.array(away[:2]))
 
-    def hear(ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
-        live.hear(ping, echoes_world_m)
+    def on_ping(ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
+        live.add(ping, echoes_world_m)
         chart.add(echoes_world_m)
 
-    lookout = Lookout(vehicle, altitude_m, speed_m_s, hear=hear)
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s, on_ping=on_ping)
     lanes = boustrophedon_lanes(area_m, (1.0 - overlap) * lookout.swath_m, np.asarray(away[:2], np.float64))
     inside = _columns(cells, boustrophedon_lanes(area_m, cells.edge_m, np.asarray(away[:2], np.float64)))
     yield from lookout.tilt()
@@ -107,7 +107,7 @@ def make_twin(
     return Twin(live.map, first_map, len(before) / len(inside), len(now) / len(inside), len(tried), dock is not None)
 
 
-def return_and_dock(lookout: Lookout, dock: PoseLike, exit_world_m: NDArray[np.float64]) -> Steps[None]:
+def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np.float64]) -> Steps[None]:
     """Go back to the dock's exit, back into the dock, and dock. Raises StoppedError if no way leads back."""
     vehicle = lookout.vehicle
     if not (yield from lookout.go_to(exit_world_m[:2])):

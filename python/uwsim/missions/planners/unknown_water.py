@@ -1,4 +1,4 @@
-"""The adaptive lawn-mower into unknown water: no polygon and no chart, it turns where the sonar says so.
+"""The adaptive lawn-mower into unknown water: no polygon and no chart, it turns where the sonar sees an end.
 
 It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees something ahead that cannot be
 passed over; then it steps aside and turns. Where nothing unflown is left beside it, it goes back over water that it has
@@ -6,7 +6,7 @@ flown to the nearest opening, and mows on from there. It is complete when no ope
 
 The rule for turning is the published simulator's; going back to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
 online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
-What it leaves out: cells that something higher than the vehicle may fly reaches into, and water that is connected only
+It leaves out cells that something higher than the vehicle may fly reaches into, and water that is connected only
 by passages narrower than about two cells.
 """
 
@@ -20,7 +20,7 @@ import numpy as np
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
-from uwsim.missions.planners.lookout import CLEARANCE_M, HIGHEST_Z_M, Lookout
+from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
@@ -35,7 +35,7 @@ PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lan
 
 @dataclass(frozen=True)
 class MownWater:
-    """What has been flown: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
+    """The water that has been flown: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
 
     flown_m: tuple[tuple[float, float], ...]
     closed_m: tuple[tuple[float, float], ...]
@@ -62,7 +62,7 @@ def mow_unknown_water(
     default the vehicle's. Logs `closed` with a reason for each cell that the sonar closes, `opening` where it mows on,
     and `complete`. Raises ValueError, StoppedError.
     """
-    lookout = Lookout(vehicle, altitude_m, speed_m_s)
+    lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
     if not 1.0 <= spacing_m <= bound_m < math.inf:
         raise ValueError(f"line_spacing_m = {spacing_m:g} m: must be at least 1 m and at most bound_m = {bound_m:g} m")
@@ -83,7 +83,7 @@ def find_bed(vehicle: OwnVehicle) -> Steps[None]:
 
 
 class _Mower:
-    def __init__(self, lookout: Lookout, bound_m: float, spacing_m: float, heading_rad: float) -> None:
+    def __init__(self, lookout: Wayfinder, bound_m: float, spacing_m: float, heading_rad: float) -> None:
         self._lookout, self._vehicle, self._bound_m = lookout, lookout.vehicle, bound_m
         start = self._vehicle.pose.position_world_m
         self._start = float(start[0]), float(start[1])
@@ -168,7 +168,7 @@ class _Mower:
     def _chart(self) -> None:
         """Close the cells into which something reaches that the vehicle cannot pass over."""
         echoes = self._lookout.echoes_world_m
-        high = echoes[echoes[:, 2] > HIGHEST_Z_M - CLEARANCE_M]
+        high = echoes[echoes[:, 2] > PASSABLE_Z_M]
         if len(high) < ECHOES_TO_CLOSE:
             return
         cells, counts = np.unique(self._cells.of(high), axis=0, return_counts=True)

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.arguments import require_positive
 from uwsim.control.autopilot import wrap_angle
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.missions.steps import Steps, until
+from uwsim.missions.sonar_head import until_at
+from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
 Floats = NDArray[np.float64]
@@ -26,7 +28,6 @@ FEWEST_ECHOES = 10
 FARTHEST = 2.5  # distances: what is farther away is not the wall
 TO_WALL_PER_S, TO_WALL_M_S = 0.5, 0.3
 OFF_M, OFF_RAD, SETTLE_S = 0.3, math.radians(5.0), 90.0
-TILT_RAD = math.radians(0.5)
 CORNER_RAD = math.radians(40.0)
 SLOWEST = 5.0  # times the time that a pass should take
 
@@ -53,33 +54,21 @@ def scan_wall(
 ) -> Steps[list[WallPass]]:
     """Scan the wall that the vehicle faces: to starboard, to port, and so on, one pass for each depth and tilt.
 
-    tilts_deg: of the head, positive up. Logs `pass`. Raises StoppedError if there is no wall, or it does not get on;
+    tilts_deg: of the head, positive up. Logs `pass`. Raises StoppedError if there is no wall, or the vehicle is stuck;
     ValueError.
     """
-    for name, value, unit in (
-        ("length_m", length_m, "m"),
-        ("distance_m", distance_m, "m"),
-        ("speed_m_s", speed_m_s, "m/s"),
-    ):
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"{name} = {value} {unit}: must be positive")
+    require_positive(length_m=length_m, distance_m=distance_m, speed_m_s=speed_m_s)
     passes = []
     for k, (depth_m, tilt_deg) in enumerate((d, t) for d in depths_m for t in tilts_deg):
         tilt_rad = math.radians(tilt_deg)
         vehicle.sonar.aim(tilt_rad)
         yield from _settle(vehicle, distance_m, depth_m)
-        yield from _tilted(vehicle, tilt_rad)
+        yield from until_at(vehicle.sonar, tilt_rad)
         yield from _settle(vehicle, distance_m, depth_m)
         flown = yield from _pass(vehicle, 1.0 if k % 2 else -1.0, length_m, distance_m, depth_m, tilt_deg, speed_m_s)
         vehicle.log("pass", depth_m=depth_m, tilt_deg=tilt_deg, length_m=flown.length_m, wall_ended=flown.wall_ended)
         passes.append(flown)
     return passes
-
-
-def _tilted(vehicle: OwnVehicle, tilt_rad: float) -> Steps[bool]:
-    """Wait until the head has turned, if the sonar tells."""
-    sonar = vehicle.sonar
-    return until(lambda: abs(getattr(sonar, "elevation_rad", tilt_rad) - tilt_rad) < TILT_RAD, timeout_s=60.0)
 
 
 def _settle(vehicle: OwnVehicle, distance_m: float, depth_m: float) -> Steps[None]:

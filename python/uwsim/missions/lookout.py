@@ -1,0 +1,97 @@
+"""Lookout: how high and how fast to fly over what the sonar has seen ahead, and which shoals lie in the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from uwsim.control.autopilot import wrap_angle
+from uwsim.control.protocols import PingLike
+from uwsim.missions.moves import CLIMB_M, steer
+from uwsim.missions.obstacle_memory import ObstacleMemory
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.shoal_chart import ShoalChart
+from uwsim.missions.steps import Steps
+from uwsim.sealed import Sealed
+
+HIGHEST_Z_M = -1.5
+"""The vehicle never climbs above this height on its own."""
+CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a climb still to be made slows down from the one on, over the other
+SLOWEST = 0.1  # of the speed
+
+
+class Lookout(Sealed):
+    """Steers a vehicle altitude_m above the bed and above what its sonar has seen ahead, and charts shoals.
+
+    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: of the corridor in which what has been
+    seen counts. passable_z_m: what reaches higher is a shoal. turn_first_rad: an error of heading above which it turns
+    before it goes. most_climb_m: the largest error of height that is steered by. Raises ValueError.
+    """
+
+    vehicle: OwnVehicle
+    altitude_m: float
+    obstacles: ObstacleMemory
+    shoals: ShoalChart
+    _fixed_when = "the lookout is made"
+
+    def __init__(
+        self,
+        vehicle: OwnVehicle,
+        altitude_m: float,
+        *,
+        half_width_m: float,
+        ahead_m: float,
+        passable_z_m: float,
+        turn_first_rad: float,
+        most_climb_m: float = CLIMB_M,
+    ) -> None:
+        if "altitude" not in vehicle.sensors:
+            raise ValueError("the vehicle has no sensor 'altitude': missions steer by it")
+        self.vehicle, self.altitude_m = vehicle, float(altitude_m)
+        self.obstacles = ObstacleMemory(half_width_m, ahead_m)
+        self.shoals = ShoalChart(passable_z_m)
+        self._turn_first_rad, self._most_climb_m = turn_first_rad, most_climb_m
+
+    def head_for(
+        self, point_world_m: tuple[float, float], speed_m_s: float, heading_rad: float | None = None
+    ) -> Steps[None]:
+        """Fly one control period towards a point, at a heading, by default facing it; it turns before it goes."""
+        pose = self.vehicle.pose
+        x, y, _ = pose.position_world_m.tolist()
+        to_x, to_y = point_world_m
+        heading = math.atan2(to_y - y, to_x - x) if heading_rad is None else heading_rad
+        if abs(wrap_angle(heading - pose.yaw_rad)) > self._turn_first_rad:
+            speed_m_s = 0.0  # so that the sonar sees what lies ahead
+        away_m = max(math.dist((to_x, to_y), (x, y)), 1e-9)
+        yield from self.steer(heading, (speed_m_s * (to_x - x) / away_m, speed_m_s * (to_y - y) / away_m))
+
+    def steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Steps[None]:
+        """Look ahead, then fly one control period at a heading and a velocity (2,), slower before a climb."""
+        self.look()
+        z_m = self.safe_height_m()
+        share = self.share_of_speed(z_m)
+        east, north = velocity_world_m_s
+        yield from steer(
+            self.vehicle, heading_rad, (share * east, share * north), z_m, most_climb_m=self._most_climb_m
+        )
+
+    def look(self) -> PingLike:
+        """Ping, and note what is ahead; part of `steer`."""
+        ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
+        self.obstacles.add(ping, np.asarray(pose.position_world_m, np.float64), pose.yaw_rad)
+        self.shoals.add(ping)
+        return ping
+
+    def safe_height_m(self) -> float:
+        """Return the height z that is altitude_m above the bed below and above what is known ahead."""
+        pose = self.vehicle.pose
+        z_m = float(pose.position_world_m[2])
+        bed_m = z_m - float(self.vehicle.sensors["altitude"].read())
+        wanted_m = max(bed_m, self.obstacles.highest_m(pose.position_world_m, pose.yaw_rad)) + self.altitude_m
+        return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
+
+    def share_of_speed(self, z_world_m: float) -> float:
+        """Return the share of its speed at which the vehicle reaches a height in time: less while it must climb."""
+        climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
+        return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)

@@ -1,0 +1,146 @@
+"""Wayfinder: flies a vehicle from point to point with a lookout, round shoals, and stops before what is in its way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.arguments import require_positive
+from uwsim.control.protocols import PingLike
+from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.sonar_head import until_at
+from uwsim.missions.steps import Steps
+
+STOP_M, STOP_S = 2.5, 2.0  # what is at the vehicle's height stops it M + S x speed ahead of its middle
+CLEARANCE_M = 1.5  # of the vehicle at its highest
+PASSABLE_Z_M = HIGHEST_Z_M - CLEARANCE_M
+"""What reaches higher is a shoal."""
+GRACE_S = 60.0  # time for a way beside five times what its length needs
+HALF_WIDTH_M = 1.5  # of the corridor in which things at the vehicle's height are in its way
+VIEW_S = 12.0  # time ahead at which the sonar's fan meets a flat bed
+TURN_FIRST_RAD = math.radians(25.0)
+ECHOES_OF_A_THING = 3  # fewer at the vehicle's height may be false detections
+
+Floats = NDArray[np.float64]
+OnPing = Callable[[PingLike, Floats], object]
+
+
+class Wayfinder(Lookout):
+    """A lookout that goes to points and knows what it cannot pass over.
+
+    A level range finder 'proximity_fore' is used if there is one. view_m: distance ahead at which the tilted fan meets
+    a flat bed. on_ping: called with each ping and its echoes (n, 3) in the world. Raises ValueError.
+    """
+
+    speed_m_s: float
+    view_m: float
+
+    def __init__(
+        self, vehicle: OwnVehicle, altitude_m: float, speed_m_s: float, *, on_ping: OnPing | None = None
+    ) -> None:
+        require_positive(altitude_m=altitude_m, speed_m_s=speed_m_s)
+        self.speed_m_s = float(speed_m_s)
+        self.view_m = max(2.0 * altitude_m, VIEW_S * speed_m_s)
+        super().__init__(
+            vehicle,
+            altitude_m,
+            half_width_m=HALF_WIDTH_M + 0.5,
+            ahead_m=1.5 * self.view_m,
+            passable_z_m=PASSABLE_Z_M,
+            turn_first_rad=TURN_FIRST_RAD,
+        )
+        self._fore = vehicle.sensors.get("proximity_fore")
+        self._on_ping = on_ping
+        self._ahead_m = math.inf
+        self._echoes = np.empty((0, 3))
+
+    @property
+    def swath_m(self) -> float:
+        """Width of the fan where it meets a flat bed, for the beams of the newest ping; see `tilt`."""
+        ping = self.vehicle.sonar.ping()
+        angles = np.asarray(getattr(ping, "angles_rad", np.array([-0.5, 0.5])), np.float64)
+        return 2.0 * math.hypot(self.view_m, self.altitude_m) * math.tan(0.5 * float(np.ptp(angles)))
+
+    @property
+    def echoes_world_m(self) -> Floats:
+        """The echoes of the newest ping, (n, 3), world."""
+        return self._echoes
+
+    @property
+    def ahead_m(self) -> float:
+        """Distance ahead to what is at the vehicle's height, as last seen; inf if there is nothing."""
+        return self._ahead_m
+
+    @property
+    def must_stop(self) -> bool:
+        """Whether something at the vehicle's height is so near ahead that it must turn."""
+        return self._ahead_m < STOP_M + STOP_S * self.speed_m_s
+
+    def tilt(self) -> Steps[None]:
+        """Tilt the sonar for the view, and wait on the spot until the head is there."""
+        tilt_rad = -math.atan2(self.altitude_m, self.view_m)
+        sonar = self.vehicle.sonar
+        sonar.aim(tilt_rad)
+        yield from until_at(sonar, tilt_rad)
+
+    def go_to(
+        self,
+        point_world_m: Sequence[float] | Floats,
+        *,
+        within_m: float = 1.0,
+        enough: Callable[[], bool] = lambda: False,
+    ) -> Steps[bool]:
+        """Go to a point (2,), round the shoals that are seen on the way, until within_m of it or until it is enough.
+
+        Return whether it got there; False if no way leads there, or none was found in time.
+        """
+        goal = float(point_world_m[0]), float(point_world_m[1])
+        x, y, _ = self.vehicle.pose.position_world_m.tolist()
+        end_s = self.vehicle.time_s + GRACE_S + 5.0 * math.dist((x, y), goal) / self.speed_m_s
+        while math.dist((x, y), goal) > within_m:
+            aim = self.shoals.next_point((x, y), goal)
+            if enough():
+                return True
+            if aim is None or self.vehicle.time_s > end_s:
+                return False
+            yield from self.towards(aim)
+            x, y, _ = self.vehicle.pose.position_world_m.tolist()
+            if self.must_stop:
+                yaw_rad = self.vehicle.pose.yaw_rad
+                self.shoals.close((x + self.ahead_m * math.cos(yaw_rad), y + self.ahead_m * math.sin(yaw_rad)))
+        return True
+
+    def towards(self, point_world_m: Sequence[float] | Floats) -> Steps[None]:
+        """Fly one control period towards a point (2,), slower near it."""
+        x, y, _ = self.vehicle.pose.position_world_m.tolist()
+        to = float(point_world_m[0]), float(point_world_m[1])
+        yield from self.head_for(to, min(self.speed_m_s, 0.15 + 0.4 * math.dist(to, (x, y))))
+
+    def look(self) -> PingLike:
+        """Ping, and note what is ahead and what is in the way; part of `steer`."""
+        ping, pose = super().look(), self.vehicle.pose
+        points = np.asarray(ping.points_sonar_m, np.float64)
+        points = points[np.isfinite(points[:, 0])]
+        self._echoes = points @ ping.world_from_sonar[:3, :3].T + ping.world_from_sonar[:3, 3]
+        self._ahead_m = self._distance_ahead_m(np.asarray(pose.position_world_m, np.float64), pose.yaw_rad)
+        if self._on_ping is not None:
+            self._on_ping(ping, self._echoes)
+        return ping
+
+    def _distance_ahead_m(self, position: Floats, yaw_rad: float) -> float:
+        """Return the distance ahead of the nearest thing that is no lower than half the altitude below the vehicle."""
+        away = self._echoes - position
+        ahead = away @ (math.cos(yaw_rad), math.sin(yaw_rad), 0.0)
+        aside = away @ (-math.sin(yaw_rad), math.cos(yaw_rad), 0.0)
+        in_the_way = (ahead > 0.0) & (np.abs(aside) < HALF_WIDTH_M) & (away[:, 2] > -0.5 * self.altitude_m)
+        things = np.sort(ahead[in_the_way])
+        seen_m = float(things[ECHOES_OF_A_THING - 1]) if len(things) >= ECHOES_OF_A_THING else math.inf
+        if self._fore is None:
+            return seen_m
+        fore_m = float(self._fore.read())
+        near = fore_m < STOP_M + STOP_S * self.speed_m_s  # farther away it may be the bed, or its largest reading
+        return min(seen_m, fore_m) if near else seen_m

@@ -1,0 +1,21 @@
+"""The head of a sonar that takes time to tilt."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from uwsim.missions.steps import Steps, until
+
+TOLERANCE_RAD = math.radians(0.5)
+TIMEOUT_S = 60.0
+
+
+def is_at(sonar: Any, elevation_rad: float) -> bool:
+    """Return whether the head is at an elevation; true for a sonar that does not report one."""
+    return abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD
+
+
+def until_at(sonar: Any, elevation_rad: float) -> Steps[bool]:
+    """Wait on the spot until the head is at an elevation; return whether it got there in time."""
+    return until(lambda: is_at(sonar, elevation_rad), timeout_s=TIMEOUT_S)
