@@ -80,7 +80,7 @@ class OnboardNavigation:
             self._navigator.update()
 
     def observe(self) -> None:
-        """See Observer."""
+        """Take in what the sensors have sampled, so that few samples wait."""
         self.take_in()
         self.due_tick = self._tick() + self._every_ticks
 

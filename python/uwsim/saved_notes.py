@@ -15,7 +15,7 @@ from pydantic import (
     ValidationError,
 )
 
-from uwsim.failures.program import NEVER
+from uwsim.agenda import NEVER
 
 Tick = Annotated[int, Field(ge=0, le=2 * NEVER)]
 Nanoseconds = Annotated[int, Field(ge=0, lt=2**63)]

@@ -10,6 +10,7 @@ from typing import Any, NoReturn, Self, Unpack
 import numpy as np
 
 from uwsim import _core
+from uwsim.agenda import Agenda
 from uwsim.arguments import checked_threads, number
 from uwsim.cameras import Camera
 from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
@@ -56,6 +57,7 @@ class Simulator(Sealed):
 
     threads: int
     scene: _core.RayScene
+    agenda: Agenda
     journal: Journal
     cameras: Named[Camera]
     events: EventLog
@@ -95,12 +97,13 @@ class Simulator(Sealed):
             modem=link,
         )
         self.threads = checked_threads(threads)
-        self.journal = Journal()
         self.events = EventLog(self.scenario.step_s)
         self._world = build_world(self.scenario)
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
         self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
+        self.agenda = Agenda(lambda: self._core.tick)
+        self.journal = Journal(self.agenda)
         self._specs: list[_core.VehicleSpec] = []
         self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
         self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
@@ -115,13 +118,14 @@ class Simulator(Sealed):
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
             self.scenario, vehicles, events=self.events, journal=self.journal, tick=lambda: self.tick,
-            apply=lambda: self.parameters.lay_anew(), network=self._link,
+            apply=lambda: self.parameters.lay_anew(), network=self._link, agenda=self.agenda,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
         self._aboard = Aboard(self.faults)
         self._aboard.add_failsafes(
-            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, tick=lambda: self.tick
-        )
+            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, agenda=self.agenda,
+            tick=lambda: self.tick,
+        )  # fmt: skip
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
         spec = vehicle_spec(self.scenario, entry)
@@ -244,13 +248,7 @@ class Simulator(Sealed):
         if n:
             for vehicle in self.vehicles.values():
                 vehicle.warn_if_docked()
-        tick = self.tick
-        self._aboard.step(tick, tick + int(n), self._step)
-
-    def _step(self, steps: int) -> None:
-        if self.journal.observers:
-            self.journal.step(steps, self.tick, self._core.step)
-        else:
+        for steps in (int(n),) if self.agenda.is_empty else self.agenda.parts(int(n)):
             self._core.step(steps)
 
     def advance(self, duration_s: float) -> None:
@@ -289,6 +287,7 @@ class Simulator(Sealed):
         self._scenario = scenario
         self.parameters.restart(scenario)
         self._resume_vehicles({})
+        self.agenda.jump()
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
@@ -319,6 +318,7 @@ class Simulator(Sealed):
         except Exception:
             self._restore(before, origin, read_notes(_core.saved_notes(before, *origin)))
             raise
+        self.agenda.jump()
         self.journal.note("restore_state", state=state)
         warn_of_other_build("the saved state", _core.saved_build(state))
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.agenda import Agenda
 from uwsim.batch.members import Member
 from uwsim.docking import Dock
 from uwsim.failures import Aboard, EventLog, Failsafe, Faults
@@ -28,9 +29,10 @@ class MemberAboard:
     """What runs aboard a member, until it is reset.
 
     events: faults, alarms and failsafes so far. faults: to `inject` and `end` them. failsafes: by vehicle; see
-    uwsim.failures.Failsafe for `state`, `cause`, `alarms` and `override`.
+    uwsim.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda: when they act.
     """
 
+    agenda: Agenda
     events: EventLog
     faults: Faults
     failsafes: Mapping[str, Failsafe]
@@ -50,7 +52,8 @@ class MemberAboard:
         scenario = member.original
         self._core, self._world, self._water = core, world, member.water
         self._specs, self._step_s = list(member.vehicles), scenario.step_s
-        self._journal = Journal()  # nobody watches
+        self.agenda = Agenda(self._tick)
+        self._journal = Journal(self.agenda)
         station = scenario.station
         yaw_rad = float(np.radians(station.yaw_deg))
         dock = Dock(core, scene, dock_position(station), exit_position(station), yaw_rad)
@@ -64,13 +67,14 @@ class MemberAboard:
         self.events = EventLog(scenario.step_s)
         self.faults = Faults(
             scenario, self._vehicles, events=self.events, journal=self._journal, tick=self._tick,
-            apply=lambda: self._parameters.lay_anew(), network=network, has_channels=False,
+            apply=lambda: self._parameters.lay_anew(), agenda=self.agenda, network=network, has_channels=False,
         )  # fmt: skip
         self._parameters = Parameters(member.scenario, self._change, self._journal.note, {}, self.faults.overlay)
         self._programs = Aboard(self.faults)
         self.failsafes = self._programs.add_failsafes(
-            scenario, self._vehicles, dock=dock, network=network, events=self.events, tick=self._tick
-        )
+            scenario, self._vehicles, dock=dock, network=network, events=self.events, agenda=self.agenda,
+            tick=self._tick,
+        )  # fmt: skip
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock, control: ControlSettings) -> Vehicle:
         return Vehicle(
@@ -97,17 +101,8 @@ class MemberAboard:
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:
-        """Whether a program is due before so many steps are made."""
-        return self._programs.due_tick < self.tick + steps
-
-    def parts(self, steps: int) -> Iterator[int]:
-        """Let the programs act that are due, and give the number of steps to the next; so on for so many steps."""
-        tick = self.tick
-        for part in self._programs.parts(tick, tick + steps):
-            yield part
-            tick += part
-            if self.tick != tick:
-                return  # its motion has diverged
+        """Whether something is due before so many steps are made."""
+        return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
         """Take note of an effort (6,) that has been set: it ends a silence, or yields to a failsafe that steers."""

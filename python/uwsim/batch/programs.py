@@ -16,8 +16,9 @@ from uwsim.batch.results import BatchSamples, Buffers
 class Programs:
     """Faults and failsafes of the members that have any, and which sensors are off. Other members cost nothing.
 
-    A program acts at ticks of its own, in Python; between two of them its member is stepped as any other. Members need
-    not be at the same tick meanwhile, so that a round of parts keeps all threads busy.
+    Each member has an agenda of its own (uwsim.agenda): between two ticks at which something acts, in Python, it is
+    stepped as any other. Members need not be at the same tick meanwhile, so that a round of parts keeps all threads
+    busy.
     """
 
     def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
@@ -75,7 +76,7 @@ class Programs:
         if not self._aboard:
             self._core.step(steps)
             return
-        running = {k: aboard.parts(steps) for k, aboard in self._aboard.items() if aboard.acts_within(steps)}
+        running = {k: aboard.agenda.parts(steps) for k, aboard in self._aboard.items() if aboard.acts_within(steps)}
         counts = [steps if k not in running else 0 for k in range(self._n)]
         mistakes: list[str] = []
         while True:

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from uwsim.agenda import NEVER
 from uwsim.control.controller import Controller
 from uwsim.control.protocols import EstimateLike
 from uwsim.failures import manoeuvres
 from uwsim.failures.alarms import LOOK_S, Alarms
 from uwsim.failures.events import EventLog
 from uwsim.failures.manoeuvres import Beginning
-from uwsim.failures.program import NEVER
 from uwsim.scenario.spec.failsafe import Failsafe as Figures
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.sealed import Sealed
@@ -157,8 +157,6 @@ class Failsafe(Sealed):
         if self._cause and self._cause != SILENCE:
             self._overridden.add(self._cause)
         self._end()
-
-    # As a program
 
     @property
     def due_tick(self) -> int:

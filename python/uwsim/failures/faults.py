@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from uwsim.agenda import NEVER, Agenda, Rank
 from uwsim.arguments import plain
 from uwsim.distortion import Distortion
 from uwsim.failures import effects
 from uwsim.failures.events import EventLog
-from uwsim.failures.program import NEVER
 from uwsim.journal import Journal
 from uwsim.network import Network
 from uwsim.scenario.read.collected import Collected
@@ -78,10 +78,11 @@ class Faults(Sealed):
         journal: Journal,
         tick: Callable[[], int],
         apply: Callable[[], None],
+        agenda: Agenda,
         network: Network | None = None,
         has_channels: bool = True,
     ) -> None:
-        """apply: takes `overlay` into the running figures. network: of the link, if there is one.
+        """apply: takes `overlay` into the running values. agenda: where they act. network: of the link, if there is one.
 
         has_channels: whether commands may come over channels, which a link's fault cuts off where there is no network.
         """
@@ -90,13 +91,14 @@ class Faults(Sealed):
         self._journal = journal
         self._tick = tick
         self._apply = apply
+        self._agenda = agenda
         self._network = network
         self._link_carries = has_channels or network is not None
         self._scenario = scenario
         self._faults: dict[str, Fault] = {}
-        self.begin_anew(scenario)
+        self.restart(scenario)
 
-    def begin_anew(self, scenario: Scenario) -> None:
+    def restart(self, scenario: Scenario) -> None:
         """Be as at the start of a run of a scenario, which may have another seed."""
         self._scenario = scenario
         self._faults = {}
@@ -113,17 +115,16 @@ class Faults(Sealed):
         for vehicle in self._vehicles.values():
             for sensor in vehicle.sensors.values():
                 sensor.distort(None)
+        self._attend()
 
-    def restart(self) -> None:
-        """Do nothing: `begin_anew` is told the scenario."""
+    def _attend(self) -> None:
+        """Be on the agenda while there are faults, begun or not: a simulator without any steps at once."""
+        self._agenda.remove(self)
+        if self._faults:
+            self._agenda.add(self, Rank.FAULT, self.act)
 
     def __repr__(self) -> str:
         return f"<Faults: {', '.join(self._faults) or 'none'}; active: {', '.join(self.active) or 'none'}>"
-
-    @property
-    def are_any(self) -> bool:
-        """Whether there are faults at all, begun or not."""
-        return bool(self._faults)
 
     @property
     def active(self) -> tuple[str, ...]:
@@ -157,6 +158,7 @@ class Faults(Sealed):
             except ValueError:
                 del self._faults[fault.name]
                 raise
+        self._attend()
         plain_figures = {key: plain(value, f"faults.inject: {key}") for key, value in figures.items()}
         self._journal.note("inject_fault", kind=kind, name=fault.name, **plain_figures)
         return fault.name
@@ -179,8 +181,6 @@ class Faults(Sealed):
             if fault.is_active or fault.water_kg > 0:
                 effects.lay(fault.spec, fault.vehicle, fault.water_kg, scenario, found)
         return found
-
-    # As a program
 
     @property
     def due_tick(self) -> int:
@@ -232,6 +232,7 @@ class Faults(Sealed):
             for name, sensor in vehicle.sensors.items():
                 kept = state["sensors"].get(f"{vehicle.name}/{name}")
                 sensor.distort(None if kept is None else Distortion(**kept))
+        self._attend()
 
     # What happens
 

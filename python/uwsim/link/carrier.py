@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
+from uwsim.agenda import Rank
 from uwsim.channels import Channel, Service
 from uwsim.did_you_mean import did_you_mean
 from uwsim.link import remote
@@ -16,8 +18,8 @@ from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
 from uwsim.link.ranging import ranging_share
 from uwsim.link.rates import send_rates
-from uwsim.link.schedule import Schedule
 from uwsim.link.seen import seen_channels
+from uwsim.link.turns import Turn, turns
 from uwsim.live import LiveSimulator
 from uwsim.live.commands import ALL_STOP
 from uwsim.network import STATION, Network
@@ -68,11 +70,10 @@ class Carrier:
             self._heard(channel) if channel.direction == "in" else channel
             for channel in seen_channels(sim, given, self.look_for)
         ]
-        self._schedule = Schedule({}, {}, sim.step_s, shared=True)
+        self._sim = sim
+        self._turns: list[Turn] = []
         self._arrived_ns = 0
-        self._tick = -1
-        self.due_tick = 0
-        self.cancelled = False
+        self._tick = -1  # at which arrivals were last given to the vehicles
 
     def _require_known(self, patterns: Iterable[str]) -> None:
         """Raise ValueError for a pattern without effect."""
@@ -85,17 +86,17 @@ class Carrier:
     def start(self, saved: dict[str, Any] | None = None) -> Self:
         """Begin to carry, or go on from what `save` returned; return itself. Raises NotRunningError."""
         self._live.read(lambda sim: self._begin(sim, saved)).result()
-        self._live.attend(self)
         return self
 
     def save(self) -> dict[str, Any]:
         """Return when what is due next, as JSON values; the messages themselves are in the simulator's state."""
-        return {"rates": self.rates, "schedule": self._schedule.save(), "tick": self._tick,
-                "arrived_ns": self._arrived_ns, "due_tick": self.due_tick}  # fmt: skip
+        due = [[list(turn.names), turn.due_tick] for turn in self._turns]
+        return {"rates": self.rates, "schedule": due, "tick": self._tick, "arrived_ns": self._arrived_ns}
 
     def close(self) -> None:
         """Carry no more."""
-        self.cancelled = True
+        for item in (self, *self._turns):
+            self._sim.agenda.remove(item)
 
     def __enter__(self) -> Self:
         return self.start()
@@ -156,12 +157,10 @@ class Carrier:
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
         """Give the link a message. is_vital: it is sent however late, and again."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
-        future = self._live.command(
+        return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
             lifetime_s=None if is_vital else self._command_life_s(), replaces=replaces, repeats=repeats,
         )  # fmt: skip
-        future.add_done_callback(lambda done: self._wake())
-        return future
 
     def _repeats(self, topic: str) -> int:
         """Return how often a message of a topic is sent again."""
@@ -173,13 +172,8 @@ class Carrier:
         turn_s = (modem.slot_s + modem.guard_s) * len(self._network.nodes)
         return max(COMMAND_LIFE_S, 2.0 * turn_s) if modem.kind == "modem" else COMMAND_LIFE_S
 
-    def _wake(self) -> None:
-        self.due_tick = min(self.due_tick, self._live.tick)
-
     def look_for(self, name: str, sim: Simulator) -> None:
-        """Take note that somebody at the station looks for a channel's messages. On the simulator's thread."""
-        if name not in self._listened:
-            self._wake()
+        """Take note that a channel's messages are looked for at the station. On the simulator's thread."""
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
     def _begin(self, sim: Simulator, saved: dict[str, Any] | None) -> None:
@@ -191,12 +185,16 @@ class Carrier:
         if left_out:
             logger.warning("the link has no room for %s", ", ".join(left_out))
         is_modem = self._network.modem.kind == "modem"
-        self._schedule = Schedule(self._carried, self.rates, sim.step_s, shared=is_modem)
-        if saved is None:
-            self._schedule.restart(sim.tick)
-        else:
-            self._schedule.restore(saved["schedule"])
-            self._tick, self.due_tick = saved["tick"], saved["due_tick"]
+        self._turns = turns(self._carried, self.rates, sim.step_s, self._say, shared=is_modem)
+        for turn in self._turns:
+            turn.due_tick = sim.tick
+        if saved is not None:
+            self._tick = saved["tick"]
+            for turn, (names, due_tick) in zip(self._turns, saved["schedule"], strict=True):
+                turn.names, turn.due_tick = deque(names), due_tick
+        sim.agenda.add(self, Rank.DELIVERY, self.act, jump=self.jump)
+        for turn in self._turns:
+            sim.agenda.add(turn, Rank.DELIVERY, turn.act, jump=turn.jump)
 
     def _made_rates(self, sim: Simulator) -> dict[str, float]:
         said = [one for one in self._carried.values() if one.channel.direction == "out"]
@@ -213,23 +211,26 @@ class Carrier:
             rates |= send_rates(own, sizes, modem, access, nodes, times=times, taken=taken)
         return rates
 
-    def deliver(self, sim: Simulator, tick: int) -> None:
-        """Give vehicles what has arrived, and send what is due. On the simulator's thread, between two steps."""
-        if tick < self._tick:  # the time has jumped
-            self._arrived_ns = sim.time_ns
-            self._schedule.restart(tick)
-            self._listened.clear()
-        self._tick = tick
-        for vehicle in sim.vehicles:
-            self._receive(sim, vehicle)
-        self._arrived_ns = max(self._arrived_ns, sim.time_ns)
-        self._schedule.take(tick, lambda name: self._say(sim, self._carried[name]))
-        step_ns = round(sim.step_s * 1e9)
-        arrival = max(-(-self._network.next_arrival_ns // step_ns), tick + 1)
-        self.due_tick = min([arrival, *self._schedule.due_ticks])
+    @property
+    def due_tick(self) -> int:
+        """The tick at which a message may arrive."""
+        return max(-(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9)), self._tick + 1)
 
-    def _say(self, sim: Simulator, one: Carried) -> bool:
-        """Read a channel and send what it says; return whether it said something."""
+    def act(self, tick: int) -> None:
+        """Give the vehicles what has arrived. On the simulator's thread, between two steps."""
+        self._tick = tick
+        for vehicle in self._sim.vehicles:
+            self._receive(vehicle)
+        self._arrived_ns = max(self._arrived_ns, self._sim.time_ns)
+
+    def jump(self, tick: int) -> None:
+        """Begin with what arrives from now on, as time has jumped."""
+        self._tick, self._arrived_ns = tick - 1, self._sim.time_ns
+        self._listened.clear()
+
+    def _say(self, name: str) -> bool:
+        """Send the present message of a channel; return whether it has one."""
+        one, sim = self._carried[name], self._sim
         channel = one.channel
         only_if_heard = self._network.modem.kind != "modem" or channel.late
         if only_if_heard and self._listened.get(channel.name, -1) < sim.time_ns:
@@ -250,7 +251,7 @@ class Carrier:
                 self._listened.pop(channel.name, None)  # another picture is for the next look
         return payload is not None
 
-    def _receive(self, sim: Simulator, vehicle: str) -> None:
+    def _receive(self, vehicle: str) -> None:
         for got in self._network.received(vehicle, 1e-9 * self._arrived_ns):
             one = self._carried.get(got.topic)
             try:

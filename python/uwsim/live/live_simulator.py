@@ -16,11 +16,10 @@ from uwsim.arguments import plain
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
 from uwsim.live.commands import ALL_STOP, bound_command
-from uwsim.live.log_navigation import LogNavigation
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop
-from uwsim.live.subscription import Subscription, Task
+from uwsim.live.subscription import Subscription
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.scenario import Scenario
 from uwsim.simulator import Simulator
@@ -60,7 +59,6 @@ class LiveSimulator:
         self._pace = Pace(speed, self.simulator.step_s)
         self._loop = StepLoop(self.simulator, self._pace, self.log, paused=paused)
         self._thread: threading.Thread | None = None
-        self._navigation_log = LogNavigation(self.simulator, self.log)
 
     @property
     def rov(self) -> LiveVehicle:
@@ -94,7 +92,7 @@ class LiveSimulator:
             raise RuntimeError("the live simulator runs already")
         self._pace.restart()
         self._loop.open()
-        self.simulator.journal.attach(self._navigation_log)
+        self.simulator.journal.listen(self._loop)
         self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
         self._thread.start()
         # A thread that is in native code when the interpreter ends would abort the process.
@@ -107,7 +105,7 @@ class LiveSimulator:
         if self._thread is None or self._on_loop:
             return
         self._thread.join(STOP_S)
-        self.simulator.journal.detach(self._navigation_log)
+        self.simulator.journal.detach(self._loop)
         if self._thread.is_alive():
             logger.warning("the live simulator stops as soon as a call ends that has lasted for %g s", STOP_S)
 
@@ -230,14 +228,9 @@ class LiveSimulator:
         """
         if not 0 < period_s <= 1e9:
             raise ValueError(f"period_s = {period_s} s: must be in (0, 1e9]")
-        step_ns = round(self.simulator.step_s * 1e9)
-        subscription = Subscription(max(round(period_s * 1e9), 1), step_ns, read, sink, self.simulator.tick)
+        subscription = Subscription(self.simulator, max(round(period_s * 1e9), 1), read, sink)
         self._loop.subscribe(subscription)
         return subscription
-
-    def attend(self, task: Task) -> None:
-        """Call a task's `deliver` between two steps at each tick that it asks for. Raises NotRunningError."""
-        self._loop.subscribe(task)
 
     @property
     def _on_loop(self) -> bool:

@@ -1,4 +1,4 @@
-"""The thread that owns a simulator: it answers requests, makes the steps that are due and hands out readings."""
+"""The thread that owns a simulator: it answers requests and makes the steps that are due on the wall clock."""
 
 from __future__ import annotations
 
@@ -8,18 +8,22 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
+from uwsim.agenda import Rank, act, due_tick
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
-from uwsim.live.subscription import Task
+from uwsim.live.subscription import Subscription
 from uwsim.simulator import Simulator
 
 T = TypeVar("T")
 
 REQUESTS_MAX = 10_000  # that may wait; more are refused, so that a flood cannot fill the memory
 REQUESTS_PER_STEP = 1_000  # that are answered between two steps, so that a flood cannot stop the time
+START_NAVIGATION = "start_navigation"
+AWAITED = (Rank.READING, Rank.DELIVERY)  # of the agenda: what others wait for, so that it is on time and not batched
 
 logger = logging.getLogger("uwsim.live")
 
@@ -41,7 +45,6 @@ class StepLoop:
         self.steps_made = 0
         self.error: Exception | None = None
         self._requests: deque[Request] = deque()
-        self._subscriptions: list[Task] = []
         self._alarms: list[tuple[int, Future[None]]] = []
         self._steps_until = 0  # while paused, step until steps_made is this
         self._tick = sim.tick
@@ -80,12 +83,17 @@ class StepLoop:
         self.submit(request)
         return request.future.result()  # type: ignore[no-any-return]
 
-    def subscribe(self, subscription: Task) -> None:
-        """Deliver the subscription from now on. Raises NotRunningError."""
+    def subscribe(self, subscription: Subscription) -> None:
+        """Take the subscription's readings from now on. Raises NotRunningError."""
         with self.lock:
             self._require_open()
-            self._subscriptions = [s for s in self._subscriptions if not s.cancelled] + [subscription]
+            read = partial(self._read, subscription)
+            self.sim.agenda.add(subscription, Rank.READING, read, jump=subscription.jump)
             self.lock.notify_all()
+
+    def _read(self, subscription: Subscription, tick: int) -> None:
+        self._tick = tick  # sinks may ask for it
+        subscription.act(tick)
 
     def alarm(self, until: int, *, holder: object = None) -> Future[None]:
         """Return a future that resolves when steps_made is `until`; holder: no step is made beyond that meanwhile.
@@ -149,7 +157,7 @@ class StepLoop:
             while self._wait_for_work():
                 self._make_steps()  # those that are due before what is asked now
                 self._answer_requests()
-                self._deliver_readings()
+                act(self.sim.agenda.of(*AWAITED), self._tick)  # what a request has made due
         finally:
             self._refuse_what_waits()
 
@@ -161,7 +169,7 @@ class StepLoop:
         """Sleep until there is something to do; return whether to go on."""
         with self.lock:
             while self._is_open:
-                if self._requests or any(self._due(s) for s in self._subscriptions):
+                if self._requests or self._awaited_tick <= self._tick:
                     return True
                 wait_s = self._time_to_step_s(time.monotonic())
                 if wait_s is not None and wait_s <= 0:
@@ -174,10 +182,11 @@ class StepLoop:
             return None
         if self.paused:
             return 0.0 if self.steps_made < self._steps_until else None
-        return self.pace.wait_s(now_s, min(self._steps_awaited(), default=None))
+        return self.pace.wait_s(now_s, min(self._steps_awaited()))
 
-    def _due(self, subscription: Task) -> bool:
-        return not subscription.cancelled and subscription.due_tick <= self._tick
+    @property
+    def _awaited_tick(self) -> int:
+        return due_tick(self.sim.agenda.of(*AWAITED))
 
     def _answer_requests(self) -> None:
         with self.lock:
@@ -190,40 +199,38 @@ class StepLoop:
         """Carry out a request, on the stepping thread."""
         if not request.future.set_running_or_notify_cancel():
             return
-        tick = self._tick
+        tick = self._tick = self.sim.tick
         try:
             result = request.function(self.sim)
         except BaseException as error:
             if request.name == CALL:
                 self.log.append(Entry(tick, CALL, {**request.arguments, "raised": True}))
-            self._notice_jump(request)
+            self._notice_jump(request, tick)
             request.future.set_exception(error)
             return
-        if request.name is not None and request.name != "start_navigation":  # logged where it takes effect
+        if request.name is not None and request.name != START_NAVIGATION:
             self.log.append(Entry(tick, request.name, request.arguments))
-        self._notice_jump(request)
+        self._notice_jump(request, tick)
         request.future.set_result(result)
 
-    def _notice_jump(self, request: Request) -> None:
-        """After a request that moved the time: read everything anew, and let nobody wait for a time that is no more."""
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Log the start of navigation, which any look at an estimate causes: a replay has to start it there, too."""
+        if name == START_NAVIGATION:
+            self.log.append(Entry(self.sim.tick, name, arguments))
+
+    def _notice_jump(self, request: Request, before: int) -> None:
+        """After a request that moved the time: end every wait for a time that is no more."""
         tick = self.sim.tick
-        if tick == self._tick and request.name != RESET:
+        if tick == before and request.name != RESET:
             return
         with self.lock:
             self._tick = tick
             self.error = None
             self._steps_until = self.steps_made
             self.pace.restart()
-            for subscription in self._subscriptions:
-                subscription.due_tick = tick
             alarms, self._alarms = self._alarms, []
         for _, future in alarms:
             future.set_exception(RuntimeError("the simulation was reset while this waited"))
-
-    def _deliver_readings(self) -> None:
-        for subscription in self._subscriptions:
-            if self._due(subscription):
-                subscription.deliver(self.sim, self._tick)
 
     def _make_steps(self) -> None:
         with self.lock:
@@ -238,7 +245,7 @@ class StepLoop:
             logger.exception("the simulation stopped near tick %d", self._tick)
             self._halt(error)
             return
-        self._tick += steps
+        self._tick = self.sim.tick
         with self.lock:
             self.pace.made(steps, began_s, time.monotonic())
             self._stepping = False
@@ -250,14 +257,14 @@ class StepLoop:
             future.set_result(None)
 
     def _steps_to_make(self, now_s: float) -> int:
-        """Return the steps that are due, up to the next reading or alarm."""
+        """Return the steps that are due on the wall clock, up to the next reading, delivery, alarm or hold."""
         wanted = self._steps_until - self.steps_made
         steps = min(wanted, self.pace.batch) if self.paused else self.pace.due(now_s)
         return min(steps, *self._steps_awaited(), steps)
 
     def _steps_awaited(self) -> Iterator[int]:
-        """After how many steps each reading is due, each alarm rings and each hold begins."""
-        yield from (s.due_tick - self._tick for s in self._subscriptions if not s.cancelled)
+        """After how many steps a reading or delivery is due, each alarm rings and each hold begins."""
+        yield self._awaited_tick - self._tick
         yield from (until - self.steps_made for until, _ in self._alarms)
         yield from (until - self.steps_made for until in self.holds.values())
 
@@ -277,7 +284,7 @@ class StepLoop:
         with self.lock:
             requests, self._requests = list(self._requests), deque()
             alarms, self._alarms = self._alarms, []
-            self._subscriptions = []
+        self.sim.agenda.clear(*AWAITED)
         for future in [request.future for request in requests] + [future for _, future in alarms]:
             if future.set_running_or_notify_cancel():
                 future.set_exception(NotRunningError("the live simulator has stopped"))

@@ -8,11 +8,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from uwsim.agenda import NEVER
 from uwsim.channels import Channel
 from uwsim.channels.cdr import encode
 from uwsim.channels.pictures import Pictures
+from uwsim.journal import JUMPS
 from uwsim.recording.reader import Recorded
-from uwsim.recording.watch import JUMPS, NEVER_NS
 from uwsim.simulator import Simulator
 
 
@@ -42,7 +43,7 @@ class Moments:
             self._due[stamp_ns // step_ns].add((each.type, header.frame_id))
         self._ticks: Sequence[int] = sorted(self._due)
         self._seen: set[bytes] = set()
-        self.due_tick = NEVER_NS
+        self.due_tick = NEVER
 
     def start(self) -> None:
         """Render what is due now, and watch from now on."""
@@ -80,7 +81,7 @@ class Moments:
         return _digest(recorded.type, recorded.data) in self._seen
 
     def _be_due(self, place: int) -> None:
-        self.due_tick = self._ticks[place] if place < len(self._ticks) else NEVER_NS
+        self.due_tick = self._ticks[place] if place < len(self._ticks) else NEVER
 
 
 def _digest(kind: str, data: bytes | memoryview) -> bytes:

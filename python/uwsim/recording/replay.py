@@ -17,6 +17,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
 from uwsim.channels.table import table_of
+from uwsim.journal import JUMPS
 from uwsim.link import seen_channels
 from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
@@ -27,7 +28,7 @@ from uwsim.recording.moments import Moments
 from uwsim.recording.ping_channel import NAME, ping_channel, survey_ping
 from uwsim.recording.reader import Recorded, Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
-from uwsim.recording.watch import JUMPS, Watch
+from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
 from uwsim.simulator import Simulator
 
