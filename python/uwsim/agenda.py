@@ -104,6 +104,11 @@ class Agenda:
         return tuple(one for one in self._entries if one.rank in ranks)
 
     @property
+    def tick(self) -> int:
+        """The present tick."""
+        return self._tick()
+
+    @property
     def due_tick(self) -> int:
         """The tick at which something is due next."""
         return due_tick(self._entries)

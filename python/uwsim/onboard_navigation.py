@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import AfterValidator
 
 from uwsim import _core
 from uwsim.journal import Journal
+from uwsim.named import require_names
 
 if TYPE_CHECKING:
     from uwsim.estimation import Navigator, Start
@@ -114,3 +117,30 @@ class OnboardNavigation:
             self._navigator = self._make(self._start())
         self._navigator.restore(saved)
         self._attend()
+
+
+def _checked(text: str) -> str:
+    from uwsim.estimation.saved import NavigatorState  # here, since scipy takes long to import
+
+    NavigatorState.model_validate_json(text)
+    return text
+
+
+class Estimates:
+    """The estimates of the vehicles whose navigation has begun, by vehicle, as a part of a saved state."""
+
+    STATE: ClassVar[Any] = dict[str, Annotated[str, AfterValidator(_checked)]]
+
+    def __init__(self, navigations: Mapping[str, OnboardNavigation]) -> None:
+        self._navigations = navigations
+
+    def save(self) -> dict[str, str]:
+        """Return the state, as JSON values."""
+        states = {name: navigation.save() for name, navigation in self._navigations.items()}
+        return {name: state for name, state in states.items() if state is not None}
+
+    def restore(self, state: Mapping[str, str]) -> None:
+        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        require_names("estimates", {**self._navigations, **state}, self._navigations)
+        for name, navigation in self._navigations.items():
+            navigation.restore(state.get(name))

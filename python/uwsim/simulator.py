@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, NoReturn, Self, Unpack
+from typing import NoReturn, Self, Unpack
 
 import numpy as np
 
@@ -14,15 +13,16 @@ from uwsim.agenda import Agenda
 from uwsim.arguments import checked_threads, number
 from uwsim.cameras import Camera
 from uwsim.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
+from uwsim.cameras.saved import SavedHeads, SavedLamps
 from uwsim.cameras.shared_scene import SharedScene
 from uwsim.docking import Dock
 from uwsim.failures import Aboard, EventLog, Faults
 from uwsim.journal import Journal
-from uwsim.named import Named, require_names
+from uwsim.named import Named
 from uwsim.network import Network
-from uwsim.onboard_navigation import new_navigator
+from uwsim.onboard_navigation import Estimates, new_navigator
 from uwsim.parameters import Parameters
-from uwsim.saved_notes import read_notes
+from uwsim.saved_state import SavedState
 from uwsim.scenario import Scenario, VehicleEntry, build_world, load
 from uwsim.scenario.build.hull import hull_radius_m
 from uwsim.scenario.build.labels import backscatter_by_label, label_names
@@ -117,15 +117,26 @@ class Simulator(Sealed):
         self._link = Network.of(self._core, self.scenario, self.journal)
         lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
         self.faults = Faults(
-            self.scenario, vehicles, events=self.events, journal=self.journal, tick=lambda: self.tick,
-            apply=lambda: self.parameters.lay_anew(), network=self._link, agenda=self.agenda,
+            self.scenario, vehicles, events=self.events, journal=self.journal, agenda=self.agenda,
+            apply=lambda: self.parameters.lay_anew(), network=self._link,
         )  # fmt: skip
         self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
         self._aboard = Aboard(self.faults)
         self._aboard.add_failsafes(
-            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, agenda=self.agenda,
-            tick=lambda: self.tick,
-        )  # fmt: skip
+            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, agenda=self.agenda
+        )
+        self._estimates = Estimates({name: rov.navigation for name, rov in vehicles.items()})
+        self._saved = SavedState(
+            self._core,
+            before={"programs": self._aboard, "parameters": self._parameters},  # faults are laid over parameters
+            after={
+                "lamps": SavedLamps({name: rov.lamps for name, rov in vehicles.items()}),
+                "cameras": SavedHeads(self._shared_scene.heads),
+                "events": self.events,
+                "estimates": self._estimates,
+            },
+            resume=self._resume_vehicles,
+        )
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
         spec = vehicle_spec(self.scenario, entry)
@@ -277,7 +288,7 @@ class Simulator(Sealed):
         """
         scenario = self.scenario.with_changes(seed=seed)
         self._aboard.restart(scenario)
-        self.parameters.replace({})
+        self.parameters.restore({})
         if scenario.seed != self.seed:
             fill_with_water(self._world, scenario)
             self._fixed_world = _core.FixedWorld(self._world)
@@ -286,7 +297,8 @@ class Simulator(Sealed):
         self._shared_scene.restart(scenario)
         self._scenario = scenario
         self.parameters.restart(scenario)
-        self._resume_vehicles({})
+        self._resume_vehicles()
+        self._estimates.restore({})
         self.agenda.jump()
         self.journal.note("reset", seed=scenario.seed)
 
@@ -297,12 +309,7 @@ class Simulator(Sealed):
         Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
         the last bit. The states of missions and maps are not included.
         """
-        lit = {name: {lamp.name: lamp.on for lamp in rov.lamps.values()} for name, rov in self.vehicles.items()}
-        aims = {name: head.save() for name, head in self._shared_scene.heads.items()}
-        estimates = {name: saved for name, rov in self.vehicles.items() if (saved := rov.navigation.save()) is not None}
-        kept = {"lamps": lit, "parameters": self.parameters.changes, "cameras": aims, "estimates": estimates}
-        notes = json.dumps({**kept, "programs": self._aboard.save(), "events": self.events.save()})
-        return self._core.save_state(scenario_fingerprint(self.scenario), build_fingerprint(), notes)
+        return self._saved.save(self._origin)
 
     def restore_state(self, state: bytes) -> None:
         """Continue from a state that `save_state` returned.
@@ -311,41 +318,22 @@ class Simulator(Sealed):
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
-        origin, before = (scenario_fingerprint(self.scenario), build_fingerprint()), self.save_state()
-        notes = read_notes(_core.saved_notes(state, *origin))
-        try:
-            self._restore(state, origin, notes)
-        except Exception:
-            self._restore(before, origin, read_notes(_core.saved_notes(before, *origin)))
-            raise
+        self._saved.restore(state, self._origin)
         self.agenda.jump()
         self.journal.note("restore_state", state=state)
         warn_of_other_build("the saved state", _core.saved_build(state))
 
-    def _restore(self, state: bytes, origin: tuple[str, str], notes: dict[str, Any]) -> None:
-        lamps = [f"{name}/{lamp}" for name, rov in self.vehicles.items() for lamp in rov.lamps]
-        require_names("lamps", (f"{name}/{lamp}" for name, lit in notes["lamps"].items() for lamp in lit), lamps)
-        require_names("cameras", notes["cameras"], self._shared_scene.heads)
-        require_names("estimates", {**self.vehicles, **notes["estimates"]}, self.vehicles)
-        self.faults.restore(notes["programs"]["faults"])
-        self.parameters.replace(notes["parameters"])
-        self._core.restore_state(state, *origin)
-        self._aboard.restore(notes["programs"])
-        self.events.restore(notes["events"])
-        for name, lamps in notes["lamps"].items():
-            for lamp, on in lamps.items():
-                self.vehicles[name].lamps[lamp].set_silently(on)
-        for name, aim in notes["cameras"].items():
-            self._shared_scene.heads[name].restore(aim)
-        self._resume_vehicles(notes["estimates"])
+    @property
+    def _origin(self) -> tuple[str, str]:
+        return scenario_fingerprint(self.scenario), build_fingerprint()
 
-    def _resume_vehicles(self, estimates: dict[str, str]) -> None:
-        for name, rov in self.vehicles.items():
+    def _resume_vehicles(self) -> None:
+        """End what watched the time before a jump, and know by the actuators whether a vehicle is driven."""
+        for rov in self.vehicles.values():
             commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
             rov.gate.is_driven = any(commands)
             for sensor in rov.sensors.values():
                 sensor.end_streams()
-            rov.navigation.restore(estimates.get(name))
 
     def _change(self, scenario: Scenario) -> None:
         """Go on with this scenario, which differs in parameters alone. Raises ValueError, changing nothing."""

@@ -52,7 +52,7 @@ class MemberAboard:
         scenario = member.original
         self._core, self._world, self._water = core, world, member.water
         self._specs, self._step_s = list(member.vehicles), scenario.step_s
-        self.agenda = Agenda(self._tick)
+        self.agenda = Agenda(lambda: core.tick)
         self._journal = Journal(self.agenda)
         station = scenario.station
         yaw_rad = float(np.radians(station.yaw_deg))
@@ -66,15 +66,14 @@ class MemberAboard:
             network = Network(core, scenario, scenario.link.modem, self._journal)
         self.events = EventLog(scenario.step_s)
         self.faults = Faults(
-            scenario, self._vehicles, events=self.events, journal=self._journal, tick=self._tick,
-            apply=lambda: self._parameters.lay_anew(), agenda=self.agenda, network=network, has_channels=False,
+            scenario, self._vehicles, events=self.events, journal=self._journal, agenda=self.agenda,
+            apply=lambda: self._parameters.lay_anew(), network=network, has_channels=False,
         )  # fmt: skip
         self._parameters = Parameters(member.scenario, self._change, self._journal.note, {}, self.faults.overlay)
         self._programs = Aboard(self.faults)
         self.failsafes = self._programs.add_failsafes(
-            scenario, self._vehicles, dock=dock, network=network, events=self.events, agenda=self.agenda,
-            tick=self._tick,
-        )  # fmt: skip
+            scenario, self._vehicles, dock=dock, network=network, events=self.events, agenda=self.agenda
+        )
 
     def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock, control: ControlSettings) -> Vehicle:
         return Vehicle(
@@ -95,9 +94,6 @@ class MemberAboard:
     @property
     def tick(self) -> int:
         """The number of steps since the member's start."""
-        return self._core.tick
-
-    def _tick(self) -> int:
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
+from pydantic import FiniteFloat
+
+from uwsim.saved_state import Nanoseconds
 from uwsim.scenario.spec.camera import PanTilt
 
 AXES = ("pan", "tilt")
-Angles = tuple[float, float]
+Angles = tuple[FiniteFloat, FiniteFloat]
+Motion = tuple[Nanoseconds, Angles, Angles]
+"""A time, where the axes were then, and where they turn to."""
 TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
 
 
@@ -20,7 +24,7 @@ class PanTiltHead:
         self._camera = camera
         self._limits_rad = [tuple(map(math.radians, limits)) for limits in (spec.pan_limits_deg, spec.tilt_limits_deg)]
         self._rate_rad_s = math.radians(spec.rate_deg_s)
-        self._motion: tuple[int, Angles, Angles] = 0, (0.0, 0.0), (0.0, 0.0)
+        self._motion: Motion = 0, (0.0, 0.0), (0.0, 0.0)
 
     def restart(self) -> None:
         """Point along the mount."""
@@ -49,7 +53,6 @@ class PanTiltHead:
         since_ns, start, aim = self._motion
         return [since_ns, list(start), list(aim)]
 
-    def restore(self, state: Sequence[Any]) -> None:
-        """Continue from a state that `save` returned."""
-        since_ns, (pan, tilt), (pan_aim, tilt_aim) = state
-        self._motion = int(since_ns), (float(pan), float(tilt)), (float(pan_aim), float(tilt_aim))
+    def restore(self, motion: Motion) -> None:
+        """Continue from what `save` returned."""
+        self._motion = motion

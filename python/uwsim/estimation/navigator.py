@@ -17,9 +17,11 @@ from uwsim import _core
 from uwsim.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
 from uwsim.estimation.errors import bias_model, limit, white_std, whole_std
 from uwsim.estimation.protocols import Instrumented, InstrumentLike, StreamLike
+from uwsim.estimation.saved import NavigatorState
 from uwsim.estimation.start import Start
 from uwsim.motion import Pose, Velocity
 from uwsim.named import require_names
+from uwsim.saved_state import checked
 from uwsim.sealed import Sealed
 
 Array = NDArray[np.float64]
@@ -249,13 +251,13 @@ class Navigator(Sealed):
 
     def restore(self, saved: str) -> None:
         """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
-        state = json.loads(saved)
-        require_names("from_ns", state["from_ns"], self._from_ns)
+        state = checked(NavigatorState, saved)
+        require_names("from_ns", state.from_ns, self._from_ns)
         with self._lock:
-            self._filter.restore(base64.b64decode(state["filter"]), state.get("version", 1))
-            if figures := state.get("figures"):
-                self._silence_ns = figures["silence_ns"]
+            self._filter.restore(state.filter, state.version)
+            if figures := state.figures:
+                self._silence_ns = figures.silence_ns
                 self._around = replace(
-                    self._around, gravity_m_s2=figures["gravity_m_s2"], density_kg_m3=figures["density_kg_m3"]
+                    self._around, gravity_m_s2=figures.gravity_m_s2, density_kg_m3=figures.density_kg_m3
                 )
-            self._listen(state["from_ns"], state["imu_ns"])
+            self._listen(state.from_ns, state.imu_ns)

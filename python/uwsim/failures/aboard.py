@@ -2,25 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict
 
 from uwsim.agenda import Agenda, Rank
 from uwsim.docking import Dock
 from uwsim.failures.events import EventLog
-from uwsim.failures.failsafe import Failsafe
-from uwsim.failures.faults import Faults
+from uwsim.failures.failsafe import Failsafe, FailsafeState
+from uwsim.failures.faults import Faults, FaultsState
 from uwsim.named import require_names
 from uwsim.network import Network
+from uwsim.saved_state import State
 from uwsim.scenario import Scenario
 from uwsim.vehicle import Vehicle
 
-ALL_STOPPED, FAULTS, FAILSAFE_OF = "all_stopped", "faults", "failsafe of "
+FAILSAFE_OF = "failsafe of "
+
+
+class AboardState(State):
+    """The faults, each vehicle's failsafe by "failsafe of NAME", and the vehicles that are all stopped."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, FailsafeState]
+    all_stopped: list[str] = []  # version 1 had no all stop
+    faults: FaultsState
 
 
 class Aboard:
     """The faults of a simulator, its vehicles' failsafes and their all stop: saved, restored and restarted together."""
+
+    STATE: ClassVar[Any] = AboardState
 
     def __init__(self, faults: Faults) -> None:
         self._faults = faults
@@ -36,12 +50,11 @@ class Aboard:
         network: Network | None,
         events: EventLog,
         agenda: Agenda,
-        tick: Callable[[], int],
     ) -> dict[str, Failsafe]:
         """Give each vehicle the failsafe of the scenario or of its own file; return them by vehicle."""
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
-            vehicle.gate.changed = partial(_note_all_stop, events, tick, name)
+            vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
         for entry in scenario.vehicles:
             figures = entry.failsafe or entry.model.failsafe
             if figures is None:
@@ -50,7 +63,7 @@ class Aboard:
             east, north, up = (dock.exit_world_m if entry.start is None else vehicle.pose.position_world_m).tolist()
             failsafe = Failsafe(
                 vehicle, figures, entry.model, home_m=(east, north, up), events=events, step_s=scenario.step_s,
-                tick=tick, water_kg=partial(self._faults.water_kg, entry.name),
+                tick=lambda: agenda.tick, water_kg=partial(self._faults.water_kg, entry.name),
                 link_silence_s=None if network is None else partial(network.silence_s, entry.name),
             )  # fmt: skip
             self._failsafes[entry.name] = vehicle.gate.failsafe = failsafe
@@ -69,19 +82,19 @@ class Aboard:
         """Return all that the future depends on, as JSON values."""
         stopped = [name for name, vehicle in self._vehicles.items() if vehicle.all_stopped]
         failsafes = {FAILSAFE_OF + name: failsafe.save() for name, failsafe in self._failsafes.items()}
-        return {ALL_STOPPED: stopped, FAULTS: self._faults.save(), **failsafes}
+        return {"all_stopped": stopped, "faults": self._faults.save(), **failsafes}
 
-    def restore(self, state: Mapping[str, Any]) -> None:
+    def restore(self, state: AboardState) -> None:
         """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
-        require_names("programs", state, (ALL_STOPPED, FAULTS, *(FAILSAFE_OF + name for name in self._failsafes)))
-        stopped = state[ALL_STOPPED]
-        require_names("all_stopped", {*self._vehicles, *stopped}, self._vehicles)
-        self._faults.restore(state[FAULTS])
+        failsafes = state.__pydantic_extra__
+        require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
+        require_names("all_stopped", {*self._vehicles, *state.all_stopped}, self._vehicles)
+        self._faults.restore(state.faults)
         for name, failsafe in self._failsafes.items():
-            failsafe.restore(state[FAILSAFE_OF + name])
+            failsafe.restore(failsafes[FAILSAFE_OF + name])
         for name, vehicle in self._vehicles.items():
-            vehicle.gate.restore(all_stopped=name in stopped)
+            vehicle.gate.restore(all_stopped=name in state.all_stopped)
 
 
-def _note_all_stop(events: EventLog, tick: Callable[[], int], vehicle: str, on: bool) -> None:
-    events.add(tick(), vehicle, "all_stop" if on else "all_stop_ends")
+def _note_all_stop(events: EventLog, agenda: Agenda, vehicle: str, on: bool) -> None:
+    events.add(agenda.tick, vehicle, "all_stop" if on else "all_stop_ends")

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any, overload
+from typing import Any, ClassVar, overload
+
+from pydantic import FiniteFloat
+
+from uwsim.saved_state import State, Tick
 
 
 @dataclass(frozen=True)
@@ -18,8 +22,20 @@ class Event:
     values: dict[str, Any] = field(default_factory=dict)
 
 
+class EventState(State):
+    """A saved event."""
+
+    tick: Tick
+    time_s: FiniteFloat
+    vehicle: str
+    name: str
+    values: dict[str, Any]
+
+
 class EventLog(Sequence[Event]):
     """The events of a run, in order."""
+
+    STATE: ClassVar[Any] = list[EventState]
 
     def __init__(self, step_s: float) -> None:
         self._step_s = step_s
@@ -51,6 +67,6 @@ class EventLog(Sequence[Event]):
         """Return the events as JSON values."""
         return [asdict(event) for event in self._events]
 
-    def restore(self, events: Sequence[dict[str, Any]]) -> None:
+    def restore(self, state: Sequence[EventState]) -> None:
         """Hold what `save` returned."""
-        self._events = [Event(**event) for event in events]
+        self._events = [Event(**dict(event)) for event in state]

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, FiniteFloat, NonNegativeInt
 
 from uwsim.agenda import NEVER
 from uwsim.control.controller import Controller
-from uwsim.control.protocols import EstimateLike
 from uwsim.failures import manoeuvres
-from uwsim.failures.alarms import LOOK_S, Alarms
+from uwsim.failures.alarms import LOOK_S, Alarms, Cause
 from uwsim.failures.events import EventLog
 from uwsim.failures.manoeuvres import Beginning
+from uwsim.failures.steered import ZERO, Steered
+from uwsim.saved_state import State, Tick
 from uwsim.scenario.spec.failsafe import Failsafe as Figures
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.sealed import Sealed
@@ -20,55 +23,35 @@ from uwsim.vehicle import Vehicle
 
 PERIOD_S = 0.05  # of control
 SILENCE = "silence"
-ZERO = (0.0,) * 6
 
 
-class Steered:
-    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted.
+class BeginningState(State):
+    """Where and when a manoeuvre began; see uwsim.failures.manoeuvres."""
 
-    pose, velocity: by its own instruments (Vehicle.estimate) once its navigation has begun; the truth before.
-    """
+    x_m: FiniteFloat
+    y_m: FiniteFloat
+    z_m: FiniteFloat
+    yaw_rad: FiniteFloat
+    time_s: FiniteFloat
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
-        self.last: tuple[float, ...] = ZERO
 
-    @property
-    def authority(self) -> Any:
-        """The vehicle's."""
-        return self._vehicle.authority
+class FailsafeState(State):
+    """A saved failsafe. pilot: the memory of its Controller, if it steers. lit, counts, last: of its Alarms."""
 
-    @property
-    def pose(self) -> Any:
-        """As far as the vehicle knows."""
-        return self._known.pose
-
-    @property
-    def velocity(self) -> Any:
-        """As far as the vehicle knows."""
-        return self._known.velocity
-
-    @property
-    def _known(self) -> EstimateLike:
-        navigation = self._vehicle.navigation
-        return navigation.navigator if navigation.has_begun else self._vehicle
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Set efforts, saturated."""
-        self.last = (surge, sway, heave, roll, pitch, yaw)
-        self.insist()
-
-    def insist(self) -> None:
-        """Set the last efforts again."""
-        self._vehicle.steer_silently(self.last)
+    state: Literal["", "hold", "surface", "return", "go_on"]
+    cause: Literal["", "silence", "battery", "leak", "thruster", "sensor"]
+    heard_tick: Tick
+    free_tick: Tick
+    was_free: bool
+    overridden: list[str]
+    began: BeginningState
+    pilot: Annotated[list[FiniteFloat], Field(min_length=25, max_length=25)] | None
+    efforts: Annotated[list[Annotated[float, Field(ge=-1, le=1)]], Field(min_length=6, max_length=6)]
+    lit: dict[str, Cause]
+    counts: dict[str, NonNegativeInt]
+    last: dict[str, list[float]]
+    next_look: Tick
+    next_control: Tick
 
 
 class Failsafe(Sealed):
@@ -190,17 +173,17 @@ class Failsafe(Sealed):
             "next_control": self._next_control,
         }
 
-    def restore(self, state: dict[str, Any]) -> None:
+    def restore(self, saved: FailsafeState) -> None:
         """Continue from what `save` returned."""
-        self._state, self._cause = state["state"], state["cause"]
-        self._heard_tick, self._free_tick, self._was_free = state["heard_tick"], state["free_tick"], state["was_free"]
-        self._overridden, self._began = set(state["overridden"]), Beginning(**state["began"])
-        self._alarms = Alarms(self._model, self.figures, state["lit"], state["counts"], state["last"])
-        self._next_look, self._next_control = state["next_look"], state["next_control"]
-        self._steered.last = tuple(state["efforts"])
+        self._state, self._cause = saved.state, saved.cause
+        self._heard_tick, self._free_tick, self._was_free = saved.heard_tick, saved.free_tick, saved.was_free
+        self._overridden, self._began = set(saved.overridden), Beginning(**dict(saved.began))
+        self._alarms = Alarms(self._model, self.figures, saved.lit, saved.counts, saved.last)
+        self._next_look, self._next_control = saved.next_look, saved.next_control
+        self._steered.last = tuple(saved.efforts)
         self._pilot = None
-        if state["pilot"] is not None:
-            self._take_pilot().memory = state["pilot"]
+        if saved.pilot is not None:
+            self._take_pilot().memory = saved.pilot
 
     # What it does
 

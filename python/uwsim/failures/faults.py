@@ -10,55 +10,44 @@ import hashlib
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from pydantic import FiniteFloat
 
 from uwsim.agenda import NEVER, Agenda, Rank
 from uwsim.arguments import plain
 from uwsim.distortion import Distortion
 from uwsim.failures import effects
 from uwsim.failures.events import EventLog
+from uwsim.failures.fault import Fault, FaultState, checked_fault
 from uwsim.journal import Journal
 from uwsim.network import Network
+from uwsim.saved_state import State
 from uwsim.scenario.read.collected import Collected
 from uwsim.scenario.read.errors import ScenarioError
-from uwsim.scenario.read.validated import validated
-from uwsim.scenario.spec.fault import FaultModel, FaultSpec, LeakFault, LinkLoss, SensorFault
-from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.fault import FaultModel, LeakFault, LinkLoss, SensorFault
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.sealed import Sealed
 from uwsim.vehicle import Vehicle
 
-STATE = ("begin_tick", "end_tick", "count", "began_tick", "filled_tick", "water_kg")
 FILL_S = 1.0  # at which the water of a leak is weighed anew
 
 
-class _One(Model):
-    """For the check of a fault that is not in a file."""
+class DistortionState(State):
+    """How a sensor is distorted; see uwsim.distortion."""
 
-    faults: tuple[FaultSpec, ...]
+    stuck: dict[str, list[float]] | None
+    bias: FiniteFloat
+    field: str | None
 
 
-@dataclass
-class Fault:
-    """A fault and how it stands. count: how often it has begun. water_kg: that it has let in."""
+class FaultsState(State):
+    """The saved faults by name, and the distorted sensors by "vehicle/sensor"."""
 
-    name: str
-    spec: FaultModel
-    vehicle: str
-    begin_tick: int
-    end_tick: int | None = None  # while it lasts; NEVER: to the end of the run
-    count: int = 0
-    began_tick: int = 0
-    filled_tick: int = 0
-    water_kg: float = 0.0
-
-    @property
-    def is_active(self) -> bool:
-        """Whether it lasts now."""
-        return self.end_tick is not None
+    faults: dict[str, FaultState]
+    sensors: dict[str, DistortionState]
 
 
 class Faults(Sealed):
@@ -76,20 +65,18 @@ class Faults(Sealed):
         *,
         events: EventLog,
         journal: Journal,
-        tick: Callable[[], int],
-        apply: Callable[[], None],
         agenda: Agenda,
+        apply: Callable[[], None],
         network: Network | None = None,
         has_channels: bool = True,
     ) -> None:
-        """apply: takes `overlay` into the running values. agenda: where they act. network: of the link, if there is one.
+        """apply: takes `overlay` into the running values. network: of the link, if there is one.
 
         has_channels: whether commands may come over channels, which a link's fault cuts off where there is no network.
         """
         self._vehicles = vehicles
         self._events = events
         self._journal = journal
-        self._tick = tick
         self._apply = apply
         self._agenda = agenda
         self._network = network
@@ -146,14 +133,14 @@ class Faults(Sealed):
         """
         step_s = self._scenario.step_s
         given = {"kind": kind, "name": name, **figures}
-        begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._tick() * step_s}
-        spec = validated(_One, {"faults": [{**given, **begins}]}).faults[0]
-        if spec.at_s is not None and round(spec.at_s / step_s) < self._tick():
+        begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._agenda.tick * step_s}
+        spec = checked_fault({**given, **begins})
+        if spec.at_s is not None and round(spec.at_s / step_s) < self._agenda.tick:
             raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is over")
-        fault = self._add(spec, self._tick())
-        if fault.begin_tick <= self._tick():
+        fault = self._add(spec, self._agenda.tick)
+        if fault.begin_tick <= self._agenda.tick:
             try:
-                self._begin(fault, self._tick())
+                self._begin(fault, self._agenda.tick)
                 self._apply()
             except ValueError:
                 del self._faults[fault.name]
@@ -169,7 +156,7 @@ class Faults(Sealed):
             raise ValueError(f"faults.end: name = {name!r}: must be one of {', '.join(self._faults) or 'none'}")
         fault = self._faults[name]
         if fault.is_active:
-            self._end(fault, self._tick())
+            self._end(fault, self._agenda.tick)
             self._apply()
         fault.begin_tick = NEVER
         self._journal.note("end_fault", name=name)
@@ -208,30 +195,24 @@ class Faults(Sealed):
 
     def save(self) -> dict[str, Any]:
         """Return all that the future depends on."""
-        kept = {}
-        for fault in self._faults.values():
-            state = {key: getattr(fault, key) for key in STATE}
-            kept[fault.name] = {"spec": fault.spec.model_dump(exclude_none=True), "vehicle": fault.vehicle, **state}
         stuck = {
             f"{vehicle.name}/{name}": asdict(sensor.distortion)
             for vehicle in self._vehicles.values()
             for name, sensor in vehicle.sensors.items()
             if sensor.distortion is not None
         }
-        return {"faults": kept, "sensors": stuck}
+        return {"faults": {name: fault.save() for name, fault in self._faults.items()}, "sensors": stuck}
 
-    def restore(self, state: dict[str, Any]) -> None:
+    def restore(self, state: FaultsState) -> None:
         """Continue from what `save` returned; the caller applies the overlay. Raises ValueError."""
         self._faults = {}
-        for name, kept in state["faults"].items():
-            values = dict(kept)
-            spec = validated(_One, {"faults": [values.pop("spec")]}).faults[0]
-            fault = self._faults[name] = Fault(name, spec, **values)
-            self._check(spec, fault.vehicle)
+        for name, saved in state.faults.items():
+            fault = self._faults[name] = Fault.restored(name, saved)
+            self._check(fault.spec, fault.vehicle)
         for vehicle in self._vehicles.values():
             for name, sensor in vehicle.sensors.items():
-                kept = state["sensors"].get(f"{vehicle.name}/{name}")
-                sensor.distort(None if kept is None else Distortion(**kept))
+                distorted = state.sensors.get(f"{vehicle.name}/{name}")
+                sensor.distort(None if distorted is None else Distortion(**dict(distorted)))
         self._attend()
 
     # What happens

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from uwsim.did_you_mean import did_you_mean
 from uwsim.named import UnknownNameError
@@ -46,6 +46,8 @@ class Parameters(Mapping[str, Any]):
     value, unit and rule. It applies from the next step on, as if it were in the scenario; motion, commands and samples
     in transit are kept. Reading is safe on any thread, changing on the stepping thread.
     """
+
+    STATE: ClassVar[Any] = dict[str, Any]
 
     def __init__(
         self,
@@ -168,9 +170,13 @@ class Parameters(Mapping[str, Any]):
         self._switch_to({old: value for old, value in self._changes.items() if old not in inside}, switches)
         self._note("reset_parameters", name=name)
 
-    def replace(self, changes: Mapping[str, Any]) -> None:
-        """Set the values in `changes`, and all others to the scenario's. Raises ValueError, changing nothing."""
-        self._switch_to(dict(changes), {})
+    def save(self) -> dict[str, Any]:
+        """Return the state, as JSON values: `changes`."""
+        return self.changes
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Set the values that `save` returned, all others to the scenario's. Raises ValueError, changing nothing."""
+        self._switch_to(dict(state), {})
 
     def lay_anew(self) -> None:
         """Apply the present overlay."""
