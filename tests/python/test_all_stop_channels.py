@@ -14,9 +14,8 @@ import pytest
 from all_stop_world import DRIVES, at_rest, scenario
 from channel_tools import table
 from uwsim import Simulator
-from uwsim.channels import build, channels, services
+from uwsim.channels import Table, build, channels
 from uwsim.channels.diagnostics import diagnostics_channel
-from uwsim.channels.table import table_of
 from uwsim.live import LiveSimulator
 from uwsim.live.step_loop import REQUESTS_MAX
 from uwsim.station.helm import Helm
@@ -95,7 +94,7 @@ def test_zero_and_lamps_are_no_reason_to_complain(live: LiveSimulator) -> None:
 
 
 def test_the_service_stops_and_releases_and_every_vehicle_has_one(live: LiveSimulator) -> None:
-    found = {service.name: service for service in services(live.simulator)}
+    found = {service.name: service for service in Table(live.simulator).services}
     for name in DRIVES:
         stop = found[f"{name}/all_stop"]
         assert stop.type == "std_srvs/srv/SetBool"
@@ -116,8 +115,7 @@ def test_telemetry_and_diagnostics_say_so(live: LiveSimulator) -> None:
 
 
 def test_the_pilot_s_hands_move_nothing_and_release_does_not_move_it_either(live: LiveSimulator) -> None:
-    table(live.simulator)
-    helm = Helm(live, table_of(live.simulator).steering)
+    helm = Helm(live, Table(live.simulator).steering)
     assert helm.drive({"vehicle": "forces", "surge": 0.5}).result()["success"]
     for _ in range(2):
         assert helm.all_stop({"vehicle": "forces"}).result()["success"]

@@ -14,13 +14,12 @@ from websockets.sync.client import connect
 from station_pages import page, serving
 from uwsim import Simulator
 from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
-from uwsim.bridges.ros2.service_topics import ServiceTopics
-from uwsim.channels import build, services
+from uwsim.bridges.ros2.service_topics import service_channels
+from uwsim.channels import Table, build
 from uwsim.channels.channel import Service
 from uwsim.channels.own_types import ALL_STOPPED
-from uwsim.channels.served import served_channels
-from uwsim.channels.table import table_of
 from uwsim.channels.telemetry import telemetry_channel
 from uwsim.link import Carrier
 from uwsim.link.packing import PACKINGS
@@ -125,7 +124,7 @@ def test_it_does_not_wait_for_other_calls(live: LiveSimulator) -> None:
         Service(f"busy_{k}", "std_srvs/srv/Trigger", lambda live, request: {"success": going_on.wait(PATIENCE_S)})
         for k in range(8)
     ]
-    offered = [*services(live.simulator), *busy]
+    offered = [*Table(live.simulator).services, *busy]
     with RosbridgeServer(None) as server, connect(server.url) as socket:
         server.show(live, [], offered)
         client = Client(socket)
@@ -138,17 +137,17 @@ def test_it_does_not_wait_for_other_calls(live: LiveSimulator) -> None:
             going_on.set()
     going_on.clear()
     answers: list[str] = []
-    calls = ServiceTopics(offered, lambda level, text: answers.append(text))
-    topics = {channel.name: channel for channel in calls.channels}
-    try:
+    with Bridge("test", live, [], offered) as bridge:
+        said = service_channels(offered, bridge.call, lambda level, text: answers.append(text))
+        topics = {channel.name: channel for channel in said}
         for service in busy:
             topics[service.name].apply(live, build.message("std_msgs/msg/Empty"))
-        topics["all_stop"].apply(live, build.message("std_msgs/msg/Bool", data=False))
-        until(lambda: any(answer.startswith("/all_stop") for answer in answers))
-        assert not live.rov.all_stopped
-    finally:
-        going_on.set()
-        calls.close()
+        try:
+            topics["all_stop"].apply(live, build.message("std_msgs/msg/Bool", data=False))
+            until(lambda: any(answer.startswith("/all_stop") for answer in answers))
+            assert not live.rov.all_stopped
+        finally:
+            going_on.set()
 
 
 def test_a_remote_vehicle_is_stopped_and_says_so(live: LiveSimulator, server: RosbridgeServer) -> None:
@@ -169,8 +168,9 @@ def test_a_remote_vehicle_is_stopped_and_says_so(live: LiveSimulator, server: Ro
 @pytest.mark.parametrize("modem", ["tether", "ideal_acoustic", "s2cm_hs"])
 def test_it_crosses_a_link_as_urgently_as_can_be(modem: str) -> None:
     sim = Simulator("pool", link=modem)
-    with LiveSimulator(sim, paused=True, speed="max") as live, Carrier(live, served_channels(live)) as carrier:
-        stop = next(one for one in carrier.over(services(sim)) if one.name == "all_stop")
+    table = Table(sim)
+    with LiveSimulator(sim, paused=True, speed="max") as live, Carrier(live, table) as carrier:
+        stop = next(one for one in carrier.over(table.services) if one.name == "all_stop")
         live.rov.undock()
         live.rov.set_effort(surge=1.0)
         assert stop.call(live, {"data": True}) == {"success": True, "message": f"sent over {modem}"}
@@ -191,7 +191,7 @@ def test_it_crosses_a_link_as_urgently_as_can_be(modem: str) -> None:
 def test_the_panel_over_a_modem_tells_it(packing: str, is_stopped: bool) -> None:
     sim = Simulator("pool")
     sim.rov.all_stop(is_stopped)
-    channel = telemetry_channel(table_of(sim).sources[0], truth=True)
+    channel = telemetry_channel(Table(sim).sources[0], truth=True)
     data = PACKINGS[packing].pack(channel.read(sim))
     assert list(PACKINGS[packing].unpack(data, channel).alarms) == [ALL_STOPPED] * is_stopped
 

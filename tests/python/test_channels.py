@@ -10,9 +10,8 @@ import pytest
 
 from channel_tools import chain, stamp_ns, table
 from uwsim import Simulator, ranging
-from uwsim.channels import channels
+from uwsim.channels import Table, channels
 from uwsim.channels.messages import to_bytes, to_plain, typestore
-from uwsim.channels.table import table_of
 from uwsim.mapping import OccupancyMap
 
 
@@ -217,8 +216,9 @@ def voxels_after(known: set, message) -> set:
 
 def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to_listen():
     sim = Simulator("lake")
-    channel, known, cursors = table(sim)["map_changes"], {"early": set(), "late": set()}, {"early": None}
-    ping_map = table_of(sim).maps["rov"]
+    whole, known, cursors = Table(sim), {"early": set(), "late": set()}, {"early": None}
+    channel = next(channel for channel in whole.channels if channel.name == "map_changes")
+    ping_map = whole.maps["rov"]
     for k in range(12):
         sim.rov.place((-30.0 + 0.5 * k, -40.0, -20.0))
         channel.read(sim)

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from channel_tools import table
-from uwsim.channels import build, keep_up, services
+from uwsim.channels import Table, build, keep_up
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 
@@ -90,7 +90,7 @@ def test_what_cannot_be_done_is_refused(live: LiveSimulator, topic: str, message
 
 
 def ask(live: LiveSimulator, name: str, /, **request: Any) -> dict[str, Any]:
-    found = {service.name: service for service in services(live.simulator)}
+    found = {service.name: service for service in Table(live.simulator).services}
     return found[name].call(live, request)
 
 

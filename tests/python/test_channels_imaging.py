@@ -10,7 +10,7 @@ from PIL import Image
 from channel_tools import stamp_ns, table
 from test_imaging_mount import SONARS, pool_with
 from uwsim import Simulator
-from uwsim.channels import imaging, services
+from uwsim.channels import Table, imaging
 from uwsim.live import LiveSimulator
 
 PERIOD_S = 0.1
@@ -81,8 +81,9 @@ def test_a_profiler_steps_to_and_fro_and_shows_its_last_echo_in_each_direction(s
 
 
 def test_their_streams_are_chosen_as_those_of_cameras(sim):
-    found = table(sim)["ahead/picture/compressed"]
-    set_stream = next(service for service in services(sim) if service.name == "ahead/set_stream")
+    whole = Table(sim)
+    found = next(channel for channel in whole.channels if channel.name == "ahead/picture/compressed")
+    set_stream = next(service for service in whole.services if service.name == "ahead/set_stream")
     seen = []
     with LiveSimulator(sim, speed="max", paused=True) as live:
         assert set_stream.call(live, {"width": 64, "rate_hz": 1.0}) == {"success": True, "message": ""}

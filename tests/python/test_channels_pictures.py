@@ -8,7 +8,7 @@ from PIL import Image
 
 from channel_tools import stamp_ns, table
 from uwsim import Simulator
-from uwsim.channels import services
+from uwsim.channels import Table
 from uwsim.live import LiveSimulator
 
 
@@ -61,8 +61,9 @@ def test_the_published_topic_carries_the_cameras_in_turn(sim: Simulator) -> None
 def test_a_stream_is_chosen_with_its_rate_and_size() -> None:
     with LiveSimulator("pool", speed="max", paused=True) as live:
         sim = live.simulator
-        found = table(sim)
-        (service,) = [service for service in services(sim) if service.name == "camera/front/set_stream"]
+        whole = Table(sim)
+        found = {channel.name: channel for channel in whole.channels}
+        (service,) = [service for service in whole.services if service.name == "camera/front/set_stream"]
         assert service.call(live, {"rate_hz": 5.0, "width": 320, "quality": 50})["success"]
         picture, info = (found[f"camera/front/{name}"] for name in ("image_raw/compressed", "camera_info"))
         seen = []

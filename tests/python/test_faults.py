@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels import channels, services
+from uwsim.channels import Table, channels
 from uwsim.channels.messages import default_message
 from uwsim.link import seen_channels
 from uwsim.live import LiveSimulator, replay
@@ -202,7 +202,7 @@ def test_a_link_fault_takes_packets_that_are_in_the_water_and_the_status_says_so
     scenario = lake({"kind": "link", "at_s": 1.0, "for_s": 2.0}).with_changes(modem="ideal_acoustic")
     sim = Simulator(scenario)
     sim.rov.place((-60.0, -40.0, -12.0))
-    status = {channel.name: channel for channel in seen_channels(sim, channels(sim))}["link"]
+    status = {channel.name: channel for channel in seen_channels(sim, Table(sim))}["link"]
     delay_s = sim.link.reception("station", "rov").delay_s
     assert delay_s > 0.02
     sim.advance(1.0 - 0.01)
@@ -225,7 +225,7 @@ def test_a_link_fault_takes_packets_that_are_in_the_water_and_the_status_says_so
 
 def test_over_a_link_that_is_down_lamps_stay_as_they_are_and_cameras_do_not_turn():
     with LiveSimulator(lake(), speed="max", paused=True) as live:
-        offered = {service.name: service for service in services(live.simulator)}
+        offered = {service.name: service for service in Table(live.simulator).services}
         heard = {channel.name: channel for channel in channels(live.simulator)}
         rov, message = live.simulator.rov, default_message("std_msgs/msg/Float64")
         message.data = 0.25

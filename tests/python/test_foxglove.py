@@ -11,7 +11,7 @@ from ros2_tools import until
 from uwsim.bridges.foxglove import FoxgloveServer
 from uwsim.bridges.foxglove.places import told_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Tracks, _grid
-from uwsim.channels import channels, services
+from uwsim.channels import Table, channels
 from uwsim.channels.cdr import schema
 from uwsim.channels.feed import Feed
 from uwsim.channels.messages import from_bytes
@@ -31,7 +31,8 @@ def live():
 
 @pytest.fixture(scope="module")
 def server(live):
-    with FoxgloveServer(live, channels(live.simulator), services(live.simulator), port=0) as server:
+    table = Table(live.simulator)
+    with FoxgloveServer(live, table.channels, table.services, port=0) as server:
         yield server
 
 
@@ -131,7 +132,7 @@ def test_over_a_link_a_track_is_what_the_vehicle_told():
     with LiveSimulator(Simulator("lake", link="micromodem"), paused=True) as live:
         sim, told = live.simulator, []
         sim.rov.place((-60.0, -40.0, -12.0))
-        with Carrier(live, channels(sim), only=("telemetry",)) as carrier:
+        with Carrier(live, Table(sim), only=("telemetry",)) as carrier:
             leave = told_places(live, carrier.channels, Feed(live))(lambda now, time_ns: told.append((now, time_ns)))
             live.step(6000)
             arrived_s = [one.arrived_s for one in sim.link.received("station") if one.topic == "telemetry"]

@@ -27,7 +27,7 @@ from uwsim.bridges.foxglove.outbox import Outbox, Room
 from uwsim.bridges.foxglove.protocol import Call, Offer
 from uwsim.bridges.foxglove.session import Session
 from uwsim.bridges.played_feed import PlayedFeed
-from uwsim.channels import Channel, Service, channels, services
+from uwsim.channels import Channel, Service, Table
 from uwsim.live import LiveSimulator
 
 TEXT = "std_msgs/msg/String"
@@ -42,7 +42,8 @@ def live() -> Iterator[LiveSimulator]:
 
 @pytest.fixture
 def server(live: LiveSimulator) -> Iterator[FoxgloveServer]:
-    with FoxgloveServer(live, channels(live.simulator), services(live.simulator), port=0) as server:
+    table = Table(live.simulator)
+    with FoxgloveServer(live, table.channels, table.services, port=0) as server:
         yield server
 
 
@@ -272,11 +273,11 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
         assert server._room.taken <= 2 * outbox.MESSAGES_BYTES
         server._offers._shows["t"] = object()  # type: ignore[assignment]  # a topic that builds up, as scenes do
         sent = 0
-        while len(server._sessions) == 2 and sent < 300:
+        while len(server._listener.sessions) == 2 and sent < 300:
             server._offers.send("t", sent, data)
             assert other.next(protocol.MESSAGE) == protocol.message(1, sent, data)
             sent += 1
-        until(lambda: len(server._sessions) == 1)
+        until(lambda: len(server._listener.sessions) == 1)
         del server._offers._shows["t"]
         assert "is disconnected: it reads too slowly" in caplog.text
         assert server._room.taken <= outbox.MESSAGES_BYTES
@@ -292,19 +293,19 @@ def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(server
     with pytest.raises(InvalidStatus) as refused:
         Plain(server.url)
     assert refused.value.response.status_code == 503
-    gone = [weakref.ref(one) for one in server._sessions]
+    gone = [weakref.ref(one) for one in server._listener.sessions.values()]
     for client in clients:
         client.socket.close()
-    until(lambda: not server._sessions)
+    until(lambda: not server._listener.sessions)
     gc.collect()
     until(lambda: not any(ref() for ref in gone))
-    assert server._room.taken == 0 and not server._offers._ends
+    assert server._room.taken == 0 and not server._ends
 
 
 def test_calls_without_an_answer_are_bounded() -> None:
     """A service that never answers; what comes later than the most is refused at once."""
     begun: list[Call] = []
-    called = SimpleNamespace(call=lambda call, reply: begun.append(call))
+    called = SimpleNamespace(answer=lambda call, reply: begun.append(call))
     box = Outbox(Room(), lambda: None, lambda reason: None)
     caller = Session(called, box)  # type: ignore[arg-type]
     for number in range(session.CALLS_MAX + 5):

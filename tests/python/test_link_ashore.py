@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from uwsim.channels import channels, services
+from uwsim.channels import Table, channels
 from uwsim.channels.channel import Channel
-from uwsim.channels.table import table_of
 from uwsim.link import Carrier
 from uwsim.link.ashore import placed_points
 from uwsim.link.packing import PACKINGS, packing_of
@@ -63,9 +62,9 @@ def test_over_a_modem_the_station_has_a_map_of_what_arrived_and_of_nothing_else(
     monkeypatch.chdir(tmp_path)
     sim = lake("s2cm_hs")
     with LiveSimulator(sim, paused=True) as live:
-        said = channels(sim)
-        offered = services(sim)
-        with Carrier(live, said) as carrier:
+        table = Table(sim)
+        said, offered = table.channels, table.services
+        with Carrier(live, table) as carrier:
             changes = named(carrier.channels, "map_changes")
             cells, others = [], []
             for told in (cells, others):
@@ -88,7 +87,7 @@ def test_over_a_modem_the_station_has_a_map_of_what_arrived_and_of_nothing_else(
 
 def test_in_a_blackout_the_map_ashore_does_not_grow() -> None:
     sim = lake("s2cm_hs")
-    with LiveSimulator(sim, paused=True) as live, Carrier(live, channels(sim)) as carrier:
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, Table(sim)) as carrier:
         changes = named(carrier.channels, "map_changes")
         live.command("inject_fault", kind="link", name="cut")
         live.step(1500)
@@ -102,8 +101,9 @@ def test_in_a_blackout_the_map_ashore_does_not_grow() -> None:
 def test_over_a_cable_and_the_ideal_link_the_map_is_of_every_beam_and_late(modem: str) -> None:
     sim = lake(modem)
     with LiveSimulator(sim, paused=True) as live:
-        said = channels(sim)
-        with Carrier(live, said) as carrier:
+        table = Table(sim)
+        said = table.channels
+        with Carrier(live, table) as carrier:
             changes = named(carrier.channels, "map_changes")
             cells = []
             live.every(1.0 / changes.rate_hz, changes.read, lambda message: cells.append(_cells_of(message)))
@@ -114,7 +114,7 @@ def test_over_a_cable_and_the_ideal_link_the_map_is_of_every_beam_and_late(modem
             live.step(100)
             told = sum(cells)
             live.step(300)
-            inserted = table_of(sim).maps["rov"].to_bytes()
+            inserted = table.maps["rov"].to_bytes()
     assert sum(cells) == told > 0, "in a blackout nothing comes"
     assert len(arrived) > 5
     placed = named(said, "placed_ping")
@@ -139,5 +139,5 @@ def placed_message(payload: bytes, placed: Channel, sim: Simulator) -> Any:
 
 def test_without_pings_over_the_link_there_is_no_map_ashore() -> None:
     sim = lake("micromodem", carries=("telemetry", "key"))
-    seen = {channel.name for channel in Carrier(sim, channels(sim)).channels}
+    seen = {channel.name for channel in Carrier(sim, Table(sim)).channels}
     assert not seen & {"map_changes", "octomap_binary", "placed_ping"}

@@ -7,10 +7,10 @@ import re
 
 from docs_pages import page_named
 from uwsim.bridges.foxglove.shows import shows_of
-from uwsim.channels import Channel, services
+from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed
 from uwsim.channels.outgoing import Outgoing
-from uwsim.channels.served import served_channels
+from uwsim.channels.served import served_table
 from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
 from uwsim.link.remote import CARRIED
@@ -49,15 +49,15 @@ def bypassing(scenario: str) -> set[str]:
     """Return all that clients see and call beside the link of a scenario."""
     sim = Simulator(scenario, link="tether")
     live = LiveSimulator(sim)
-    given = served_channels(live)
-    carried = {one.channel.name for one in carried_channels(given, sim)}
-    seen: list[Channel] = Carrier(live, given).channels
+    table = served_table(live)
+    carried = {one.channel.name for one in carried_channels(table.channels, sim)}
+    seen: list[Channel] = Carrier(live, table).channels
     station = Running(live, Node(), lambda: None, wire="both", origin="world", truth=True)
     topics = {one.name for one in station.topics()} - {f"station/{size}/{name}" for name in station.views.aboard
                                                        for size in ("view", "small")}  # fmt: skip
     shows = {one.topic for one in shows_of(live, seen, Feed(live), Outgoing("test"), lambda *_: None)}
     shows = {topic for topic in shows if not topic.endswith(TOLD)}
-    asked = {one.name for one in services(sim) if not is_order(one.name)}
+    asked = {one.name for one in table.services if not is_order(one.name)}
     return {own_name(name, sim) for name in {one.name for one in seen} - carried | asked} | topics | shows
 
 
@@ -75,8 +75,9 @@ def test_all_that_bypasses_the_link_is_in_the_table_and_nothing_else() -> None:
 
 def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
     sim = Simulator("lake", link="tether")
-    with LiveSimulator(sim, paused=True) as live, Carrier(live, served_channels(live)) as carrier:
-        orders = [one for one in carrier.over(services(sim)) if is_order(one.name)]
+    table = Table(sim)
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, table) as carrier:
+        orders = [one for one in carrier.over(table.services) if is_order(one.name)]
         assert {"release", "undock", "dock", "override_failsafe", "all_stop"} <= {one.name for one in orders}
         for order in orders:
             before = given(sim)

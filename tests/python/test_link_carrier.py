@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels import build, channels, services
+from uwsim.channels import Table, build, channels
 from uwsim.channels.cdr import encode
 from uwsim.channels.channel import Channel
 from uwsim.channels.published import join
@@ -38,7 +38,7 @@ def key(surge: float = 0.0, function: float = 0.0) -> object:
 
 
 def test_a_command_takes_effect_when_its_packet_has_arrived() -> None:
-    with linked() as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked() as live, Carrier(live, Table(live.simulator)) as carrier:
         named(carrier, "key").apply(live, key(surge=0.5, function=1))
         live.step(1)
         assert not live.simulator.rov.released
@@ -51,7 +51,7 @@ def test_a_command_takes_effect_when_its_packet_has_arrived() -> None:
 
 
 def test_the_station_sees_what_was_carried_and_only_that() -> None:
-    with linked() as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked() as live, Carrier(live, Table(live.simulator)) as carrier:
         seen = named(carrier, "stateData")
         assert live.read(seen.read).result() is None, "nothing has been sent yet"
         said = None
@@ -78,9 +78,9 @@ def test_commands_may_be_sent_several_times_and_a_pattern_without_effect_is_refu
     repeats = {"key": 2, "command/release": 1}
     link = scenario.link.model_copy(update={"repeats": repeats})
     sim = Simulator(scenario.model_copy(update={"link": link}), threads=1)
-    with LiveSimulator(sim, paused=True) as live, Carrier(live, channels(sim)) as carrier:
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, Table(sim)) as carrier:
         named(carrier, "key").apply(live, key(surge=0.5))
-        next(one for one in carrier.over(services(sim)) if one.name == "release").call(live, {})
+        next(one for one in carrier.over(Table(sim).services) if one.name == "release").call(live, {})
         live.step(600)
         counts = {one.topic: one for one in sim.link.counts() if one.sender == "station"}
         assert sim.rov.released
@@ -90,12 +90,12 @@ def test_commands_may_be_sent_several_times_and_a_pattern_without_effect_is_refu
     other = scenario.link.model_copy(update={"repeats": {"kye": 2}})
     wrong = Simulator(scenario.model_copy(update={"link": other}), threads=1)
     with pytest.raises(ValueError, match=r"'kye': must match a channel.*did you mean 'key'"):
-        Carrier(wrong, channels(wrong))
+        Carrier(wrong, Table(wrong))
 
 
 def test_services_go_over_the_link() -> None:
-    with linked() as live, Carrier(live, channels(live.simulator)) as carrier:
-        release = next(one for one in carrier.over(services(live.simulator)) if one.name == "release")
+    with linked() as live, Carrier(live, Table(live.simulator)) as carrier:
+        release = next(one for one in carrier.over(Table(live.simulator).services) if one.name == "release")
         assert release.call(live, {})["success"]
         assert not live.simulator.rov.released
         live.step(300)
@@ -104,9 +104,10 @@ def test_services_go_over_the_link() -> None:
 
 def test_runs_over_a_link_repeat_to_the_same_bytes(tmp_path) -> None:
     path = tmp_path / "run.mcap"
-    with linked() as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked() as live, Carrier(live, table := Table(live.simulator)) as carrier:
         chosen = ["stateData", "telemetry", "depthArray", "link", "imu"]
-        with Recorder(live, path, topics=chosen, shared=carrier.channels):
+        table.channels = carrier.channels
+        with Recorder(live, path, topics=chosen, shared=table):
             for surge in (0.2, 0.6, -0.3):
                 named(carrier, "key").apply(live, key(surge, function=1.0))
                 live.step(400)
@@ -122,7 +123,7 @@ def test_runs_over_a_link_repeat_to_the_same_bytes(tmp_path) -> None:
 
 def test_speed_does_not_matter() -> None:
     def run(steps: int) -> bytes:
-        with linked() as live, Carrier(live, channels(live.simulator, wire="published")):
+        with linked() as live, Carrier(live, Table(live.simulator, wire="published")):
             for _ in range(600 // steps):
                 live.step(steps)
             return live.read(lambda sim: sim.save_state()).result()
@@ -131,7 +132,7 @@ def test_speed_does_not_matter() -> None:
 
 
 def test_over_a_cable_everything_goes_whole_when_somebody_listens() -> None:
-    with linked("tether") as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked("tether") as live, Carrier(live, Table(live.simulator)) as carrier:
         seen = named(carrier, "odom")
         got = []
         subscription = live.every(0.01, seen.read, got.append)
@@ -144,7 +145,7 @@ def test_over_a_cable_everything_goes_whole_when_somebody_listens() -> None:
 
 
 def test_a_reset_forgets_what_was_on_its_way() -> None:
-    with linked() as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked() as live, Carrier(live, Table(live.simulator)) as carrier:
         named(carrier, "key").apply(live, key(0.5, function=1))
         live.reset()
         live.step(300)
@@ -256,7 +257,7 @@ def test_pictures_arrive_as_thumbnails() -> None:
 
 
 def test_a_flood_of_commands_does_not_stop_the_time() -> None:
-    with linked("micromodem") as live, Carrier(live, channels(live.simulator)) as carrier:
+    with linked("micromodem") as live, Carrier(live, Table(live.simulator)) as carrier:
         futures = [named(carrier, "key").apply(live, key(surge=k / 300)) for k in range(300)]
         wait(futures)
         live.step(400)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels import channels
+from uwsim.channels import Table
 from uwsim.link import seen_channels
 from uwsim.scenario import ScenarioError, load
 from uwsim.scenario.spec.link import LinkSetup
@@ -95,7 +95,7 @@ def test_a_burst_takes_its_share_and_the_status_says_so_while_it_lasts() -> None
     burst = {"from_s": 1.0, "until_s": 51.0, "loss": 0.5}
     link = LinkSetup(modem="s2cm_hs", access="aloha", faults=[burst])
     sim = Simulator(load("lake").model_copy(update={"link": link}), threads=1)
-    (status,) = [one for one in seen_channels(sim, channels(sim)) if one.name == "link"]
+    (status,) = [one for one in seen_channels(sim, Table(sim)) if one.name == "link"]
     told = []
     for k in range(110):
         sim.link.send("station", "rov", "t", bytes([k]) * 8)

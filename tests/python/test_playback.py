@@ -11,7 +11,7 @@ from command_line import error_line, uwsim
 from foxglove_client import FoxgloveClient
 from ros2_tools import free_domain, peer, until
 from uwsim import Simulator, recording
-from uwsim.bridges.playback import Player, play
+from uwsim.bridges.playback import play
 from uwsim.bridges.played_feed import PlayedFeed, channels_of
 from uwsim.bridges.ros2 import Ros2Settings
 from uwsim.cli.bridges import Bridges
@@ -99,18 +99,18 @@ def test_whoever_comes_late_to_a_map_gets_all_of_it(tmp_path: Path) -> None:
         sim.rov.set_effort(surge=0.8, yaw=0.3)
         sim.advance(4.0)
     opened, late = recording.open(path), []
-    player = Player(opened)
-    changes, grown = player.channels["map_changes"], set()
+    feed = PlayedFeed(channels_of(opened))
+    changes, grown = feed.channels["map_changes"], set()
     for recorded in opened.messages("map_changes"):
-        player.feed.play(changes, recorded)
+        feed.play(changes, recorded)
         grown = after(recorded.message, grown)
-    player.feed.listen(changes, late.append)
+    feed.listen(changes, late.append)
     (reading,) = late
     assert reading.message.snapshot and after(reading.message, set()) == grown and len(grown) > 100
     message, cursor = changes.catch_up(None)
     assert after(message, set()) == grown and not len(changes.catch_up(cursor)[0].cells)
-    player.feed.play(changes, next(opened.messages("map_changes")))  # time goes back
-    assert after(player.feed.newest(changes).message, set()) < grown
+    feed.play(changes, next(opened.messages("map_changes")))  # time goes back
+    assert after(feed.newest(changes).message, set()) < grown
 
 
 def after(message: Any, voxels: set[tuple[int, ...]]) -> set[tuple[int, ...]]:

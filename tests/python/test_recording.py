@@ -20,9 +20,10 @@ from channel_tools import stamp_ns
 from command_line import UWSIM, error_line, files_limited_to, uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges import RosbridgeServer
-from uwsim.channels import Channel, channels
+from uwsim.channels import Channel, Table, channels
 from uwsim.channels.build import message
 from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.served import served_table
 from uwsim.cli.recording import recording as list_recording
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
@@ -142,8 +143,8 @@ def test_a_run_of_another_thread_s_commands_with_resets_replays(tmp_path: Path) 
 def test_a_recording_that_begins_in_the_middle_of_a_run_replays(tmp_path: Path) -> None:
     path = tmp_path / "late.mcap"
     with LiveSimulator("lake", speed="max", paused=True) as live:
-        shared = channels(live.simulator)
-        named = {channel.name: channel for channel in shared}
+        shared = Table(live.simulator)
+        named = {channel.name: channel for channel in shared.channels}
         live.rov.undock()
         for name in ("scan", "octomap_binary"):  # somebody else listens already
             live.every(1.0 / (named[name].rate_hz or 1.0), named[name].read, lambda message: None)
@@ -317,8 +318,9 @@ def test_other_sinks_get_the_recorded_readings(tmp_path: Path) -> None:
     )  # fmt: skip
     path = tmp_path / "shared.mcap"
     with LiveSimulator("pool", speed="max") as live:
-        feed = Feed(live)
-        with Recorder(live, path, topics=["counted"], shared=[counted], feed=feed):
+        feed, table = Feed(live), Table(live.simulator)
+        table.channels = [counted]
+        with Recorder(live, path, topics=["counted"], shared=table, feed=feed):
             end = feed.listen(counted, heard.append)
             deadline_s = time.monotonic() + 60.0
             while len(heard) <= 10 and time.monotonic() < deadline_s:
@@ -333,9 +335,9 @@ def test_other_sinks_get_the_recorded_readings(tmp_path: Path) -> None:
 def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) -> None:
     path = tmp_path / "flown.mcap"
     with LiveSimulator("lake", speed=2.0) as live:
-        server = RosbridgeServer(live)
-        recorder = Recorder(live, path, topics=[*QUICK, "diagnostics", "cmd_vel"], shared=server.channels)
-        server.channels = recorder.hear(server.channels)
+        table, feed = served_table(live), Feed(live)
+        recorder = Recorder(live, path, topics=[*QUICK, "diagnostics", "cmd_vel"], shared=table, feed=feed)
+        server = RosbridgeServer(live, channels=recorder.hear(table.channels), services=table.services, feed=feed)
         with recorder, server, connect(server.url) as client:
 
             def send(**operation: object) -> None:

@@ -18,9 +18,8 @@ from websockets.sync.client import connect
 from channel_tools import stamp_ns
 from command_line import hears_ctrl_c, uwsim
 from uwsim import Simulator, recording
-from uwsim.channels import services
 from uwsim.channels.pictures import RATE_HZ, Pictures
-from uwsim.channels.served import served_channels
+from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.commands import COMMANDS
@@ -77,7 +76,7 @@ def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
 
 def recorder(live: LiveSimulator, path: Path) -> Recorder:
     """Return what records the pictures that a server offers."""
-    return Recorder(live, path, topics=PICTURES, shared=served_channels(live))
+    return Recorder(live, path, topics=PICTURES, shared=served_table(live))
 
 
 def off_the_grid(moments_ns: Iterable[int]) -> list[int]:
@@ -113,8 +112,8 @@ def test_what_is_commanded_while_a_picture_is_rendered_is_not_in_it(slow: Slow, 
     """Nor does a picture differ that was begun in the very tick of a command, before it or after."""
     path = tmp_path / "live.mcap"
     with LiveSimulator("pool", speed=1.0) as live:
-        offered = served_channels(live)
-        set_stream = next(each for each in services(live.simulator) if each.name == "camera/front/set_stream")
+        offered = served_table(live)
+        set_stream = next(each for each in offered.services if each.name == "camera/front/set_stream")
         with Recorder(live, path, topics=PICTURES, shared=offered):
             live.rov.release()
             for k in itertools.takewhile(lambda k: k < 6 or len(slow.begun_ns) < 16, range(200)):

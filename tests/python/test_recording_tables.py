@@ -8,11 +8,10 @@ import pytest
 from command_line import uwsim
 from uwsim import Simulator, recording
 from uwsim.bridges.played_feed import channels_of
-from uwsim.channels import services
+from uwsim.channels import Table
 from uwsim.channels.cdr import encode
 from uwsim.channels.messages import from_bytes
 from uwsim.channels.scans import PING_TOPICS
-from uwsim.channels.table import table_of
 from uwsim.cli.diff import diff as diff_command
 from uwsim.cli.map import from_recording
 from uwsim.live import LiveSimulator
@@ -81,10 +80,11 @@ def test_arrays_are_arrays_with_time_and_beam(run: recording.Recording) -> None:
 
 def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> None:
     path, sim = tmp_path / "pictures.mcap", Simulator("lake", seed=3)
-    with LiveSimulator(sim, speed="max", paused=True) as live, Recorder(live, path, topics=["camera/front/*"]):
+    table, topics = Table(sim), ["camera/front/*"]
+    with LiveSimulator(sim, speed="max", paused=True) as live, Recorder(live, path, topics=topics, shared=table):
         live.rov.undock()
         live.step(40)
-        (service,) = (s for s in services(sim) if s.name == "camera/front/set_stream")
+        (service,) = (s for s in table.services if s.name == "camera/front/set_stream")
         assert service.call(live, {"quality": 30})["success"]
         live.step(40)
     run = recording.open(path)
@@ -97,12 +97,13 @@ def test_pictures_are_recorded_replayed_and_read_as_arrays(tmp_path: Path) -> No
 def test_a_live_run_s_map_comes_from_its_recording_with_the_same_bytes(tmp_path: Path) -> None:
     path = tmp_path / "live.mcap"
     with LiveSimulator("lake", speed="max", paused=True) as live:
-        with Recorder(live, path, topics=["octomap_binary", "sonar_ping"]):
+        table = Table(live.simulator)
+        with Recorder(live, path, topics=["octomap_binary", "sonar_ping"], shared=table):
             live.rov.undock()
             live.rov.sonar.aim(-0.6)
             live.rov.set_effort(surge=0.7, yaw=0.2)
             live.step(500)
-        table_of(live.simulator).maps["rov"].write(tmp_path / "run.bt")
+        table.maps["rov"].write(tmp_path / "run.bt")
     occupancy, count = live_map(recording.open(path))
     assert count > 10 and occupancy.to_bytes("bt") == (tmp_path / "run.bt").read_bytes()
 
@@ -137,8 +138,9 @@ def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_pa
 def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: Path) -> None:
     path, sim = tmp_path / "run.mcap", survey_simulator(tmp_path)
     request = SurveyRequest("small.yaml", 2, None, None, None, 0.4, "bricks", verify_map=False)
-    pings = table_of(sim).pings["rov"]
-    live = {topic.name: topic.channel(table_of(sim).sources[0], pings) for topic in PING_TOPICS}
+    table = Table(sim)
+    pings = table.pings["rov"]
+    live = {topic.name: topic.channel(table.sources[0], pings) for topic in PING_TOPICS}
     said: dict[str, list[bytes]] = {name: [] for name in live}
     with survey_recorder(sim, path, request, None) as recorder:
         sim.rov.undock()

@@ -13,7 +13,7 @@ from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.parameter_topic import value_of
 from uwsim.bridges.ros2.qos import reader_qos
-from uwsim.channels import build, channels, services
+from uwsim.channels import Table, build, channels
 from uwsim.channels.cdr import schema, store_of
 from uwsim.channels.messages import default_message
 from uwsim.live import LiveSimulator
@@ -31,7 +31,8 @@ def live():
 
 @pytest.fixture(scope="module")
 def node(live):
-    with Ros2Node(live, channels(live.simulator), services(live.simulator), SETTINGS) as node:
+    table = Table(live.simulator)
+    with Ros2Node(live, table.channels, table.services, SETTINGS) as node:
         yield node
 
 
@@ -162,7 +163,8 @@ def test_it_leaves_within_a_second_and_leaves_no_thread(live):
     settings = Ros2Settings(domain_id=free_domain())
     before = set(threading.enumerate())
     for _ in range(2):  # the domain can be joined again
-        node = Ros2Node(live, channels(live.simulator), services(live.simulator), settings)
+        table = Table(live.simulator)
+        node = Ros2Node(live, table.channels, table.services, settings)
         with peer(settings) as other:
             other.listen("imu", "sensor_msgs/msg/Imu")
             other.next("imu")

@@ -14,7 +14,7 @@ from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.qos import reader_qos
-from uwsim.channels import Channel, build, channels, services
+from uwsim.channels import Channel, Table, build, channels
 from uwsim.channels.cdr import schema, store_of
 from uwsim.channels.feed import Feed
 from uwsim.live import LiveSimulator
@@ -37,10 +37,10 @@ def settings():
 
 
 def test_fast_dds_reads_the_values_that_were_sent(live, settings):
-    table, feed = channels(live.simulator), Feed(live)
+    table, feed = Table(live.simulator), Feed(live)
     sent: dict[str, list] = {"rt/scan": [], "rt/laserPointCloud": []}
-    with Ros2Node(live, table, services(live.simulator), settings, feed=feed):
-        for channel in table:
+    with Ros2Node(live, table.channels, table.services, settings, feed=feed):
+        for channel in table.channels:
             if f"rt/{channel.name}" in sent:
                 feed.listen(channel, sent[f"rt/{channel.name}"].append)
         words = [*sub("scan", SCAN), *sub("laserPointCloud", CLOUD), *sub("tf_static", TF, "reliable", "latched")]
@@ -60,9 +60,9 @@ def test_fast_dds_reads_the_values_that_were_sent(live, settings):
 
 
 def test_the_graph_names_endpoints_that_fast_dds_has_found_with_their_types_hashes(live, settings):
-    latched = reader_qos(1, reliable=True, user_data=b"", latched=True)
+    latched, table = reader_qos(1, reliable=True, user_data=b"", latched=True), Table(live.simulator)
     with (
-        Ros2Node(live, channels(live.simulator), services(live.simulator), settings) as node,
+        Ros2Node(live, table.channels, table.services, settings) as node,
         fast_dds_peer(settings.domain_id, "graph") as other,
         peer(settings) as ours,
     ):

@@ -164,7 +164,10 @@ def test_ids_are_short_and_few(graph):
     assert json.loads(client.frames()[0])["msg"] == "id: 257 characters: must be 256 at most"
     for k in range(200):
         client.send("subscribe", topic="t", type="std_msgs/String", id=str(k))
-    assert len(client.session._subscriptions["t"].ids) == LIMITS.ids and "which is the most" in client.frames()[0]
+    assert (
+        len(client.session._topics._names.subscriptions["t"].ids) == LIMITS.ids
+        and "which is the most" in client.frames()[0]
+    )
 
 
 def test_parameters_are_bounded_in_bytes():

@@ -13,7 +13,7 @@ from uwsim.admission import Door
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.rosbridge.encoding import Growing
 from uwsim.bridges.rosbridge.graph import Graph
-from uwsim.channels import channels, services
+from uwsim.channels import Table
 from uwsim.channels.build import text
 from uwsim.channels.guest import GuestService, GuestTopic
 from uwsim.live import LiveSimulator
@@ -112,7 +112,8 @@ def test_clients_stay_subscribed_when_another_simulator_comes():
         for _ in range(2):
             sim = Simulator("pool")
             with LiveSimulator(sim, speed=5.0) as live:
-                server.show(live, channels(sim), services(sim))
+                table = Table(sim)
+                server.show(live, table.channels, table.services)
                 assert json.loads(client.recv(60.0))["topic"] == "/clock"
                 server.show(None, [], [])
                 offered = ask(client, "call_service", service="/rosapi/services")["values"]["services"]

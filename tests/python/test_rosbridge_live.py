@@ -13,7 +13,7 @@ import pytest
 from websockets.sync.client import connect as websocket
 
 from uwsim.bridges import RosbridgeClient, RosbridgeServer
-from uwsim.channels import channels, services
+from uwsim.channels import Table
 from uwsim.cli.serve import parsed_speed
 from uwsim.live import LiveSimulator
 
@@ -87,10 +87,10 @@ def test_a_client_that_asks_for_nothing_costs_the_simulator_nothing(live):
 
 
 def test_a_simulator_joins_a_rosbridge_and_comes_back_when_it_was_away(live):
-    said = channels(live.simulator, wire="published")
+    table = Table(live.simulator, wire="published")
     broker = RosbridgeServer(None).start()
     port = broker.port
-    with RosbridgeClient(live, broker.url, channels=said, services=services(live.simulator)) as client:
+    with RosbridgeClient(live, broker.url, channels=table.channels, services=table.services) as client:
         for turn in range(2):
             with websocket(broker.url) as peer:
                 send(peer, "subscribe", topic="/depthArray", type="std_msgs/String")

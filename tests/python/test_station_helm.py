@@ -3,7 +3,7 @@
 import pytest
 
 from uwsim import Simulator
-from uwsim.channels.table import channels, table_of
+from uwsim.channels.table import Table
 from uwsim.live import LiveSimulator
 from uwsim.station.helm import Helm, LeastDelay
 from uwsim.station.lease import Lease
@@ -51,11 +51,10 @@ def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():
 def flight():
     """A helm with a clock of ours, on a simulator that stands still."""
     sim = Simulator("pool")
-    channels(sim)
     now = [100.0]
     with LiveSimulator(sim, paused=True) as live:
         live.rov.release()
-        yield live, Helm(live, table_of(sim).steering, clock=lambda: now[0]), now
+        yield live, Helm(live, Table(sim).steering, clock=lambda: now[0]), now
 
 
 def given(live):

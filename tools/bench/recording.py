@@ -18,10 +18,10 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
+from rich.table import Table as ShownTable
 
 from uwsim import recording
-from uwsim.channels import Channel, channels
+from uwsim.channels import Channel, Table, channels
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.watch import Watch
@@ -77,6 +77,13 @@ def true_channels(sim: Simulator) -> list[Channel]:
     ]
 
 
+def sharing(sim: Simulator, load: list[Channel]) -> Table:
+    """Return a table of these channels alone."""
+    table = Table(sim)
+    table.channels = load
+    return table
+
+
 def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: float) -> dict[str, float]:
     """Run in real time; return share of a core, lateness and what was lost."""
     with LiveSimulator(sim, speed=1.0) as live:
@@ -84,7 +91,7 @@ def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: f
             watch = Watch(sim, load, lambda channel, message: None)
             live.read(lambda sim: watch.start()).result()
         else:
-            recorder = Recorder(live, path, shared=load, topics=["scan", "picture"]).start()
+            recorder = Recorder(live, path, shared=sharing(sim, load), topics=["scan", "picture"]).start()
         live.clock.wait(0.5)
         live.forget_delays()
         cpu_s, wall_s = time.process_time(), time.perf_counter()
@@ -110,7 +117,7 @@ def median(cases: list[dict[str, float]]) -> dict[str, float]:
 def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[str, float]:
     """Return the time that the simulator's thread takes to hand over one message."""
     costs = {}
-    with Recorder(sim, folder / "cost.mcap", shared=load, topics=["scan", "picture"]) as recorder:
+    with Recorder(sim, folder / "cost.mcap", shared=sharing(sim, load), topics=["scan", "picture"]) as recorder:
         for channel in load:
             message, times_s = channel.read(sim), []
             for _ in range(300):
@@ -127,7 +134,8 @@ def flat_out(folder: Path) -> dict[str, float]:
     for name in ("read", "with"):
         sim = Simulator("lake")
         sim.rov.undock()
-        chosen = [c for c in channels(sim) if c.direction == "out" and not c.late]
+        shared = Table(sim)
+        shared.channels = chosen = [c for c in shared.channels if c.direction == "out" and not c.late]
         began_s = time.perf_counter()
         if name == "read":
             watch = Watch(sim, chosen, lambda channel, message: None)
@@ -135,16 +143,16 @@ def flat_out(folder: Path) -> dict[str, float]:
             sim.advance(10.0)
             watch.stop()
         else:
-            with Recorder(sim, folder / "flat.mcap", shared=chosen):
+            with Recorder(sim, folder / "flat.mcap", shared=shared):
                 sim.advance(10.0)
         found[name] = time.perf_counter() - began_s
     assert recording.open(folder / "flat.mcap").complete
     return found
 
 
-def table(medians: dict[str, Any]) -> Table:
+def table(medians: dict[str, Any]) -> ShownTable:
     """Return the table of both cases."""
-    shown = Table(
+    shown = ShownTable(
         title=f"in real time: scans at 50 Hz, pictures at 10 Hz (goal: {100 * GOALS['cpu_share']:.0f} % of a core more)"
     )
     for column in ("recording", "cores", "latest step [ms]", "pace", "lost", "MB/s"):

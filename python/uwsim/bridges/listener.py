@@ -4,56 +4,79 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
+from contextlib import suppress
 from http import HTTPStatus
-from typing import Any
+from logging import Logger
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
-from uwsim.admission import Admission, is_socket, warn_beyond_loopback
+from uwsim.admission import Admission, is_socket, tls_context, warn_beyond_loopback
+from uwsim.bridges.connection import HeardConnection
+from uwsim.bridges.conversation import Allowance, Rates, Session, converse
 
 Site = Callable[[Request], Awaitable[Response]]
 """Answers requests for pages and files, which are no WebSockets."""
-Main = Callable[["Listener", Callable[[], None]], Awaitable[None]]
+S = TypeVar("S", bound=Session)
+Main = Callable[["Listener[Any]", Callable[[], None]], Awaitable[None]]
 """Runs while the server listens. It calls its second argument when clients may come, and returns after `stopping`."""
+OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], None]], S]
+"""Begins a client's session, from its connection, what wakes its writer, and what disconnects it with a reason."""
 
 STOP_S = 5.0
 WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
 
 
-class Listener:
-    """A WebSocket server on an event loop of its own thread.
+class Address(NamedTuple):
+    """Where a server listens, and who may connect: see Admission and tls_context. port 0 chooses one."""
 
-    handle: carries one admitted connection. clients: returns how many there are. main: runs as long as it listens.
-    site: what is served over HTTP on the same port; it checks the token itself. options: of `websockets.serve`.
+    host: str = "127.0.0.1"
+    port: int = 0
+    origins: Iterable[str] = ()
+    token: str | None = None
+    certfile: Path | str | None = None
+    keyfile: Path | str | None = None
+
+
+class Listener(Generic[S]):
+    """A WebSocket server on an event loop of its own thread, each of whose clients has a session.
+
+    places: for clients at a time; further ones are refused with HTTP 503. rates: of each client's frames. share: of a
+    core, for the frames of all clients together. open_session: called with each admitted connection. main: runs as long
+    as the server listens. site: what is served over HTTP on the same port; it checks the token itself. options: of
+    `websockets.serve`. Raises ValueError.
     """
 
     def __init__(
         self,
-        address: tuple[str, int],
-        admission: Admission,
-        tls: Any,
+        address: Address,
+        log: Logger,
         *,
-        name: str,
-        handle: Callable[[ServerConnection], Awaitable[None]],
-        clients: Callable[[], int],
-        main: Main,
+        places: int,
+        rates: Rates,
+        share: Allowance,
+        open_session: OpenSession[S],
+        main: Main | None = None,
         site: Site | None = None,
         **options: Any,
     ) -> None:
-        host, port = address
-        if not 0 <= port <= 65535:
-            raise ValueError(f"port = {port}: must be in [0, 65535]")
-        self._host, self._asked_port = host, port
-        self._admission = admission
-        self._tls = tls
-        self._name = name
-        self._handle, self._clients, self._main, self._site = handle, clients, main, site
+        if not 0 <= address.port <= 65535:
+            raise ValueError(f"port = {address.port}: must be in [0, 65535]")
+        self._host, self._wanted_port = address.host, address.port
+        self._admission = Admission(address.host, pages=address.origins, token=address.token, places=places)
+        self._tls = tls_context(address.certfile, address.keyfile)
+        self._log = log
+        self._places, self._rates, self._share = places, rates, share
+        self._open_session, self._main, self._site = open_session, main, site
         self._options = options
         self._port: int | None = None
         self._thread: threading.Thread | None = None
         self._failure: BaseException | None = None
+        self._dismissals: set[asyncio.Task[None]] = set()
+        self.sessions: dict[HeardConnection, S] = {}
         self.loop: asyncio.AbstractEventLoop | None = None
 
     @property
@@ -76,13 +99,14 @@ class Listener:
         warn_beyond_loopback(self._host, self._admission.token, self._tls is not None)
         ready = threading.Event()
         self._failure = None
-        self._thread = threading.Thread(target=self._run, args=(ready,), name=self._name, daemon=True)
+        name = self._log.name.replace(".", "-")
+        self._thread = threading.Thread(target=self._run, args=(ready,), name=name, daemon=True)
         self._thread.start()
         ready.wait()
         if self._failure is not None:
             self._thread.join()
             self._thread = None
-            raise OSError(f"cannot listen on {self._host}:{self._asked_port}: {self._failure}")
+            raise OSError(f"cannot listen on {self._host}:{self._wanted_port}: {self._failure}")
 
     def stop(self) -> None:
         """Close all connections and end the thread."""
@@ -106,15 +130,21 @@ class Listener:
         self.stopping = asyncio.Event()
         async with self._open() as server:
             self._port = next(iter(server.sockets)).getsockname()[1]
-            await self._main(self, ready.set)
+            if self._main is None:
+                ready.set()
+                await self.stopping.wait()
+            else:
+                await self._main(self, ready.set)
 
     def _open(self) -> Any:
         return serve(
             self._handle,
             self._host,
-            self._asked_port,
+            self._wanted_port,
             ssl=self._tls,
             compression=None,
+            max_queue=0,  # one frame waits
+            create_connection=HeardConnection,
             process_request=self._admit,
             write_limit=WRITE_LIMIT,
             close_timeout=1,
@@ -124,7 +154,7 @@ class Listener:
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         asks_site = self._site is not None and not is_socket(request)
-        reason = self._admission.refusal(request, clients=None if asks_site else self._clients())
+        reason = self._admission.refusal(request, clients=None if asks_site else len(self.sessions))
         if reason is not None:
             return connection.respond(*reason)
         if asks_site:
@@ -132,7 +162,37 @@ class Listener:
             return await self._site(request)
         return None
 
+    async def _handle(self, connection: ServerConnection) -> None:
+        assert isinstance(connection, HeardConnection)
+        if len(self.sessions) >= self._places:  # others came while this one shook hands
+            await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
+            return
+        loop, wakes, own_thread = asyncio.get_running_loop(), asyncio.Event(), threading.get_ident()
 
-async def refuse_late(connection: ServerConnection) -> None:
-    """Close a connection whose place was taken while it shook hands."""
-    await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
+        def wake() -> None:
+            if threading.get_ident() == own_thread:
+                wakes.set()
+            elif not wakes.is_set():
+                post(loop, wakes.set)
+
+        def give_up(reason: str) -> None:
+            self._log.warning("client %s is disconnected: %s", connection.remote_address, reason)
+            post(loop, self._dismiss, connection, reason)
+
+        session = self.sessions[connection] = self._open_session(connection, wake, give_up)
+        try:
+            await converse(connection, session, wakes, self._rates, self._share)
+        finally:
+            del self.sessions[connection]
+            session.close()
+
+    def _dismiss(self, connection: HeardConnection, reason: str) -> None:
+        task = asyncio.ensure_future(connection.dismiss(reason))
+        self._dismissals.add(task)
+        task.add_done_callback(self._dismissals.discard)
+
+
+def post(loop: asyncio.AbstractEventLoop, function: Callable[..., object], *arguments: Any) -> None:
+    """Call a function on a loop, from any thread; not if the loop has ended."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(function, *arguments)

@@ -19,7 +19,7 @@ logger = logging.getLogger("uwsim.bridges")
 
 
 def channels_of(recording: Recording) -> list[Channel]:
-    """Return what bridges offer of a recording: all its channels but the commands, also heard and derived ones."""
+    """Return what bridges offer of a recording: all its channels but the commands, also received and derived ones."""
     found = []
     for info in (*recording.channels.values(), *recording.derived.values()):
         if info.name != COMMANDS:
@@ -34,7 +34,7 @@ def channels_of(recording: Recording) -> list[Channel]:
 class PlayedFeed:
     """Readings whose bytes are the recording's own. Sinks are called on the thread that plays.
 
-    channels: what is played, by name; whoever comes late to the changes of a map gets all of them so far.
+    channels: what is played, by name. A sink that comes late to the changes of a map gets all of them so far.
     """
 
     def __init__(self, channels: Iterable[Channel] = ()) -> None:
@@ -52,14 +52,14 @@ class PlayedFeed:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether anybody listens."""
+        """Whether there is a sink."""
         return any(self._sinks.values())
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
         with self._lock:
             self._sinks[channel.name] = (*self._sinks.get(channel.name, ()), sink)
-        newest = self.newest(channel)
+            newest = self._late(channel)
         if newest is not None:
             sink(newest)
         return lambda: self._leave(channel.name, sink)
@@ -67,11 +67,11 @@ class PlayedFeed:
     def newest(self, channel: Channel) -> Reading | None:
         """Return the newest reading of a latched channel: all so far, if its messages build up."""
         with self._lock:
-            newest = self._newest.get(channel.name)
-        grown = self._maps.get(channel.name)
-        if newest is None or grown is None:
-            return newest
-        return Reading(channel, grown.catch_up(None)[0], newest.time_ns, newest.tick)
+            return self._late(channel)
+
+    def _late(self, channel: Channel) -> Reading | None:
+        newest = self._newest.get(channel.name)
+        return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
         """Tell a sink the recorded time [ns] at each period of it; return what ends that."""
@@ -84,7 +84,7 @@ class PlayedFeed:
         return end
 
     def play(self, channel: Channel, recorded: Recorded) -> Reading:
-        """Hand a message to all who listen, and return it."""
+        """Hand a message to all sinks, and return it."""
         reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
         if channel.name in self._maps:
             self._maps[channel.name].take(reading)

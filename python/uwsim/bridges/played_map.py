@@ -1,4 +1,4 @@
-"""PlayedMap: what a recording's map changes have come to, for those who begin to listen later."""
+"""PlayedMap: what a recording's map changes add up to, for sinks that come late."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 
 
 class PlayedMap:
-    """The occupied voxels of a map as played so far. It begins anew when recorded time goes back."""
+    """The occupied voxels of a map as played so far. It starts again when recorded time goes back."""
 
     def __init__(self) -> None:
         self._changes = MapChanges()

@@ -2,6 +2,16 @@
 
 from uwsim.channels.channel import Channel, Service, keep_up, require_live
 from uwsim.channels.diagnostics import diagnostics_channel
-from uwsim.channels.table import ORIGINS, channels, services
+from uwsim.channels.table import ORIGINS, Table, channels, services
 
-__all__ = ["ORIGINS", "Channel", "Service", "channels", "diagnostics_channel", "keep_up", "require_live", "services"]
+__all__ = [
+    "ORIGINS",
+    "Channel",
+    "Service",
+    "Table",
+    "channels",
+    "diagnostics_channel",
+    "keep_up",
+    "require_live",
+    "services",
+]

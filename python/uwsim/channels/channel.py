@@ -13,11 +13,11 @@ COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
 """Priorities on the link."""
 
 
-def _says_nothing(sim: Simulator) -> Any:
+def _no_message(sim: Simulator) -> Any:
     return None
 
 
-def _hears_nothing(live: LiveSimulator, message: Any) -> None:
+def _no_command(live: LiveSimulator, message: Any) -> None:
     raise ValueError("it is not for commands")
 
 
@@ -54,8 +54,8 @@ class Channel:
     late: bool = False
     pieced: bool = False
     keep_up: Callable[[Simulator], object] | None = None
-    read: Callable[[Simulator], Any] = _says_nothing
-    apply: Callable[[LiveSimulator, Any], object] = _hears_nothing
+    read: Callable[[Simulator], Any] = _no_message
+    apply: Callable[[LiveSimulator, Any], object] = _no_command
     abandoned: Callable[[LiveSimulator], object] | None = None
 
 

@@ -1,4 +1,4 @@
-"""Feed: reads a live simulator's channels once for all who listen, and encodes each reading once."""
+"""Feed: reads a live simulator's channels once for all sinks, and encodes each reading once."""
 
 from __future__ import annotations
 
@@ -20,12 +20,20 @@ logger = logging.getLogger("uwsim.channels")
 class Reading:
     """One message of a channel. time_ns: simulated time at which it was read; tick: the same in steps."""
 
-    __slots__ = ("_cdr", "_lock", "_message", "channel", "tick", "time_ns")
+    __slots__ = ("_cdr", "_lock", "_make", "_message", "channel", "tick", "time_ns")
 
     def __init__(
-        self, channel: Channel, message: Any, time_ns: int, tick: int, *, cdr: memoryview | None = None
+        self,
+        channel: Channel,
+        message: Any,
+        time_ns: int,
+        tick: int,
+        *,
+        cdr: memoryview | None = None,
+        make: Callable[[], Any] | None = None,
     ) -> None:
-        """message: None if cdr has it already."""
+        """message: None if cdr has it already, or if it is made when it is first needed."""
+        self._make = make
         self.channel = channel
         self.time_ns = time_ns
         self.tick = tick
@@ -35,19 +43,29 @@ class Reading:
 
     @property
     def message(self) -> Any:
-        """The message itself: of recorded bytes, it is decoded by the first who asks. Raises ValueError."""
+        """The message itself: made, or decoded from recorded bytes, when it is first read. Raises ValueError."""
         with self._lock:
-            if self._message is None:
-                self._message = from_bytes(bytes(self._cdr or b""), self.channel.type)
-            return self._message
+            return self._made()
 
     @property
     def cdr(self) -> memoryview:
-        """The message in CDR: encoded by the first who asks, on any thread, and shared by all."""
+        """The message in CDR: encoded when it is first read, on any thread, and shared by all."""
         with self._lock:
             if self._cdr is None:
-                self._cdr = encode(self._message)
+                self._cdr = encode(self._made())
             return self._cdr
+
+    def caught_up(self) -> Reading:
+        """Return a reading, of this one's time, with all that a channel's messages have built up."""
+        catch_up = self.channel.catch_up
+        assert catch_up is not None
+        return Reading(self.channel, None, self.time_ns, self.tick, make=lambda: catch_up(None)[0])
+
+    def _made(self) -> Any:
+        if self._message is None:
+            made = self._make
+            self._message = made() if made else from_bytes(bytes(self._cdr or b""), self.channel.type)
+        return self._message
 
 
 Sink = Callable[[Reading], object]
@@ -55,20 +73,20 @@ Sink = Callable[[Reading], object]
 
 
 class Readings(Protocol):
-    """Whatever hands out readings to bridges: a live simulator's feed, or a recording that is played."""
+    """A source of readings for bridges: a live simulator's feed, or a recording that is played."""
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return what somebody needs who comes later to a latched channel."""
+        """Return what a sink needs that comes late to a latched channel."""
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Tell a sink the simulated time [ns] at each period of it; return what ends that."""
+        """Give a sink the simulated time [ns] at each period of it; return what ends that."""
 
 
 class Feed:
-    """The channels of a live simulator for several sinks. A channel is read while somebody listens to it."""
+    """The channels of a live simulator for several sinks. A channel is read while it has a sink."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -79,27 +97,30 @@ class Feed:
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Hand each reading of a channel to a sink from now on; return what ends that.
 
-        Whoever comes later to a latched channel gets the newest reading at once, on its own thread. Raises
-        NotRunningError.
+        A latched channel's newest reading comes at once, on the thread that calls; a channel without a rate is read
+        when its first sink comes, and any channel while the simulator is paused. Raises NotRunningError.
         """
         with self._lock:
             tap = self._taps.get(channel.name)
             if tap is None:
                 tap = self._taps[channel.name] = _Tap(self._live, channel, self._fresh)
-            newest = tap.late()
+            is_read_anew = not tap.sinks and channel.rate_hz is None
+            newest = None if is_read_anew else tap.late()
             tap.sinks = (*tap.sinks, sink)
-            if len(tap.sinks) == 1:
-                try:
+            try:
+                if len(tap.sinks) == 1:
                     tap.open()
-                except RuntimeError:
-                    tap.sinks = ()
-                    raise
+                elif newest is None and self._live.paused:
+                    tap.read_once(sink)
+            except RuntimeError:
+                tap.sinks = tap.sinks[:-1]
+                raise
         if newest is not None:
             sink(newest)
         return lambda: self._leave(tap, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return what somebody needs who comes later to a latched channel: all so far, if its messages build up."""
+        """Return what a sink needs that comes late to a latched channel: all so far, if its messages build up."""
         with self._lock:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
@@ -109,7 +130,7 @@ class Feed:
         self._fresh[reading.channel.name] = reading
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Tell a sink the simulated time [ns] at each period of it; return what ends that. Raises NotRunningError."""
+        """Give a sink the simulated time [ns] at each period of it; return what ends that. Raises NotRunningError."""
         return self._live.every(period_s, lambda sim: sim.time_ns, sink).cancel
 
     def _leave(self, tap: _Tap, sink: Sink) -> None:
@@ -133,19 +154,31 @@ class _Tap:
         self._is_first = True
 
     def open(self) -> None:
-        """Begin to read. A channel without a rate is read once."""
+        """Begin to read."""
         self._is_first = True  # while paused, a reading of this tick may be older than the commands since
         if self._channel.rate_hz is not None:
             self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
-        elif self.newest is None:
-            self._live.read(self._read).add_done_callback(self._take_once)
+        else:
+            self.read_once(self._hand_on)
+
+    def read_once(self, sink: Sink) -> None:
+        """Read now, for a sink that would wait long for the next reading."""
+
+        def take(done: Future[Reading | None]) -> None:
+            error = done.exception()
+            reading = done.result() if error is None else None
+            if error is not None:
+                logger.error("channel '%s': %s", self._channel.name, error)
+            elif reading is not None:
+                sink(reading)
+
+        self._is_first = True
+        self._live.read(self._read).add_done_callback(take)
 
     def late(self) -> Reading | None:
-        """Return what those need who come later."""
-        newest, channel = self.newest, self._channel
-        if newest is None or channel.catch_up is None:
-            return newest
-        return Reading(channel, channel.catch_up(None)[0], newest.time_ns, newest.tick)
+        """Return what a sink needs that comes later."""
+        newest = self.newest
+        return newest if newest is None or self._channel.catch_up is None else newest.caught_up()
 
     def close(self) -> None:
         """Read no more."""
@@ -160,13 +193,6 @@ class _Tap:
             return shared
         message = self._channel.read(sim)
         return None if message is None else Reading(self._channel, message, sim.time_ns, sim.tick)
-
-    def _take_once(self, done: Future[Reading | None]) -> None:
-        error = done.exception()
-        if error is None:
-            self._hand_on(done.result())
-        else:
-            logger.error("channel '%s': %s", self._channel.name, error)
 
     def _hand_on(self, reading: Reading | None) -> None:
         if reading is None:

@@ -17,13 +17,18 @@ RATE_HZ = 50.0
 CLOCK_HZ = 100.0
 
 
+def clock_channel() -> Channel:
+    """Return /clock."""
+    return Channel(
+        "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ,
+        read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
+    )  # fmt: skip
+
+
 def common_channels(sources: Sequence[Source]) -> list[Channel]:
     """Return the channels of all vehicles together."""
     return [
-        Channel(
-            "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ,
-            read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
-        ),
+        clock_channel(),
         Channel(
             "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles, sonar heads, cameras that turn or follow",
             rate_hz=RATE_HZ, over_link=True, read=lambda sim: _moving(sources, sim),

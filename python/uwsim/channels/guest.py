@@ -13,7 +13,7 @@ CatchUp = Callable[[Any], tuple[Any, Any]]
 
 @dataclass(frozen=True)
 class GuestTopic:
-    """A topic that a guest publishes. latched: whoever comes later gets the newest message at once."""
+    """A topic that a guest publishes. latched: a late subscriber gets the newest message at once."""
 
     name: str
     type: str
@@ -45,10 +45,10 @@ class Node(Protocol):
         """Offer these topics, instead of those before."""
 
     def is_wanted(self, name: str) -> bool:
-        """Return whether anybody subscribes to a topic."""
+        """Return whether a topic has subscribers."""
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether somebody was ready for the last message of a topic, or there has been none."""
+        """Return whether a subscriber was ready for the last message of a topic, or there has been none."""
 
     def silence_s(self, client: str) -> float:
         """Return for how long [s] nothing at all has come from a client, answers to pings included."""

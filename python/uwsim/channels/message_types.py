@@ -75,7 +75,7 @@ NEWEST_ONLY = frozenset(
         "octomap_msgs/msg/OctomapWithPose",
     }
 )
-"""Large messages, of which a slow reader wants the newest one and not the last ten."""
+"""Large messages, of which a slow reader gets the newest one and not the last ten."""
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # ROS 2's only field of a message without fields

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,26 +36,42 @@ ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "pub
 
 
 class Table:
-    """The channels and services of a simulator, which share its newest pings, pictures and map."""
+    """The channels and services of one simulator, which share its newest pings, pictures and maps.
+
+    Made once by whatever serves, records or replays, and handed to all that need a part of it. wire: "published" is
+    that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin is in the odom frame,
+    (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics and frames. may_wait:
+    whether the steps may wait for pictures; if not, those that are late are left out. truth: whether /telemetry carries
+    the true position. Raises ValueError.
+
+    channels, services: what clients see. A link replaces them by those that cross it, a recorder by those that it
+    listens to.
+    """
 
     def __init__(
         self,
         sim: Simulator,
-        origin_m: NDArray[np.float64],
-        may_wait: Callable[[], bool] = lambda: True,
         *,
+        wire: Wire = "both",
+        origin: str | Sequence[float] = "world",
+        may_wait: Callable[[], bool] = lambda: True,
         truth: bool = True,
     ) -> None:
         self.truth = truth
-        self.origin_m = origin_m
+        self.origin_m = checked_wire(wire, origin)
         alone = len(sim.scenario.vehicles) == 1
-        self.sources = [Source(entry, "" if alone else f"{entry.name}/", origin_m) for entry in sim.scenario.vehicles]
+        self.sources = [
+            Source(entry, "" if alone else f"{entry.name}/", self.origin_m) for entry in sim.scenario.vehicles
+        ]
         self.pictures = Pictures(may_wait)
         self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
         self.maps = {
             source.name: PingMap(source, self.pings[source.name]) for source in self.sources if source.has_sonar
         }
         self.steering = {source.name: Steering(source) for source in self.sources}
+        self.channels: list[Channel] = self._published(sim) if wire != "standard" else []
+        self.channels += self._standard(sim) if wire != "published" else []
+        self.services: list[Service] = self._services(sim)
 
     def look_anew(self) -> None:
         """Forget the newest pings and pictures: a recording begins with its own. On the simulator's thread."""
@@ -68,7 +84,7 @@ class Table:
         """Whether a map has been begun."""
         return any(ping_map.is_begun for ping_map in self.maps.values())
 
-    def published(self, sim: Simulator) -> list[Channel]:
+    def _published(self, sim: Simulator) -> list[Channel]:
         """Return the wire of the paper's simulator."""
         found = station_picture(self.pictures, sim)
         for source in self.sources:
@@ -76,7 +92,7 @@ class Table:
             found += over_link(source, published_channels(source, sim, pings, self.pictures, steering))
         return found
 
-    def standard(self, sim: Simulator) -> list[Channel]:
+    def _standard(self, sim: Simulator) -> list[Channel]:
         """Return ROS's usual topics."""
         found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
         for source in self.sources:
@@ -96,8 +112,7 @@ class Table:
             found += self.maps[source.name].channels()
         return found
 
-    def services(self, sim: Simulator) -> list[Service]:
-        """Return all services."""
+    def _services(self, sim: Simulator) -> list[Service]:
         found = simulation_services() + parameter_services()
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
@@ -106,7 +121,7 @@ class Table:
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels, of which those that go over the link say nothing while the vehicle is cut off."""
+    """Return a vehicle's channels; those that go over the link are silent while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)
@@ -117,50 +132,34 @@ def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
     ]
 
 
-_TABLES: WeakKeyDictionary[Simulator, Table] = WeakKeyDictionary()
-
-
-def channels(
-    sim: Simulator,
-    *,
-    wire: Wire = "both",
-    origin: str | Sequence[float] = "world",
-    may_wait: Callable[[], bool] = lambda: True,
-    truth: bool = True,
-) -> list[Channel]:
-    """Return everything that a simulator's vehicles say and hear; see the Channel.
-
-    wire: "published" is that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin
-    is in the odom frame, (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics
-    and frames. may_wait: whether the steps may wait for pictures; if not, those that are late are left out. truth:
-    whether /telemetry tells the true position. Raises ValueError.
-    """
-    origin_m = checked_wire(wire, origin)
-    table = _TABLES[sim] = Table(sim, origin_m, may_wait, truth=truth)
-    found = table.published(sim) if wire != "standard" else []
-    return found + (table.standard(sim) if wire != "published" else [])
+def channels(sim: Simulator, **options: Any) -> list[Channel]:
+    """Return everything that a simulator's vehicles publish and receive; see the Channel. options: of a Table."""
+    return Table(sim, **options).channels
 
 
 def services(sim: Simulator) -> list[Service]:
-    """Return everything that can be asked of a simulator. Those of maps and cameras act on its last `channels`."""
-    return table_of(sim).services(sim)
+    """Return everything that can be requested of a simulator, from a table of their own.
 
-
-def table_of(sim: Simulator) -> Table:
-    """Return the table of the last `channels` of a simulator, for those who need its parts."""
-    if sim not in _TABLES:
-        _TABLES[sim] = Table(sim, _origin_m("world"))
-    return _TABLES[sim]
+    To save the maps, or set the pictures, of given channels, take both from one Table; this warns (FutureWarning).
+    """
+    warnings.warn(
+        "services(sim): of a table of their own, whose maps and pictures no channels share: "
+        "make one uwsim.channels.Table(sim), and use its channels and its services",
+        FutureWarning,
+        stacklevel=2,
+    )
+    return Table(sim).services
 
 
 def checked_wire(wire: str, origin: str | Sequence[float]) -> NDArray[np.float64]:
-    """Return the origin in metres; raises ValueError for a wire or an origin that there is not."""
+    """Return the origin in metres. Raises ValueError for an unknown wire or origin."""
     if wire not in ("standard", "published", "both"):
         raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
-    return _origin_m(origin)
+    return checked_origin(origin)
 
 
-def _origin_m(origin: str | Sequence[float]) -> NDArray[np.float64]:
+def checked_origin(origin: str | Sequence[float]) -> NDArray[np.float64]:
+    """Return an origin in metres (3,). Raises ValueError."""
     if isinstance(origin, str):
         if origin not in ORIGINS:
             raise ValueError(f"origin = {origin!r}: must be (x, y, z) in metres or one of {', '.join(ORIGINS)}")

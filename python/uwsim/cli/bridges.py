@@ -103,11 +103,12 @@ class Bridges:
         *,
         live: LiveSimulator | None = None,
         services: Sequence[Service] = (),
+        origin: str = "world",
         access: Mapping[str, Any] = MappingProxyType({}),
     ) -> list[str]:
         """Open the bridges, to be closed with the stack; return their addresses, for the greeting.
 
-        access: who may connect, from `uwsim.cli.access`.
+        origin: of odom, as of a Table. access: who may connect, from `uwsim.cli.access`.
         """
         said = []
         if self._ros1:
@@ -122,6 +123,6 @@ class Bridges:
         if self._foxglove_port is not None:
             from uwsim.bridges.foxglove import FoxgloveServer
 
-            app = FoxgloveServer(live, channels, services, port=self._foxglove_port, feed=feed, **access)
+            app = FoxgloveServer(live, channels, services, port=self._foxglove_port, feed=feed, origin=origin, **access)
             said.append(f"Foxglove at {stack.enter_context(app).url}")
         return said

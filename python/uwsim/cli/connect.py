@@ -39,7 +39,7 @@ def connect(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeClient
-    from uwsim.channels import channels, diagnostics_channel, services
+    from uwsim.channels import Table, diagnostics_channel
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
@@ -50,22 +50,21 @@ def connect(
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
-    said = channels(
+    table = Table(
         simulator,
         wire=wire,  # type: ignore[arg-type]  # checked there
         origin=origin,
         may_wait=lambda: live.speed == "max",  # on the wall clock, the pace has priority
     )
     if wire != "published":
-        said.append(diagnostics_channel(live))
+        table.channels.append(diagnostics_channel(live))
     with live, ExitStack() as sinks:
-        asked = services(simulator)
         if simulator.link is not None:
             from uwsim.link import Carrier
 
-            carrier = sinks.enter_context(Carrier(live, said))
-            said, asked = carrier.channels, carrier.over(asked)
+            carrier = sinks.enter_context(Carrier(live, table))
+            table.channels, table.services = carrier.channels, carrier.over(table.services)
         sinks.enter_context(
-            RosbridgeClient(live, url, channels=said, services=asked, ros=ros)  # type: ignore[arg-type]
+            RosbridgeClient(live, url, channels=table.channels, services=table.services, ros=ros)  # type: ignore[arg-type]
         )
         run_until_interrupted(live, f"{scenario} to {url}")

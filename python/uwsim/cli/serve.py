@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -15,8 +15,7 @@ from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
-    from uwsim.channels import Channel
-    from uwsim.station.running import Running
+    from uwsim.channels import Table
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
 Wire = Annotated[
@@ -85,6 +84,7 @@ def serve(
 
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.feed import Feed
+    from uwsim.channels.served import served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator import Simulator
@@ -98,52 +98,45 @@ def serve(
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
-        hub = None
+        feed = Feed(live)
+
+        def record_from(table: Table) -> None:
+            """Begin to record what a table's clients see, if a recording was requested."""
+            if record is not None:
+                from uwsim.recording import Recorder
+
+                recorder = Recorder(live, record, topics=record_topic or None, shared=table, feed=feed)
+                table.channels = recorder.hear(table.channels)
+                sinks.enter_context(recorder)
+
+        options: dict[str, Any] = {"port": port, "ros": ros, **accessible}
         if station:
             from uwsim.admission import has_token
             from uwsim.station import Site, Station
 
-            hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]
-        server = RosbridgeServer(
-            None if hub else live,
-            port=port,
-            ros=ros,  # type: ignore[arg-type]  # checked there
-            wire=wire,  # type: ignore[arg-type]
-            origin=origin,
-            guests=[hub] if hub else [],
-            site=Site(hub, lambda request: token is None or has_token(request, token)) if hub else None,
-            **accessible,
-        )
-
-        def recorded(channels: list[Channel]) -> list[Channel]:
-            """Start recording, if requested; return the channels for clients."""
-            if record is None:
-                return channels
-            from uwsim.recording import Recorder
-
-            recorder = Recorder(live, record, topics=record_topic or None, shared=channels, feed=feed)
-            heard = recorder.hear(channels)
-            sinks.enter_context(recorder)
-            return heard
-
-        def record_station(running: Running) -> None:
-            running.channels = recorded(running.channels)
-
-        feed = Feed(live)
-        if hub is None:
+            hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+            site = Site(hub, lambda request: token is None or has_token(request, token))
+            server = sinks.enter_context(RosbridgeServer(None, guests=[hub], site=site, **options))
+            sinks.enter_context(hub.serving(server.show))
+            hub.run(lambda: live, lambda running: record_from(running.table), feed)
+            places = [f"{scenario} at {server.url}", f"the station's page at {page_url(server.url, token)}"]
+            shown = hub.present().table
+        else:
+            shown = served_table(live, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+            server = RosbridgeServer(live, channels=(), feed=feed, **options)  # refuses bad ones before a file is made
             if simulator.link is not None:
                 from uwsim.link import Carrier
 
-                carrier = sinks.enter_context(Carrier(live, server.channels))
-                server.channels, server.services = carrier.channels, carrier.over(server.services)
-            server.channels = recorded(server.channels)
-        greeting = [f"{scenario} at {sinks.enter_context(server).url}"]
-        if hub is not None:
-            sinks.enter_context(hub.serving(server.show))
-            hub.run(lambda: live, record_station)
-            greeting.append(f"the station's page at {page_url(server.url, token)}")
-        greeting += bridges.join(sinks, server.channels, feed, live=live, services=server.services, access=accessible)
-        run_until_interrupted(live, ", ".join(greeting))
+                carrier = sinks.enter_context(Carrier(live, shown))
+                shown.channels, shown.services = carrier.channels, carrier.over(shown.services)
+            record_from(shown)
+            server.channels, server.services = shown.channels, shown.services
+            sinks.enter_context(server)
+            places = [f"{scenario} at {server.url}"]
+        places += bridges.join(
+            sinks, shown.channels, feed, live=live, services=shown.services, origin=origin, access=accessible
+        )
+        run_until_interrupted(live, ", ".join(places))
 
 
 def page_url(server_url: str, token: str | None) -> str:

@@ -73,15 +73,16 @@ def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
     """
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.map import PLACED
+    from uwsim.channels.served import served_table
     from uwsim.link import Carrier
     from uwsim.link.ashore import with_scans
     from uwsim.live import LiveSimulator
 
     with ExitStack() as ends:
         live = ends.enter_context(LiveSimulator(simulator))
-        server = RosbridgeServer(live, port=0)
+        table = served_table(live)
         if simulator.link is not None:
             shown = ("telemetry", PLACED) if simulator.link.modem.kind == "modem" else None
-            carrier = ends.enter_context(Carrier(live, server.channels, only=shown))
-            server.channels, server.services = with_scans(carrier.channels), carrier.over(server.services)
-        yield ends.enter_context(server)
+            carrier = ends.enter_context(Carrier(live, table, only=shown))
+            table.channels, table.services = with_scans(carrier.channels), carrier.over(table.services)
+        yield ends.enter_context(RosbridgeServer(live, channels=table.channels, services=table.services))

@@ -32,7 +32,7 @@ from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.simulator import Simulator
 
 if TYPE_CHECKING:
-    from uwsim.channels import Channel
+    from uwsim.channels import Table
     from uwsim.link import Carrier
 
 AUTOSAVE_S = 30.0
@@ -229,7 +229,7 @@ class _Flight:
         self.saved: SavedFlight | None = None
         self._repeating = False
         self._maker: MapMaker | None = None
-        self._channels: list[Channel] | None = None
+        self._table: Table | None = None
 
     def run(self, record: Path | None = None, topics: tuple[str, ...] | None = None) -> FlightRecord:
         """Fly, write the results whatever happened, and raise what the mission raised."""
@@ -264,13 +264,13 @@ class _Flight:
             raise unwritten
         return flown
 
-    def _said(self) -> list[Channel]:
+    def _table_of_channels(self) -> Table:
         """Return the simulator's channels, the same for recorder and link."""
-        from uwsim.channels import channels
+        from uwsim.channels import Table
 
-        if self._channels is None:
-            self._channels = channels(self._sim)
-        return self._channels
+        if self._table is None:
+            self._table = Table(self._sim)
+        return self._table
 
     def _carrier(self) -> Carrier | None:
         """Begin to tell the station what the vehicles say, if the scenario has a link."""
@@ -278,16 +278,16 @@ class _Flight:
             return None
         from uwsim.link import Carrier
 
-        return Carrier(self._sim, self._said()).start()
+        return Carrier(self._sim, self._table_of_channels()).start()
 
     def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
         if record is None:
             return None
         from uwsim.recording.recorder import MAP_TYPE, Recorder  # here, since recording formats take long to import
 
-        said = self._said()
-        costly = [c.name for c in said if c.late or c.type == MAP_TYPE] if topics is None else []
-        return Recorder(self._sim, record, topics=topics, without=costly, shared=said).start()
+        table = self._table_of_channels()
+        costly = [c.name for c in table.channels if c.late or c.type == MAP_TYPE] if topics is None else []
+        return Recorder(self._sim, record, topics=topics, without=costly, shared=table).start()
 
     def _flown(self, began_s: float) -> FlightRecord:
         sim = self._sim

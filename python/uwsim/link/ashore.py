@@ -14,7 +14,7 @@ from uwsim.channels import Channel, build
 from uwsim.channels.map import PLACED, PUBLISH_NS, PingMap, binary, empty_map
 from uwsim.channels.pings import Pings
 from uwsim.channels.source import Source
-from uwsim.channels.table import table_of
+from uwsim.channels.table import Table
 from uwsim.link.carried import Carried
 from uwsim.network import STATION, Network
 from uwsim.simulator import Simulator
@@ -140,11 +140,13 @@ def _scan_reader(placed: Channel, frame_id: str) -> Callable[[Simulator], Any]:
 
 
 def maps_ashore(
-    sim: Simulator, channels: Iterable[Channel], carried: dict[str, Carried], looked_for: LookedFor | None = None
+    table: Table,
+    network: Network,
+    channels: Iterable[Channel],
+    carried: dict[str, Carried],
+    looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return channels whose maps are made ashore, as are those that services save; none without pings."""
-    network, table = sim.link, table_of(sim)
-    assert network is not None
+    """Return channels whose maps are made ashore, as are those that the table's services save; none without pings."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from uwsim.agenda import Rank
-from uwsim.channels import Channel, Service
+from uwsim.channels import Channel, Service, Table
 from uwsim.did_you_mean import did_you_mean
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
@@ -40,23 +40,23 @@ logger = logging.getLogger("uwsim.link")
 class Carrier:
     """Both ends of a simulator's link.
 
-        with LiveSimulator("lake", ...) as live, Carrier(live, channels) as carrier:
-            server.channels = carrier.channels
+        with LiveSimulator("lake", ...) as live, Carrier(live, table) as carrier:
+            table.channels, table.services = carrier.channels, carrier.over(table.services)
 
-    simulator: live, or one that its owner steps. channels: as `uwsim.channels.channels` returns them. All that is sent
-    is a command of the log, so that a replay sends the same; what arrives is unpacked from what was carried. Over a
-    modem every channel that the scenario names is sent at a rate that the modem has room for (`rates`); over a cable or
-    the ideal link, what somebody listens to. A picture is sent when somebody has looked since the one before. only: how
-    the names end of what vehicles may say, where the scenario does not choose by `carries`.
+    simulator: live, or one that its owner steps. table: of all its channels. All that is sent is a command of the log,
+    so that a replay sends the same; what arrives is unpacked from what was carried. Over a modem every channel that the
+    scenario names is sent at a rate that the modem has room for (`rates`); over a cable or the ideal link, what is
+    read at the station. A picture is sent when it has been read there since the one before. only: how the names end of
+    what vehicles may send, where the scenario does not choose by `carries`.
     """
 
     def __init__(
-        self, simulator: LiveSimulator | Simulator, channels: Iterable[Channel], *, only: Iterable[str] | None = None
+        self, simulator: LiveSimulator | Simulator, table: Table, *, only: Iterable[str] | None = None
     ) -> None:
         live = Offline(simulator) if isinstance(simulator, Simulator) else simulator
         self._live: LiveSimulator = live  # type: ignore[assignment]  # of which it has all that is used here
         sim = live.simulator
-        given = _chosen(channels, sim, only)
+        given = _chosen(table.channels, sim, only)
         network = sim.link
         if network is None or sim.scenario.link is None:
             raise ValueError("link: the scenario has none, or it is of kind 'none'")
@@ -68,7 +68,7 @@ class Carrier:
         self.rates: dict[str, float] = {}
         self.channels = [
             self._heard(channel) if channel.direction == "in" else channel
-            for channel in seen_channels(sim, given, self.look_for)
+            for channel in seen_channels(sim, table, given, self.look_for)
         ]
         self._sim = sim
         self._turns: list[Turn] = []

@@ -8,6 +8,7 @@ from typing import Any
 
 from uwsim.channels import Channel
 from uwsim.channels.own_types import LINK
+from uwsim.channels.table import Table
 from uwsim.link.ashore import LookedFor, maps_ashore
 from uwsim.link.carried import Carried, carried_channels
 from uwsim.link.status import status_channels
@@ -18,20 +19,22 @@ MODEM_HZ, QUICK_HZ = 20.0, 100.0
 """How often the station looks for what has arrived, in simulated time: it is seen up to one period later."""
 
 
-def seen_channels(sim: Simulator, channels: Iterable[Channel], looked_for: LookedFor | None = None) -> list[Channel]:
-    """Return the channels as the station has them: what goes over the link is what has arrived.
+def seen_channels(
+    sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
+) -> list[Channel]:
+    """Return a table's channels as the station has them: what goes over the link is what has arrived.
 
-    Channels that could go over the link, but do not, are not seen at all; maps are made ashore. What is read depends on
-    the simulator's state alone, so that a replay reads the same. looked_for: is told of each look for a channel's
-    messages.
+    Channels that could go over the link, but do not, are not seen at all; maps are made ashore, the table's own, too.
+    What is read depends on the simulator's state alone, so that a replay reads the same. given: some of the table's
+    channels, by default all. looked_for: called with each look for a channel's messages.
     """
     network = sim.link
-    given = list(channels)
+    given = list(table.channels if given is None else given)
     if network is None:
         return given
     carried = {one.channel.name: one for one in carried_channels(given, sim)}
     seen = []
-    for channel in maps_ashore(sim, given, carried, looked_for):
+    for channel in maps_ashore(table, network, given, carried, looked_for):
         one = carried.get(channel.name)
         if one is not None:
             seen.append(_seen(one, network, looked_for) if channel.direction == "out" else channel)

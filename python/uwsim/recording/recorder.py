@@ -15,12 +15,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
-from weakref import WeakMethod
 
 from uwsim.arguments import plain
-from uwsim.channels import Channel, channels
+from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed, Reading
-from uwsim.channels.table import table_of
 from uwsim.link import is_seen
 from uwsim.live import LiveSimulator
 from uwsim.recording.bag_sink import BagSink
@@ -50,10 +48,10 @@ class Recorder:
     path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
     are recorded, and that are not, such as "camera/*". By default all are; of a survey all but pictures and what
     follows from its pings (FROM_PINGS, and the map), which readers get nevertheless, see Recording.derived.
-    shared: what the simulator's last `uwsim.channels.channels` gave to a server, so that pings and pictures are made
-    once for both; by default channels of its own. feed: of other sinks, such as a node of ROS 2, which then get the
-    recorder's readings with their bytes instead of taking their own. kind: LIVE or SURVEY. written: channels that only
-    `write` gives messages to. notes: plain values for the metadata.
+    shared: the table of a server, so that pings and pictures are made once for both; by default one of its own. feed:
+    of other sinks, such as a node of ROS 2, which then get the recorder's readings with their bytes instead of taking
+    their own. kind: LIVE or SURVEY. written: channels that only `write` gives messages to. notes: plain values for the
+    metadata.
 
     Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
     does not fit into the queue (queue_bytes) is left out, counted in `dropped` and said. Flat out the steps wait
@@ -67,7 +65,7 @@ class Recorder:
         *,
         topics: Sequence[str] | None = None,
         without: Sequence[str] = (),
-        shared: Iterable[Channel] | None = None,
+        shared: Table | None = None,
         feed: Feed | None = None,
         kind: str = LIVE,
         written: Sequence[Channel] = (),
@@ -89,20 +87,19 @@ class Recorder:
         self._written = list(written)
         self._patterns = topics, without
         self._lock = threading.Lock()
-        self._channels = self._chosen(shared, topics, without)
+        self._table = Table(self._sim, may_wait=self._may_wait) if shared is None else shared
+        self._channels = self._chosen(topics, without)
         self._watch: Watch | None = None
         self._queue: WritingQueue | None = None
         self._sink: Sink | None = None
         self._commands = Channel(COMMANDS, "std_msgs/msg/String", "out", "each command with its tick, as JSON")
 
-    def _chosen(
-        self, shared: Iterable[Channel] | None, topics: Sequence[str] | None, without: Sequence[str]
-    ) -> list[Channel]:
-        given = channels(self._sim, may_wait=self._weak_may_wait()) if shared is None else list(shared)
+    def _chosen(self, topics: Sequence[str] | None, without: Sequence[str]) -> list[Channel]:
+        given = self._table.channels
         self._through_link = is_seen(self._sim, given)
         said = [channel for channel in given if channel.direction == "out"]
         if self._kind == LIVE:
-            said += [ping_channel(pings) for pings in table_of(self._sim).pings.values()]
+            said += [ping_channel(pings) for pings in self._table.pings.values()]
         elif topics is None:
             said = [channel for channel in said if not self._follows(channel)]
         names = [channel.name for channel in said] + [channel.name for channel in given if channel.direction == "in"]
@@ -115,7 +112,7 @@ class Recorder:
 
     def _follows(self, channel: Channel) -> bool:
         """Whether a survey's channel follows from its pings or, as pictures do, from the rest."""
-        from_pings = {table_of(self._sim).sources[0].topic(name) for name in FROM_PINGS}
+        from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         return channel.late or channel.type == MAP_TYPE or channel.name in from_pings
 
     def _is_chosen(self, channel: Channel) -> bool:
@@ -125,16 +122,6 @@ class Recorder:
     def _may_wait(self) -> bool:
         """Whether the steps may wait for the recording: always, except on the wall clock."""
         return self._live is None or self._live.speed == "max"
-
-    def _weak_may_wait(self) -> Callable[[], bool]:
-        """Return _may_wait for the simulator's table, which lives as long as that: it must not keep it alive."""
-        known = WeakMethod(self._may_wait)
-
-        def may_wait() -> bool:
-            asked = known()
-            return asked is None or asked()
-
-        return may_wait
 
     def start(self) -> Self:
         """Create the file and record from now on; return itself. Raises OSError, ValueError."""
@@ -211,7 +198,7 @@ class Recorder:
         return function(self._sim)
 
     def _begin(self, sim: Simulator) -> None:
-        table_of(sim).look_anew()  # a replay knows nothing from before
+        self._table.look_anew()  # a replay knows nothing from before
         self._sink = self._new_sink(sim)
         self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):
@@ -259,10 +246,10 @@ class Recorder:
             "seed": str(sim.seed),
             "step_s": repr(sim.step_s),
             "tick": str(sim.tick),
-            "origin": json.dumps(table_of(sim).origin_m.tolist()),
-            "streams": json.dumps({key: asdict(stream) for key, stream in table_of(sim).pictures.streams.items()}),
-            "map_is_older": json.dumps(table_of(sim).has_map),
-            "truth": json.dumps(table_of(sim).truth),
+            "origin": json.dumps(self._table.origin_m.tolist()),
+            "streams": json.dumps({key: asdict(stream) for key, stream in self._table.pictures.streams.items()}),
+            "map_is_older": json.dumps(self._table.has_map),
+            "truth": json.dumps(self._table.truth),
             "through_link": json.dumps(self._through_link),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),

@@ -11,12 +11,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from uwsim.channels import Channel, channels
+from uwsim.channels import Channel, Table
 from uwsim.channels.cdr import encode
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
-from uwsim.channels.table import table_of
 from uwsim.journal import JUMPS
 from uwsim.link import seen_channels
 from uwsim.live.commands import bound_command
@@ -92,14 +91,14 @@ def replay(
     )
 
 
-def give(sim: Simulator, command: Command) -> None:
+def give(sim: Simulator, table: Table, command: Command) -> None:
     """Give a recorded command to a simulator at its present tick. Raises ValueError."""
     try:
         if command.name in JUMPS:
             getattr(sim, command.name)(**command.arguments)
         elif command.name == SET_STREAM:
             arguments = dict(command.arguments)
-            table_of(sim).pictures.set_stream(arguments.pop("key"), Stream(**arguments))
+            table.pictures.set_stream(arguments.pop("key"), Stream(**arguments))
         else:
             bound_command(command.name, command.arguments)(sim)
     except (KeyError, TypeError) as error:  # of arguments that a recorder never wrote
@@ -119,14 +118,15 @@ class _Replay:
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
-        known = channels(sim, origin=start.origin, truth=start.truth)
+        self._table = table = Table(sim, origin=start.origin, truth=start.truth)
+        known = table.channels
         pictures = [channel for channel in known if channel.late]
         if start.through_link:
-            known = seen_channels(sim, known)
+            known = seen_channels(sim, table)
         for key, stream in start.streams.items():
-            table_of(sim).pictures.set_stream(key, stream)
+            table.pictures.set_stream(key, stream)
         if not self._is_survey:  # a survey pings by a clock of its own: its pings are made anew when they were recorded
-            known += [ping_channel(pings) for pings in table_of(sim).pings.values()]
+            known = known + [ping_channel(pings) for pings in table.pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
         unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # it holds pings from before the recording
         on_wall_clock = recording.was_on_wall_clock
@@ -138,7 +138,7 @@ class _Replay:
         self._late = {channel.name for channel in chosen if channel.late and on_wall_clock}
         self._may_lack = bool(recording.dropped) or not recording.complete
         late = recording.messages(*self._late) if self._late else ()
-        self._moments = Moments(sim, pictures, table_of(sim).pictures, (one for one in late if one.time_ns >= from_ns))
+        self._moments = Moments(sim, pictures, table.pictures, (one for one in late if one.time_ns >= from_ns))
         watched = [channel for channel in chosen if channel.name not in self._late]
         self._watch = Watch(sim, watched, self._take, self._jumped)
 
@@ -193,7 +193,7 @@ class _Replay:
         self._advance(command.tick)
         self.result.commands += 1
         try:
-            give(self._sim, command)
+            give(self._sim, self._table, command)
         except ValueError as error:
             raise ValueError(f"recording '{self._recording.path}': tick {command.tick}: {error}") from None
         self._moments.again()

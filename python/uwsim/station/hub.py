@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from uwsim.channels import Channel, Service
+from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.own_types import STATION_STATE
 from uwsim.channels.table import Wire, checked_wire
@@ -24,7 +25,7 @@ from uwsim.station.running import Running
 from uwsim.station.saves import go_on_with_maps, load_saved, saved_names
 from uwsim.station.services import Services
 
-Show = Callable[[LiveSimulator | None, list[Channel], list[Service]], None]
+Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None], None]
 
 
 class Station:
@@ -65,7 +66,7 @@ class Station:
         self._options: dict[str, Any] = {"truth": truth, "wire": wire, "origin": origin}
         self._threads = threads
         self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
-        self._show: Show = lambda live, channels, services: None
+        self._show: Show = lambda live, channels, services, feed: None
         self.phase = "starting" if is_fixed else "idle"  # idle shows the start screen
         self.session = 0
         self._numbers = itertools.count(1)
@@ -143,23 +144,26 @@ class Station:
             raise ChoiceError({"saved": " ".join(str(error).split())}) from None
 
     def run(
-        self, make: Callable[[], LiveSimulator], prepare: Callable[[Running], object] = lambda running: None
+        self,
+        make: Callable[[], LiveSimulator],
+        prepare: Callable[[Running], object] = lambda running: None,
+        feed: Feed | None = None,
     ) -> None:
         """Run the simulator that `make` makes, instead of the present one, which runs on until then.
 
-        prepare: what is to be done when its channels are there and before its map begins to grow.
+        prepare: called when its channels are there and before its map begins to grow. feed: shared with other sinks.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
         before, running = self.phase, None
         try:
             self._enter("starting")
-            running = Running(make(), self.node, self._pulse.stir, **self._options)
+            running = Running(make(), self.node, self._pulse.stir, feed=feed, **self._options)
             prepare(running)
             self._leave_present()
             self.node.offer_topics(self._topics(running))
             running.start()
-            self._show(running.live, running.channels, running.services)
+            self._show(running.live, running.table.channels, running.table.services, running.feed)
             self.running = running
             self.session = next(self._numbers)
             before = "running"
@@ -198,7 +202,7 @@ class Station:
     def _leave_present(self) -> None:
         if self.running is not None:
             running, self.running = self.running, None
-            self._show(None, [], [])
+            self._show(None, [], [], None)
             running.stop()
 
     def _enter(self, phase: str) -> None:

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from uwsim.channels import services
+from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.map import PLACED
 from uwsim.channels.own_types import MAP_CHANGES
-from uwsim.channels.served import served_channels
+from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
-from uwsim.channels.table import Wire, table_of
+from uwsim.channels.table import Wire
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
 from uwsim.live import COMMANDS, LiveSimulator
@@ -57,19 +57,19 @@ class Running:
         wire: Wire,
         origin: str | Sequence[float],
         truth: bool,
+        feed: Feed | None = None,
     ) -> None:
         sim = live.simulator
         self.live = live
+        self.feed = feed or Feed(live)
         self.truth = truth
-        self.channels = served_channels(live, wire=wire, origin=origin, truth=truth)
-        self.services = services(sim)
-        self.table = table_of(sim)
+        self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
-        self.carrier = None if sim.link is None else Carrier(live, self.channels, only=SHOWN if over_modem else None)
+        self.carrier = None if sim.link is None else Carrier(live, table, only=SHOWN if over_modem else None)
         self.maps = self.table.maps  # over a link, those that are made ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
         if self.carrier is not None:
-            self.channels, self.services = with_scans(self.carrier.channels), self.carrier.over(self.services)
+            table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
         self.helm = Helm(self.far, self.table.steering)
         self.scene = Scene(sim, self.table.sources)
         self.views = Views(live, self.table, node, stir, over_link=sim.link is not None, truth=truth)
@@ -117,10 +117,10 @@ class Running:
             raise ValueError(f"{self.recorder.path.name} is being recorded already")
         kept = [
             channel.name
-            for channel in self.channels
+            for channel in self.table.channels
             if channel.direction == "out" and not channel.late and channel.type not in (MAP_TYPE, MAP_CHANGES)
         ]
-        self.recorder = Recorder(self.live, path, topics=kept, shared=self.channels).start()
+        self.recorder = Recorder(self.live, path, topics=kept, shared=self.table, feed=self.feed).start()
 
     def stop_recording(self) -> Path | None:
         """Finish the recording; return its path, or None if there is none. Raises OSError."""
@@ -133,7 +133,7 @@ class Running:
     def describe(self) -> Values:
         """Return what `/station/describe` says, but the session."""
         sim = self.live.simulator
-        scenario, optional = sim.parameters.scenario, {channel.name for channel in self.channels}
+        scenario, optional = sim.parameters.scenario, {channel.name for channel in self.table.channels}
         return {
             "scenario": scenario.name,
             "description": " ".join(scenario.description.split()),

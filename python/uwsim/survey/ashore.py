@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from typing import Any
 
-from uwsim.channels import channels
+from uwsim.channels import Table
 from uwsim.channels.map import PLACED
 from uwsim.link import Carrier
 from uwsim.link.ashore import placed_points
@@ -27,13 +27,14 @@ class Ashore:
     def __init__(self, sim: Simulator, saved: dict[str, Any] | None = None) -> None:
         assert sim.link is not None
         self._sim, self._network = sim, sim.link
-        given = channels(sim)
-        named = {one.channel.name: one for one in carried_channels(given, sim) if one.vehicle == sim.rov.name}
+        table = Table(sim)
+        carried = carried_channels(table.channels, sim)
+        named = {one.channel.name: one for one in carried if one.vehicle == sim.rov.name}
         self._ping = next((one for name, one in named.items() if name.endswith(PLACED)), None)
         self._reach_m = sim.rov.sonar.model.range_max_m
         self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
         self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns
-        self._carrier = Carrier(sim, given, only=TOLD)
+        self._carrier = Carrier(sim, table, only=TOLD)
         self._seen = [one for one in self._carrier.channels if one.name.endswith(TOLD)]
         self._carrier.start(saved["carrier"] if saved else None)
 

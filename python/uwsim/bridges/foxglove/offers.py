@@ -1,18 +1,19 @@
-"""What clients may subscribe to: the simulator's channels in CDR, and scenes; and to whom each is sent."""
+"""Offers: the simulator's channels in CDR, and scenes, by number; and the clients that each is sent to."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from foxglove.messages import SceneUpdate
 
+from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Offer
 from uwsim.bridges.foxglove.shows import Show
 from uwsim.channels import Channel
 from uwsim.channels.cdr import schema
-from uwsim.channels.feed import Reading, Readings
+from uwsim.channels.feed import Reading
 from uwsim.channels.outgoing import Line, Outgoing, queue_of
 
 Sinks = tuple[tuple[Outbox, int], ...]
@@ -22,13 +23,12 @@ Sinks = tuple[tuple[Outbox, int], ...]
 class Offers:
     """The topics by number. All is called on the network's thread, but `send`."""
 
-    def __init__(self, channels: Iterable[Channel], feed: Readings, outgoing: Outgoing) -> None:
-        self._feed, self._outgoing = feed, outgoing
-        self._channels = {channel.name: channel for channel in channels if channel.direction == "out"}
+    def __init__(self, bridge: Bridge, outgoing: Outgoing) -> None:
+        self._bridge, self._outgoing = bridge, outgoing
+        self._channels = bridge.outputs
         self._shows: dict[str, Show] = {}
         self._lines = {name: Line(name, queue_of(channel.type)) for name, channel in self._channels.items()}
         self._sinks: dict[str, Sinks] = {}  # replaced as a whole, for another thread reads them
-        self._ends: dict[str, Callable[[], None]] = {}
         self.offers: list[Offer] = []
 
     def complete(self, shows: Sequence[Show]) -> None:
@@ -41,7 +41,7 @@ class Offers:
         self.offers = found
 
     def subscribe(self, offer_id: int, outbox: Outbox, number: int) -> None:
-        """Send a topic to a client; whoever comes late to a latched one gets its newest message."""
+        """Send a topic to a client; one that comes late to a latched topic gets its newest message."""
         name = self._name(offer_id)
         before = self._sinks.get(name, ())
         self._sinks[name] = (*before, (outbox, number))
@@ -49,7 +49,7 @@ class Offers:
             if name in self._shows:
                 self._shows[name].begin(lambda time_ns, data: outbox.put((number, time_ns, data), builds_up=True))
             elif not before:
-                self._ends[name] = self._feed.listen(self._channels[name], self._queue)
+                self._bridge.listen(name)
             elif self._channels[name].latched:
                 self._outgoing.offer(Line(name, 1), partial(self._catch_up, name, outbox, number))
         except Exception:
@@ -57,24 +57,22 @@ class Offers:
             raise
 
     def unsubscribe(self, offer_id: int, outbox: Outbox) -> None:
-        """Send it no more; a topic that nobody wants is not read."""
+        """Send it no more; a topic without subscribers is not read."""
         name = self._name(offer_id)
         left = tuple(sink for sink in self._sinks.get(name, ()) if sink[0] is not outbox)
         self._sinks[name] = left
         if not left and name in self._shows:
             self._shows[name].end()
-        elif not left and name in self._ends:
-            self._ends.pop(name)()
+        elif not left:
+            self._bridge.leave(name)
 
     def close(self) -> None:
-        """Read nothing more."""
-        for name in list(self._ends):
-            self._ends.pop(name)()
+        """Make no more scenes."""
         for show in self._shows.values():
             show.end()
 
     def send(self, name: str, time_ns: int, data: bytes) -> None:
-        """Queue a message for all who subscribe to its topic. On any thread."""
+        """Queue a message for all subscribers of its topic. On any thread."""
         builds_up = name in self._shows
         for outbox, number in self._sinks.get(name, ()):
             outbox.put((number, time_ns, data), builds_up=builds_up)
@@ -84,7 +82,7 @@ class Offers:
             raise ValueError(f"channel {offer_id}: there is none")
         return self.offers[offer_id - 1].name
 
-    def _queue(self, reading: Reading) -> None:
+    def queue(self, reading: Reading) -> None:
         """Take a reading, on the simulator's thread; it is encoded on another."""
         name = reading.channel.name
 
@@ -95,7 +93,7 @@ class Offers:
         self._outgoing.offer(self._lines[name], write)
 
     def _catch_up(self, name: str, outbox: Outbox, number: int) -> bool:
-        newest = self._feed.newest(self._channels[name])
+        newest = self._bridge.feed.newest(self._channels[name])
         if newest is not None:
             outbox.put((number, newest.time_ns, bytes(newest.cdr)))
         return newest is not None

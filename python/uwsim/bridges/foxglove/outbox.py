@@ -10,6 +10,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
+from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 
 REPLIES = 1000
@@ -19,7 +20,6 @@ MESSAGES_BYTES = 16 << 20
 ALL_BYTES = 256 << 20
 OVERHEAD = 200  # bytes that an entry of a queue takes besides its content
 
-Frame = str | bytes
 Message = tuple[int, int, bytes]
 """Subscription, time [ns], content: the content is shared by all clients that get it."""
 
@@ -68,7 +68,7 @@ class _Queue:
 
 
 class Outbox:
-    """A client's queues. Its methods may be called on any thread, and nobody waits.
+    """A client's queues. Its methods may be called on any thread, and do not wait.
 
     wake: called when there is something to send; give_up: with the reason, when too much waits. dropped: messages that
     gave way to newer ones.

@@ -63,7 +63,7 @@ def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
 
 
 class Tracks:
-    """Where vehicles have been since somebody first looked, in the world frame."""
+    """Where vehicles have been since the first subscription, in the world frame."""
 
     def __init__(self) -> None:
         self._positions: dict[str, list[Position]] = {}
@@ -126,7 +126,7 @@ class MapBlocks:
         return SceneUpdate(deletions=deletions, entities=self._entities(touched, reading))
 
     def whole(self) -> SceneUpdate | None:
-        """Return all blocks, for somebody who has none."""
+        """Return all blocks, for a client that has none."""
         if self._newest is None:
             return None
         deletions = [SceneEntityDeletion(type=SceneEntityDeletionType.All)]

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 from uwsim.bridges.foxglove.outbox import Outbox
 from uwsim.bridges.foxglove.protocol import Call
 from uwsim.channels import Channel
+
+if TYPE_CHECKING:
+    from uwsim.bridges.foxglove.server import FoxgloveServer
 
 LISTS_MAX = 1000  # entries of one frame's list, and topics and channels of one client
 TEXT_BYTES_MAX = 1 << 17  # of a frame in JSON: an app's lists, with schemas, take some 10 kB
@@ -21,44 +26,28 @@ NAME_MAX = 200
 logger = logging.getLogger("uwsim.foxglove")
 
 
-class Server(Protocol):
-    """What a session needs of the server; all is called on the network's thread."""
-
-    @property
-    def heard(self) -> str:
-        """The topics that the simulator hears, for messages of errors."""
-
-    def subscribe(self, session: Session, offer_id: int) -> None:
-        """Send a topic's messages to a session. Raises ValueError for an unknown topic."""
-
-    def unsubscribe(self, session: Session, offer_id: int) -> None:
-        """Send no more of them."""
-
-    def input(self, topic: str) -> Channel | None:
-        """Return what hears a topic."""
-
-    def apply(self, channel: Channel, encoding: str, data: bytes) -> None:
-        """Give a command. Raises ValueError, RuntimeError."""
-
-    def leave(self, channel: Channel) -> None:
-        """Take note that a session gives no more commands on a channel."""
-
-    def call(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
-        """Call a service, and reply later. Raises ValueError."""
-
-
 class Session:
     """A client. subscriptions: its own numbers, by those of topics."""
 
-    def __init__(self, server: Server, outbox: Outbox) -> None:
+    def __init__(self, server: FoxgloveServer, outbox: Outbox) -> None:
         self._server = server
         self.outbox = outbox
         self.subscriptions: dict[int, int] = {}
-        self.advertised: dict[int, tuple[Channel, str] | None] = {}  # None: it was said what is wrong with it
+        self.advertised: dict[int, tuple[Channel, str] | None] = {}  # None: with an error that was reported
         self._open_calls = 0
 
-    def receive(self, frame: str | bytes) -> None:
-        """Do what a frame asks for. What is wrong with it is said by a status; raises nothing."""
+    async def take(self, frame: Frame) -> float:
+        """Do what a frame requests; return the seconds of work."""
+        begun_s = time.thread_time()  # of this thread: not while others have the core
+        self.receive(frame)
+        return time.thread_time() - begun_s
+
+    async def next_frame(self) -> tuple[Frame | None, float | None]:
+        """Return what is to be sent next, or None."""
+        return self.outbox.take(), None
+
+    def receive(self, frame: Frame) -> None:
+        """Do what a frame requests. Errors go to the client by a status; raises nothing."""
         try:
             if isinstance(frame, str):
                 if len(frame) > TEXT_BYTES_MAX:
@@ -78,7 +67,7 @@ class Session:
         self.outbox.reply(protocol.status(level, text))
 
     def close(self) -> None:
-        """Leave: nothing is sent any more, and what commands gave way to is told."""
+        """Leave: nothing is sent any more, and the channels of its commands are relinquished."""
         self.outbox.close()
         for offer_id in list(self.subscriptions):
             self._server.unsubscribe(self, offer_id)
@@ -111,11 +100,11 @@ class Session:
             raise ValueError(f"channel {received.channel_id}: you have not advertised it")
         found = self.advertised[received.channel_id]
         if found is None:
-            return  # what is wrong with it was said when it was advertised
+            return  # its error was reported when it was advertised
         channel, encoding = found
         try:
             _check_size(received.data)
-            self._server.apply(channel, encoding, received.data)
+            self._server.command(channel, encoding, received.data)
         except (ValueError, RuntimeError) as error:
             self.complain(f"/{channel.name}: {error}")
 
@@ -144,7 +133,7 @@ class Session:
         if number in self.advertised or len(self.advertised) >= LISTS_MAX:
             raise ValueError(f"channel {number}: it is advertised, or {LISTS_MAX} are, which is the most")
         self.advertised[number] = None
-        target = self._server.input(topic.lstrip("/"))
+        target = self._server.inputs.get(topic.lstrip("/"))
         if target is None:
             raise ValueError(f"topic '{topic}': the simulator does not hear it; it hears {self._server.heard}")
         if encoding not in protocol.ENCODINGS:
@@ -158,7 +147,7 @@ class Session:
             raise ValueError(f"channel {number}: you have not advertised it")
         found = self.advertised.pop(number)
         if found is not None:
-            self._server.leave(found[0])
+            self._server.relinquish(found[0])
 
     def _call(self, call: Call) -> None:
         def reply(frame: str | bytes) -> None:
@@ -171,7 +160,7 @@ class Session:
                 raise ValueError(f"encoding = '{call.encoding}': must be json")
             if self._open_calls >= CALLS_MAX:
                 raise ValueError(f"{CALLS_MAX} calls are not answered yet, which is the most")
-            self._server.call(call, reply)
+            self._server.answer(call, reply)
             self._open_calls += 1
         except (ValueError, RuntimeError) as error:
             self.outbox.reply(protocol.call_failure(call, str(error)))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 from foxglove.messages import SceneUpdate
 
-from uwsim.bridges.foxglove.places import Follow, Leave, told_places, true_places
+from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, told_places, true_places
 from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Readings
@@ -20,11 +20,11 @@ WAITING = 64  # updates: each builds on those before, so that none may be lost t
 Send = Callable[[int, bytes], object]
 """Sends a message of a simulated time [ns]."""
 SendAll = Callable[[str, int, bytes], object]
-"""Sends a topic's message to all who subscribe to it."""
+"""Sends a topic's message to all its subscribers."""
 
 
 class Show:
-    """One topic of scenes. begin: somebody subscribes, first or later; end: nobody does any more."""
+    """One topic of scenes. begin: a client subscribes, first or later; end: the last one has left."""
 
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
@@ -52,7 +52,7 @@ class Show:
 
 
 class StillShow(Show):
-    """A scene that does not change: made once, sent to each who comes."""
+    """A scene that does not change: made once, sent to each subscriber."""
 
     def __init__(
         self,
@@ -78,7 +78,7 @@ class StillShow(Show):
 
 
 class TrackShow(Show):
-    """The vehicles' tracks since somebody first looked."""
+    """The vehicles' tracks since the first subscription."""
 
     def __init__(
         self, outgoing: Outgoing, send: SendAll, live: LiveSimulator, listen: Callable[[Follow], Leave]
@@ -137,13 +137,18 @@ class MapShow(Show):
 
 def shows_of(
     live: LiveSimulator | None,
-    channels: Sequence[Channel],
+    channels: Iterable[Channel],
     feed: Readings,
     outgoing: Outgoing,
     send: SendAll,
+    origin_m: Vector = ORIGIN_M,
 ) -> list[Show]:
-    """Return the shows of a simulator; without one, those that follow from the channels alone."""
-    found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, send)
+    """Return the shows of a simulator; without one, those that follow from the channels alone.
+
+    origin_m: where the world's origin is in odom (3,).
+    """
+    channels = list(channels)
+    found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, send, origin_m)
     for channel in channels:
         if channel.name.rpartition("/")[2] == "map_changes":
             prefix = channel.name.removesuffix("map_changes")
@@ -152,13 +157,19 @@ def shows_of(
 
 
 def _shows_of_world(
-    live: LiveSimulator, channels: Sequence[Channel], feed: Readings, outgoing: Outgoing, send: SendAll
+    live: LiveSimulator,
+    channels: Sequence[Channel],
+    feed: Readings,
+    outgoing: Outgoing,
+    send: SendAll,
+    origin_m: Vector,
 ) -> list[Show]:
     scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
+    places = told_places(live, channels, feed, origin_m) if has_link else true_places(live)
     frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
     return [
         StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),
         StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
-        TrackShow(outgoing, send, live, told_places(live, channels, feed) if has_link else true_places(live)),
+        TrackShow(outgoing, send, live, places),
     ]

@@ -26,13 +26,13 @@ from uwsim.channels.scans import cloud
 Publish = Callable[[Any], None]
 STRING, FLOATS, POSE = "std_msgs/msg/String", "misc/msg/floatarray", "geometry_msgs/msg/Pose"
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
-MODEL = 2  # of the sonar, until modelTrigger says another
+MODEL = 2  # of the sonar, until modelTrigger chooses another
 INSERTED = "octomap_node/inserted"
 SAVE_S = 1.0  # at least, between two savings
 
 
 class Clock:
-    """The newest simulated time that a node has been told."""
+    """The newest simulated time that a node has received."""
 
     def __init__(self, node: Node) -> None:
         self.stamp = default_message("builtin_interfaces/msg/Time")
@@ -43,7 +43,7 @@ class Clock:
 
 
 class Model:
-    """The sonar's model, as modelTrigger says it."""
+    """The sonar's model, as modelTrigger chooses it."""
 
     def __init__(self, node: Node) -> None:
         self.number = MODEL

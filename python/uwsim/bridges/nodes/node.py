@@ -25,8 +25,8 @@ class Node:
     """A client of a rosbridge server that speaks ROS 1's spelling, as every rosbridge understands it.
 
     Messages come in CBOR and leave in JSON, which all servers take: there a range without echo, infinite, becomes null
-    and is NaN for whoever reads it, which is no echo as well. queue: how many messages of a topic may wait; the oldest
-    give way. finish: what is to be done at the end. complain: is told what the server says is wrong. Publishing and
+    and is NaN for a reader, which is no echo as well. queue: how many messages of a topic may wait; the oldest
+    give way. finish: called at the end. complain: called with errors that the server reports. Publishing and
     calling are allowed on any thread. Raises OSError if the server cannot be reached.
     """
 

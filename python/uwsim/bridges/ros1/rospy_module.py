@@ -20,7 +20,7 @@ def load_rospy() -> Any:
     """Return the module rospy. Raises ValueError if it is not there, or of another Python.
 
     Its folder goes to the end of the path, so that the environment's own packages come first. Unless ROS_IP or
-    ROS_HOSTNAME says otherwise, what rospy opens is open to this machine alone.
+    ROS_HOSTNAME is set, what rospy opens is open to this machine alone.
     """
     if find_spec("rospy") is None:
         if not (DEBIAN / "rospy").is_dir():

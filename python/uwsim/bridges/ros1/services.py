@@ -8,50 +8,45 @@ import struct
 from functools import cache
 from typing import Any
 
+from uwsim.bridges.answers import outcome
+from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros1.raw_types import raw_type
-from uwsim.channels import Service
-from uwsim.live import LiveSimulator
+from uwsim.channels import Service, require_live
 
 TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 CHECKSUMS = {TRIGGER: "937c9679a518e3a18d831e57125ea522", SET_BOOL: "09fb03525b03e7ea1fd3992bafd87e16"}
 ANSWER_TEXT = "bool success\nstring message\n"
 
 
-def offer_service(rospy: Any, live: LiveSimulator, service: Service) -> Any:
-    """Offer a service to ROS; returns what keeps it: a rospy.Service or a Subscriber."""
+def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
+    """Offer a service to ROS, called on rospy's threads; return what keeps it: a rospy.Service or a Subscriber."""
+    name, live = f"/{service.name}", require_live(bridge.live)
+
+    def answer(request: Any) -> Any:
+        arguments = {"data": request.on} if service.type == SET_BOOL else {}
+        succeeded, found = outcome(lambda: service.call(live, arguments), bridge.log)
+        values = found if succeeded else {"success": False, "message": found}
+        return _parts(service.type)[2](bool(values["success"]), str(values.get("message", "")))
+
+    def report(received: Any) -> None:
+        succeeded, found = outcome(lambda: service.call(live, _request(received.data)), bridge.log)
+        if succeeded:
+            rospy.loginfo(f"{name}: {json.dumps(found, default=str)}")
+        else:
+            rospy.logwarn(f"{name}: {found}")
+
     if service.type in CHECKSUMS:
-        return rospy.Service(
-            "/" + service.name, _service_class(service.type), lambda request: _serve(live, service, request)
-        )
-    return rospy.Subscriber(
-        "/" + service.name, raw_type("std_msgs/msg/String"), lambda received: _call(rospy, live, service, received.data)
-    )
+        return rospy.Service(name, _parts(service.type)[0], answer)
+    return rospy.Subscriber(name, raw_type("std_msgs/msg/String"), report)
 
 
-def _serve(live: LiveSimulator, service: Service, request: Any) -> Any:
-    _, _, answer = _parts(service.type)
-    arguments = {"data": request.on} if service.type == SET_BOOL else {}
-    try:
-        found = service.call(live, arguments)
-    except (ValueError, RuntimeError) as error:
-        found = {"success": False, "message": str(error)}
-    return answer(bool(found["success"]), str(found.get("message", "")))
-
-
-def _call(rospy: Any, live: LiveSimulator, service: Service, data: bytes) -> None:
-    """Call a service by a std_msgs/String that holds its request in JSON; the answer is said on /rosout."""
-    try:
-        text = data[4:].decode()
-        request = json.loads(text or "{}")
-        if not isinstance(request, dict):
-            raise ValueError(f"data = {text!r:.60}: must be an object in JSON")
-        rospy.loginfo(f"/{service.name}: {json.dumps(service.call(live, request), default=str)}")
-    except (ValueError, RuntimeError) as error:
-        rospy.logwarn(f"/{service.name}: {error}")
-
-
-def _service_class(kind: str) -> type:
-    return _parts(kind)[0]
+def _request(data: bytes) -> dict[str, Any]:
+    """Return the request that a std_msgs/String holds in JSON. Raises ValueError."""
+    text = data[4:].decode()
+    request = json.loads(text or "{}")
+    if not isinstance(request, dict):
+        raise ValueError(f"data = {text!r:.60}: must be an object in JSON")
+    return request
 
 
 @cache

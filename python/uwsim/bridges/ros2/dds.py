@@ -126,7 +126,7 @@ class Participant:
         return Events(self._participant)
 
     def close(self) -> None:
-        """Leave the domain; other participants are told."""
+        """Leave the domain; other participants learn of it."""
         if not self._is_closed:
             self._is_closed = True
             _delete(self._participant)
@@ -157,7 +157,7 @@ class RawWriter:
         return bool(_dds_write(self._writer._ref, ctypes.addressof(sample)) >= 0)
 
     def readers(self) -> int:
-        """Return how many readers match now. This also ends the event that told of a change."""
+        """Return how many readers match now. This also clears the event of the change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
 

@@ -1,4 +1,4 @@
-"""What ROS 2 tells of itself over DDS: names of topics, the node and its endpoints, hashes of types."""
+"""ROS 2's graph as DDS carries it: names of topics, the node and its endpoints, hashes of types."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def dds_name(topic: str) -> str:
 
 
 def endpoint_data(type_name: str, distro: Distro) -> bytes:
-    """Return the user data of an endpoint: Jazzy's tells the type's hash."""
+    """Return the user data of an endpoint: Jazzy's has the type's hash."""
     return b"" if distro == "humble" else f"typehash={schema(type_name, distro).type_hash};".encode()
 
 

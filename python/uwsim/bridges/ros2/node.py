@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Sequence
-from types import TracebackType
-from typing import Any, Self
+from collections.abc import Sequence
+from typing import Any
 
+from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.ros2.dds import Participant, RawReader, RawWriter
 from uwsim.bridges.ros2.graph import (
     ENTITIES,
@@ -20,33 +20,33 @@ from uwsim.bridges.ros2.graph import (
 from uwsim.bridges.ros2.parameter_topic import parameter_channel
 from uwsim.bridges.ros2.qos import DEPTH, reader_qos, writer_qos
 from uwsim.bridges.ros2.rosout import LOG, LOG_DEPTH, LOG_TOPIC, WARN, log_message
-from uwsim.bridges.ros2.service_topics import ServiceTopics
+from uwsim.bridges.ros2.service_topics import service_channels
 from uwsim.bridges.ros2.settings import Ros2Settings
-from uwsim.channels import Channel, Service, keep_up, require_live
+from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.cdr import encode, is_as_in_jazzy
-from uwsim.channels.feed import Feed, Reading, Readings
+from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import from_bytes
 from uwsim.channels.outgoing import Line, Outgoing, queue_of
-from uwsim.live import LiveSimulator, NotRunningError
+from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
 LOOK_S = 0.5  # between two looks at whether to end, if nothing happens
-PAUSE_S = 0.001  # between two takes: so nobody's flood takes the whole processor
-COMMAND_BYTES_MAX = 1 << 20
-
-logger = logging.getLogger("uwsim.ros2")
+PAUSE_S = 0.001  # between two takes: so that no flood takes the whole processor
+OPEN_CALLS_MAX = 100
 
 
-class Ros2Node:
+class Ros2Node(Bridge):
     """The node /uwsim, whose topics are the channels of a live simulator, and topics in place of its services.
 
-        with LiveSimulator("lake") as live, Ros2Node(live, channels(live.simulator), services(live.simulator)):
-            ...
+        with LiveSimulator("lake") as live:
+            table = Table(live.simulator)
+            with Ros2Node(live, table.channels, table.services):
+                ...
 
-    A channel is read while somebody subscribes to it. Messages are encoded and written on a thread, commands are
-    received on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the
-    feed of a recording, to which nobody can say anything. Raises ValueError for settings and names that ROS 2 does not
-    allow, OSError if the domain cannot be joined.
+    A channel is read while a node subscribes to it. Messages are encoded and written on a thread, commands are received
+    on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the feed of
+    a recording, which takes no commands. Raises ValueError for settings and names that ROS 2 does not allow, OSError if
+    the domain cannot be joined.
     """
 
     def __init__(
@@ -59,17 +59,17 @@ class Ros2Node:
         feed: Readings | None = None,
     ) -> None:
         self.settings = settings or Ros2Settings()
-        self._calls = ServiceTopics(services, self._say)
-        self._reliable = [] if live is None else [*self._calls.channels, parameter_channel(self._say)]
+        self._reliable: list[Channel] = []
+        if live is not None:
+            self._reliable = [*service_channels(services, self.call, self._say), parameter_channel(self._say)]
         self.channels = [*channels, *self._reliable]
-        self._live = live
-        self._feed = feed or Feed(require_live(live))
-        self._lines: dict[RawWriter, tuple[Channel, Line]] = {}
-        self._inputs: dict[RawReader, Channel] = {}
-        self._ends: dict[RawWriter, Callable[[], None]] = {}
-        self._stopping = threading.Event()
         for channel in self.channels:
             dds_name(channel.name)
+        super().__init__("ros2", live, self.channels, services, feed, open_calls=OPEN_CALLS_MAX)
+        self._writers: dict[str, RawWriter] = {}
+        self._lines: dict[str, Line] = {}
+        self._sources: dict[RawWriter | RawReader, Channel] = {}
+        self._stopping = threading.Event()
         self._participant = Participant(self.settings, PARTICIPANT_DATA)
         self._outgoing = Outgoing("uwsim-ros2-write")
         self._events = self._participant.wait_set()
@@ -77,7 +77,7 @@ class Ros2Node:
         self._log_line = Line(LOG_TOPIC, LOG_DEPTH)
         for channel in self.channels:
             self._join(channel)
-        self._going_on = keep_up(live, self.channels)
+        self.keep_up()
         self._tell_graph()
         self._thread = threading.Thread(target=self._listen, name="uwsim-ros2-read", daemon=True)
         self._thread.start()
@@ -85,47 +85,35 @@ class Ros2Node:
     @property
     def dropped(self) -> dict[str, int]:
         """How many messages of each topic gave way to newer ones, since the network did not take them in time."""
-        return {channel.name: line.dropped for channel, line in self._lines.values() if line.dropped}
+        return {name: line.dropped for name, line in self._lines.items() if line.dropped}
 
     @property
     def written(self) -> dict[str, int]:
         """How many messages of each topic were written."""
-        return {channel.name: line.written for channel, line in self._lines.values() if line.written}
+        return {name: line.written for name, line in self._lines.items() if line.written}
 
-    def close(self) -> None:
-        """Leave ROS 2: other nodes are told, and both threads end."""
-        if self._stopping.is_set():
-            return
-        self._stopping.set()
-        for end in self._ends.values():
-            end()
-        for subscription in self._going_on:
-            subscription.cancel()
-        self._calls.close()
-        self._events.wake()
-        self._thread.join(5.0)
-        self._outgoing.close()
-        self._participant.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close."""
-        self.close()
+    def close(self) -> bool:
+        """Leave ROS 2: other nodes learn of it, and both threads end."""
+        was_open = super().close()
+        if was_open:
+            self._stopping.set()
+            self._events.wake()
+            self._thread.join(5.0)
+            self._outgoing.close()
+            self._participant.close()
+        return was_open
 
     def _join(self, channel: Channel) -> None:
+        source: RawWriter | RawReader
         if channel.direction == "out":
-            writer = self._writer(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
-            self._lines[writer] = channel, Line(channel.name, queue_of(channel.type))
-            self._events.attach(writer)
+            source = self._writer(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
+            self._writers[channel.name] = source
+            self._lines[channel.name] = Line(channel.name, queue_of(channel.type))
         else:
             qos = reader_qos(DEPTH, reliable=channel in self._reliable, user_data=self._data(channel.type))
-            reader = self._participant.reader(dds_name(channel.name), channel.type, qos)
-            self._inputs[reader] = channel
-            self._events.attach(reader)
+            source = self._participant.reader(dds_name(channel.name), channel.type, qos)
+        self._sources[source] = channel
+        self._events.attach(source)
 
     def _writer(self, name: str, type_name: str, depth: int, latched: bool) -> RawWriter:
         qos = writer_qos(depth, latched=latched, user_data=self._data(type_name))
@@ -135,64 +123,50 @@ class Ros2Node:
         return endpoint_data(type_name, self.settings.distro)
 
     def _tell_graph(self) -> None:
-        """Publish which endpoints are the node's. DDS hands it to whoever comes later."""
+        """Publish which endpoints are the node's; DDS hands this to participants that come later."""
         distro = self.settings.distro
         qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
-        readers = [reader.guid for reader in self._inputs]
-        writers = [self._log.guid, *(writer.guid for writer in self._lines)]
+        readers = [source.guid for source in self._sources if isinstance(source, RawReader)]
+        writers = [self._log.guid, *(writer.guid for writer in self._writers.values())]
         info = entities_info(distro, self._participant.guid, NAME, readers, writers)
         self._graph.write(encode(info, distro))
 
     def _listen(self) -> None:
-        """Receive commands, and notice who begins or ends to subscribe."""
+        """Receive commands, and notice subscribers that come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
                 if isinstance(source, RawWriter):
-                    self._demand(source)
+                    self._notice_readers(self._sources[source], source.readers())
                 else:
-                    self._receive(source)
+                    for data in source.take(DEPTH):
+                        self.receive(self._sources[source], data, from_bytes)
             self._stopping.wait(PAUSE_S)
 
-    def _demand(self, writer: RawWriter) -> None:
-        """Begin or end to read a channel. What builds on earlier messages is said anew to whoever comes later."""
-        channel, _ = self._lines[writer]
-        count = writer.readers()
-        if count and writer not in self._ends:
-            try:
-                self._ends[writer] = self._feed.listen(channel, lambda reading: self._send(writer, reading))
-            except NotRunningError:
-                logger.warning("topic '%s': the simulator does not run", channel.name)
-        elif count and channel.catch_up is not None:
-            newest = self._feed.newest(channel)
+    def _notice_readers(self, channel: Channel, count: int) -> None:
+        """Begin or end to read a channel. A late reader gets all that the messages of a channel have built up."""
+        was_read = self.is_read(channel.name)
+        self.demand(channel.name, count > 0)
+        if count and was_read and channel.catch_up is not None:
+            newest = self.feed.newest(channel)
             if newest is not None:
-                self._send(writer, newest)
-        elif not count and writer in self._ends:
-            self._ends.pop(writer)()
+                self.take(newest)
 
-    def _send(self, writer: RawWriter, reading: Reading) -> None:
+    def take(self, reading: Reading) -> None:
         """Queue a reading, on the simulator's thread."""
-        channel, line = self._lines[writer]
-        distro = self.settings.distro
-        if is_as_in_jazzy(channel.type, distro):
-            self._outgoing.offer(line, lambda: writer.write(reading.cdr))
+        name, distro = reading.channel.name, self.settings.distro
+        writer = self._writers[name]
+        if is_as_in_jazzy(reading.channel.type, distro):
+            self._outgoing.offer(self._lines[name], lambda: writer.write(reading.cdr))
         else:
-            self._outgoing.offer(line, lambda: writer.write(encode(reading.message, distro)))
+            self._outgoing.offer(self._lines[name], lambda: writer.write(encode(reading.message, distro)))
 
-    def _receive(self, reader: RawReader) -> None:
-        channel = self._inputs[reader]
-        for data in reader.take(DEPTH):
-            try:
-                if len(data) > COMMAND_BYTES_MAX:
-                    raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
-                channel.apply(require_live(self._live), from_bytes(data, channel.type))
-            except (ValueError, RuntimeError) as error:
-                self._say(WARN, f"/{channel.name}: {error}")
-            except Exception:
-                logger.exception("topic '%s': a message could not be applied", channel.name)
+    def refuse(self, reason: str) -> None:
+        """Report on /rosout."""
+        self._say(WARN, reason)
 
     def _say(self, level: int, text: str) -> None:
-        """Say something on /rosout and in our own log."""
-        logger.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
-        message: Any = log_message(require_live(self._live).simulator.time_ns, NAME, level, text)
+        """Report on /rosout and in our own log."""
+        self.log.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
+        message: Any = log_message(require_live(self.live).simulator.time_ns, NAME, level, text)
         self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

@@ -18,7 +18,7 @@ FIELDS = {  # of rcl_interfaces/ParameterValue, by rcl_interfaces/ParameterType
 
 
 def parameter_channel(say: Say) -> Channel:
-    """Return the channel. say: tells whether the parameter was set."""
+    """Return the channel. say: reports whether the parameter was set."""
 
     def apply(live: LiveSimulator, message: Any) -> None:
         value = value_of(message.value)

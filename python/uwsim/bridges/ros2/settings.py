@@ -1,4 +1,4 @@
-"""Where a ROS 2 node joins, and how: distribution, domain, reach; and the same as Cyclone DDS wants to hear it."""
+"""Where a ROS 2 node joins, and how: distribution, domain, reach; and the same as a configuration of Cyclone DDS."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 # The largest packets that UDP carries: a picture in 16 of them costs a third of one in 70.
 LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
 # A reader's socket holds 200 kB unless its host says otherwise, and a cloud overflows it while the host is busy. The
-# heartbeat tells the reader what it misses; every 100 ms, as is usual, would let one cloud in five through.
+# heartbeat shows the reader what it misses; every 100 ms, as is usual, would let one cloud in five through.
 HEARTBEAT = '<HeartbeatInterval min="5ms" minsched="5ms" max="100ms">10ms</HeartbeatInterval>'
-# Nodes that come later are told of us each second, for ever. By default it is every 30 s, and ends after 30 s: those
-# that have not been told to look at this machine would not find us.
+# We announce ourselves each second, for ever. By default it is every 30 s, and ends after 30 s: later nodes that are
+# not configured to look at this machine would not find us.
 ANNOUNCE = "<SPDPInterval>1s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
 # A reader that stops must not stop a writer: its history of ten bounds what is kept, not the bytes.
 NO_THROTTLE = (
@@ -61,7 +61,7 @@ class Ros2Settings:
 
     @property
     def config(self) -> str:
-        """Cyclone DDS's configuration in XML. What CYCLONEDDS_URI says comes after it, and so has the last word."""
+        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI comes after it, and so overrides it."""
         peers = [*self.peers, *(["127.0.0.1"] if self.reach == "localhost" else [])]
         listed = "".join(f'<Peer Address="{peer}"/>' for peer in peers)
         general = (

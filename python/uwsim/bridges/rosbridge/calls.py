@@ -6,9 +6,10 @@ import itertools
 from typing import Any
 
 from uwsim.bridges.rosbridge.encoding import to_json
-from uwsim.bridges.rosbridge.graph import Reply
+from uwsim.bridges.rosbridge.graph import Graph, Reply, plain_name
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.channels.message_types import shortened
 
@@ -33,21 +34,70 @@ class Call:
 
 
 class Calls:
-    """Both kinds. account: of what is kept until the answer comes."""
+    """Both kinds. name: the client's, in the graph. account: of what is kept until the answer comes.
 
-    def __init__(self, limits: Limits, account: Account, outbox: Outbox) -> None:
+    spent_bytes: at most so many the operation that is being performed takes.
+    """
+
+    def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
+        self._graph, self._name, self._names = graph, name, names
         self._limits = limits
         self._account = account
         self._outbox = outbox
+        self.spent_bytes = 0
         self._made: set[Call] = set()
         self._received: dict[str, tuple[str, Reply]] = {}  # callers and their replies, by our id
         self._numbers = itertools.count(1)
+        graph.on_leave.append(self._forget_caller)
 
-    def make(self, response: dict[str, Any], size: int) -> Reply:
-        """Return what answers a call that the client makes. size: bytes of its arguments. Raises ValueError."""
+    def call_service(self, operation: dict[str, Any]) -> None:
+        """Call a service for the client."""
+        name, identity = operation.get("service"), operation.get("id")
+        response: dict[str, Any] = {"op": "service_response"}
+        if identity is not None:
+            response["id"] = identity
+        response["service"] = name if isinstance(name, str) and len(name) <= 256 else shortened(name)
+        reply = self._open(response)
+        arguments = operation.get("args")
+        try:
+            self._graph.call(name, {} if arguments in (None, []) else arguments, reply, self._name)  # type: ignore[arg-type]
+        except ValueError as error:  # not even a name
+            reply(False, str(error))
+
+    def advertise_service(self, operation: dict[str, Any]) -> None:
+        """Let the client offer a service."""
+        name, type_name = operation.get("service"), operation.get("type", "")
+        plain = plain_name(name, "service")
+        if not isinstance(type_name, str) or len(type_name) > 200:
+            raise ValueError(f"type = {shortened(type_name)}: must be the name of a service's type")
+        self._names.check_room()
+
+        def serve(arguments: Any, reply: Reply, caller: str) -> None:
+            self._receive(str(name), arguments, reply, caller)
+
+        self._graph.advertise_service(self._name, plain, type_name, serve)
+        self._names.services.add(plain)
+
+    def unadvertise_service(self, operation: dict[str, Any]) -> None:
+        """Let the client offer a service no longer."""
+        name = plain_name(operation.get("service"), "service")
+        self._names.services.discard(name)
+        self._graph.unadvertise_service(self._name, name)
+
+    def respond(self, operation: dict[str, Any]) -> None:
+        """Pass the client's answer on to the caller. Raises ValueError if none waits for it."""
+        identity = operation.get("id")
+        found = self._received.pop(identity, None) if isinstance(identity, str) else None
+        if found is None:
+            raise ValueError(f"service_response.id = {shortened(identity)}: no such call waits for an answer")
+        self._account.give(CALL_BYTES)
+        found[1](operation.get("result", True) is not False, operation.get("values", {}))
+
+    def _open(self, response: dict[str, Any]) -> Reply:
+        """Return what answers a call that the client makes. Raises ValueError if too many wait."""
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls wait for answers, which is the most")
-        call = Call(self, response, CALL_BYTES + size)
+        call = Call(self, response, CALL_BYTES + self.spent_bytes)
         if not self._account.has_room(call.size):
             raise ValueError("no room to keep the call: too much waits for you, or for all clients")
         self._account.take(call.size)
@@ -65,7 +115,7 @@ class Calls:
             frame = to_json(response | {"values": f"values: {error}", "result": False})
         self._outbox.reply(frame)
 
-    def receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
+    def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
         """Pass a call of one of the client's services on to it. Raises ValueError if too many wait."""
         if len(self._received) >= self._limits.open_calls:
             raise ValueError(f"service '{service}': {self._limits.open_calls} calls wait for its answer")
@@ -75,25 +125,18 @@ class Calls:
         self._account.take(CALL_BYTES)
         self._outbox.reply(frame)
 
-    def respond(self, identity: object, succeeded: bool, values: Any) -> None:
-        """Pass the client's answer on to the caller. Raises ValueError if none waits for it."""
-        found = self._received.pop(identity, None) if isinstance(identity, str) else None
-        if found is None:
-            raise ValueError(f"service_response.id = {shortened(identity)}: no such call waits for an answer")
-        self._account.give(CALL_BYTES)
-        found[1](succeeded, values)
-
-    def forget_caller(self, name: str) -> None:
+    def _forget_caller(self, name: str) -> None:
         """Wait no longer for answers to a client that has left."""
         for identity in [identity for identity, (caller, _) in self._received.items() if caller == name]:
             del self._received[identity]
             self._account.give(CALL_BYTES)
 
-    def close(self, name: str) -> None:
+    def close(self) -> None:
         """Answer all callers that the client has left, and let go of its own calls."""
+        self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply in received.values():
-            reply(False, f"{name}, who offers the service, has left")
+            reply(False, f"{self._name}, who offers the service, has left")
         for call in self._made:
             call.calls = None
         self._made.clear()

@@ -1,9 +1,9 @@
-"""RosbridgeClient: the simulator joins a real ROS graph through somebody's rosbridge_server, as the paper's did.
+"""RosbridgeClient: the simulator joins a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises what it says and the services that it offers, subscribes to what it hears, and does so again whenever the
-connection comes back. Every topic is read at its rate as long as the connection stands: rosbridge does not tell who
-listens. The simulator's thread never waits: readings pass through a bounded queue, whose oldest give way. Where the
-server closes the connection since a message was too large for it, messages of that size are left out from then on.
+It advertises its topics and services, subscribes to those of its commands, and does so again whenever the connection
+comes back. Every topic is read at its rate as long as the connection stands, since rosbridge does not report whether a
+topic has subscribers. The simulator's thread never waits: readings pass through a bounded queue, whose oldest give way.
+Where the server closes the connection because a message was too large, messages of that size are left out afterwards.
 """
 
 from __future__ import annotations
@@ -12,22 +12,21 @@ import asyncio
 import threading
 from collections import deque
 from collections.abc import Iterable
-from concurrent.futures import Future
-from contextlib import suppress
 from functools import partial
-from types import TracebackType
 from typing import Any, Self
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
+from uwsim.bridges.bridge import Bridge
+from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Sample, to_json
-from uwsim.bridges.rosbridge.graph import LOGGER
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels import Channel, Service
+from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import Ros, from_plain, spelled
-from uwsim.live import LiveSimulator, NotRunningError, Subscription
+from uwsim.live import LiveSimulator, NotRunningError
 
 FIRST_WAIT_S = 0.25
 LONGEST_WAIT_S = 10.0
@@ -36,11 +35,11 @@ STOP_S = 5.0
 TOO_LARGE = 1009  # RFC 6455: the code of a connection that was closed by a message of that kind
 
 
-class RosbridgeClient:
+class RosbridgeClient(Bridge):
     """A live simulator at a rosbridge server.
 
-    url: such as "ws://host:9090". channels, services: what it says, hears and offers. ros: whose spelling of types,
-    times and headers the server expects. Raises ValueError.
+    url: such as "ws://host:9090". channels, services: what it publishes, receives and offers. ros: whose spelling of
+    types, times and headers the server expects. feed: shared with other sinks. Raises ValueError.
     """
 
     def __init__(
@@ -52,18 +51,15 @@ class RosbridgeClient:
         services: Iterable[Service] = (),
         ros: Ros = 1,
         limits: Limits | None = None,
+        feed: Readings | None = None,
     ) -> None:
         if not url.startswith(("ws://", "wss://")):
             raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+        super().__init__("rosbridge", live, channels, services, feed)
         self.url = url
-        self._live = live
         self._ros: Ros = ros
         self._limits = limits or Limits(frame_bytes=16 << 20)
-        channels = list(channels)
-        self._said = [channel for channel in channels if channel.direction == "out"]
-        self._heard = {channel.name: channel for channel in channels if channel.direction == "in"}
-        self._services = {service.name: service for service in services}
-        self._waiting: deque[tuple[str, Any]] = deque(maxlen=WAITING)
+        self._waiting: deque[Reading] = deque(maxlen=WAITING)
         self._answers: set[asyncio.Future[None]] = set()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -86,22 +82,18 @@ class RosbridgeClient:
         ready.wait()
         return self
 
-    def stop(self) -> None:
-        """Disconnect and end."""
-        if self._thread is None or self._loop is None:
-            return
-        self._loop.call_soon_threadsafe(self._stopping.set)
-        self._thread.join(STOP_S)
-        self._thread = None
-
     def __enter__(self) -> Self:
         return self.start()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Stop."""
-        self.stop()
+    def close(self) -> bool:
+        """Disconnect and end."""
+        was_open = super().close()
+        if was_open and self._thread is not None and self._loop is not None:
+            post(self._loop, self._stopping.set)
+            self._thread.join(STOP_S)
+        return was_open
+
+    stop = close
 
     async def _run(self, ready: threading.Event) -> None:
         self._loop = asyncio.get_running_loop()
@@ -122,9 +114,9 @@ class RosbridgeClient:
                 ) as connection:
                     wait_s = FIRST_WAIT_S
                     await self._converse(connection)
-                LOGGER.warning("%s: the connection has ended", self.url)
+                self.log.warning("%s: the connection has ended", self.url)
             except (OSError, TimeoutError, ConnectionClosed, InvalidHandshake, InvalidURI) as error:
-                LOGGER.warning("%s: %s; next attempt in %g s", self.url, error or type(error).__name__, wait_s)
+                self.log.warning("%s: %s; next attempt in %g s", self.url, error or type(error).__name__, wait_s)
                 if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == TOO_LARGE:
                     self._refused_bytes = self._largest_sent
             await asyncio.sleep(wait_s)
@@ -133,11 +125,11 @@ class RosbridgeClient:
     async def _converse(self, connection: ClientConnection) -> None:
         for operation in self._introduction():
             await connection.send(to_json(operation))
-        readings = self._read_channels()
+        self._read_channels()
         self.connections += 1
         self._largest_sent = 0
         self.connected.set()
-        LOGGER.info("%s: connected", self.url)
+        self.log.info("%s: connected", self.url)
         writer = asyncio.create_task(self._write(connection))
         try:
             async for frame in connection:
@@ -145,100 +137,89 @@ class RosbridgeClient:
         finally:
             self.connected.clear()
             writer.cancel()
-            for reading in readings:
-                reading.cancel()
+            for name in self.outputs:
+                self.leave(name)
             self._waiting.clear()
             await asyncio.gather(writer, return_exceptions=True)
 
     def _introduction(self) -> Iterable[dict[str, Any]]:
-        for channel in self._said:
+        for channel in self.outputs.values():
             kind = spelled(channel.type, self._ros)
             yield {"op": "advertise", "topic": f"/{channel.name}", "type": kind, "latch": channel.latched}
-        for channel in self._heard.values():
+        for channel in self.inputs.values():
             kind = spelled(channel.type, self._ros)
             yield {"op": "subscribe", "topic": f"/{channel.name}", "type": kind, "queue_length": 1}
-        for service in self._services.values():
+        for service in self.services.values():
             yield {"op": "advertise_service", "service": f"/{service.name}", "type": service.type}
 
-    def _read_channels(self) -> list[Subscription]:
-        readings = []
+    def _read_channels(self) -> None:
         try:
-            for channel in self._said:
-                if channel.rate_hz is None:
-                    self._live.read(channel.read).add_done_callback(partial(self._arrive_once, channel.name))
-                else:
-                    sink = partial(self._arrive, channel.name)
-                    readings.append(self._live.every(1.0 / channel.rate_hz, channel.read, sink))
+            for name in self.outputs:
+                self.listen(name)
         except NotRunningError:
-            LOGGER.warning("the simulator does not run")
-        return readings
+            self.log.warning("the simulator does not run")
 
-    def _arrive_once(self, name: str, done: Future[Any]) -> None:
-        if done.exception() is None:
-            self._arrive(name, done.result())
-        else:
-            LOGGER.error("topic '%s': %s", name, done.exception())
-
-    def _arrive(self, name: str, message: Any) -> None:
+    def take(self, reading: Reading) -> None:
         """Queue a reading, on the simulator's thread."""
-        if message is None or self._loop is None:
-            return
         was_empty = not self._waiting
-        self._waiting.append((name, message))
-        if was_empty and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._wakes.set)
+        self._waiting.append(reading)
+        if was_empty and self._loop is not None:
+            post(self._loop, self._wakes.set)
 
     async def _write(self, connection: ClientConnection) -> None:
         while True:
             while self._waiting:
-                name, message = self._waiting.popleft()
-                await self._send(name, message, connection)
+                await self._send(self._waiting.popleft(), connection)
             self._wakes.clear()
             if not self._waiting:
                 await self._wakes.wait()
 
-    async def _send(self, name: str, message: Any, connection: ClientConnection) -> None:
-        frame = Sample(message).frame(f"/{name}", self._ros, "none")
+    async def _send(self, reading: Reading, connection: ClientConnection) -> None:
+        name = reading.channel.name
+        frame = Sample(reading.message).frame(f"/{name}", self._ros, "none")
         size = len(frame)
         if self._refused_bytes is not None and size >= self._refused_bytes:
             if name not in self._left_out:
                 self._left_out.add(name)
-                LOGGER.warning("%s: topic '%s': messages of %d bytes are too large, left out", self.url, name, size)
+                self.log.warning("%s: topic '%s': messages of %d bytes are too large, left out", self.url, name, size)
             return
         self._largest_sent = max(self._largest_sent, size)
         await connection.send(frame)
         self.sent += 1
 
     def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
-        """Apply what the server sends. What is wrong is logged."""
+        """Act on what the server sends. Errors are logged."""
         try:
             operation = parse(frame, self._limits.nesting)
             if operation.get("op") == "publish":
-                channel = self._heard.get(str(operation.get("topic")).lstrip("/"))
+                channel = self.inputs.get(str(operation.get("topic")).lstrip("/"))
                 if channel is not None:
-                    channel.apply(self._live, from_plain(channel.type, operation.get("msg", {})))
+                    self.apply(channel, from_plain(channel.type, operation.get("msg", {})))
             elif operation.get("op") == "call_service":
                 self._serve(operation, connection)
             elif operation.get("op") == "status":
-                LOGGER.warning("%s says: %s", self.url, str(operation.get("msg"))[:500])
+                self.log.warning("%s says: %s", self.url, str(operation.get("msg"))[:500])
         except (ValueError, NotRunningError) as error:
-            LOGGER.warning("%s: %s", self.url, error)
+            self.log.warning("%s: %s", self.url, error)
 
     def _serve(self, operation: dict[str, Any], connection: ClientConnection) -> None:
-        service = self._services.get(str(operation.get("service")).lstrip("/"))
-        if service is not None:
-            task = asyncio.ensure_future(self._answer(service, operation, connection))
-            self._answers.add(task)
-            task.add_done_callback(self._answers.discard)
+        service, arguments = self.services.get(str(operation.get("service")).lstrip("/")), operation.get("args")
+        if service is None:
+            return
+        head = {"op": "service_response", "id": operation.get("id"), "service": f"/{service.name}"}
+        respond = partial(post, asyncio.get_running_loop(), self._respond, head, connection)
+        self.call(service, arguments if isinstance(arguments, dict) else {}, respond)
 
-    async def _answer(self, service: Service, operation: dict[str, Any], connection: ClientConnection) -> None:
-        """Answer a call, served on another thread: it may wait for steps."""
-        arguments = operation.get("args")
-        answer: dict[str, Any] = {"op": "service_response", "id": operation.get("id"), "service": f"/{service.name}"}
+    def _respond(self, head: dict[str, Any], connection: ClientConnection, succeeded: bool, values: Any) -> None:
         try:
-            values = await asyncio.to_thread(service.call, self._live, arguments if isinstance(arguments, dict) else {})
-            frame = to_json(answer | {"values": values, "result": True})
-        except (ValueError, RuntimeError) as error:
-            frame = to_json(answer | {"values": str(error), "result": False})
-        with suppress(ConnectionClosed):
-            await connection.send(frame)
+            frame = to_json(head | {"values": values, "result": succeeded})
+        except ValueError as error:
+            frame = to_json(head | {"values": str(error), "result": False})
+        sending = asyncio.ensure_future(connection.send(frame))
+        self._answers.add(sending)
+        sending.add_done_callback(self._forget_answer)
+
+    def _forget_answer(self, sending: asyncio.Future[None]) -> None:
+        self._answers.discard(sending)
+        if not sending.cancelled():
+            sending.exception()  # of a connection that has ended: the caller is gone

@@ -13,12 +13,11 @@ import numpy as np
 import orjson
 from PIL import Image
 
+from uwsim.bridges.conversation import Frame
 from uwsim.channels.message_cost import held_bytes
 from uwsim.channels.messages import Ros, to_bytes, to_plain
 
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
-Frame = str | bytes
-"""A frame of a WebSocket: str as text, bytes as binary."""
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
 """A message that holds more is encoded off the network's thread, and keeps one encoding at a time."""
@@ -116,11 +115,11 @@ class Sample:
 
     @property
     def is_taken(self) -> bool:
-        """Whether anybody was ready for it."""
+        """Whether a subscriber was ready for it."""
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Return what a subscriber is to get who has got everything up to a cursor, and its next cursor."""
+        """Return what a subscriber needs that has everything up to a cursor, and its next cursor."""
         return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
@@ -130,7 +129,7 @@ class Sample:
         if frame is None:
             frame = self._encode(topic, ros, compression)
             if self.is_large:
-                self._frames.clear()  # each subscriber may spell the topic as nobody else does
+                self._frames.clear()  # each subscriber may have a spelling of its own
             self._frames[key] = frame
         return frame
 

@@ -1,4 +1,4 @@
-"""The graph: topics and services by name, who offers them and who wants them. It belongs to one thread.
+"""The graph: topics and services by name, their owners and their users. It belongs to one thread.
 
 Clients and the simulator are peers in it, as nodes are in ROS: each is an owner, known by its name.
 """
@@ -21,7 +21,7 @@ Sink = Callable[[Sample], None]
 Reply = Callable[[bool, Any], None]
 """Answers a call: whether it succeeded, and its values, or the reason in words."""
 Handler = Callable[[Any, Reply, str], None]
-"""Serves a call: its arguments, what to call with the answer, now or later, once; and who calls."""
+"""Serves a call: takes its arguments, a function to call once with the answer, now or later, and the caller's name."""
 
 
 def plain_name(name: object, what: str = "topic") -> str:
@@ -48,7 +48,7 @@ class Topic:
     latched_by: tuple[str, Account] | None = None
 
     def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
-        """Keep a sample for those who come later, instead of the one before. owner: None for this process's own."""
+        """Keep a sample for later subscribers, instead of the one before. owner: None for this process's own."""
         if self.latched is not None and self.latched_by is not None:
             self.latched_by[1].drop(self.latched)
         self.latched, self.latched_by = sample, owner
@@ -69,9 +69,9 @@ class Service:
 class Graph:
     """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
 
-    on_demand: each is called with a topic's name and whether anybody subscribes to it now, when that changes. on_leave:
-    each is called with an owner who has left. on_abandoned: each is called with a topic's name when the last owner who
-    published on it does no longer. silence_s: for how long nothing at all has come from an owner. ledger: of what is
+    on_demand: each is called with a topic's name and whether it has subscribers now, when that changes. on_leave: each
+    is called with an owner that has left. on_abandoned: each is called with a topic's name when its last publisher has
+    gone. silence_s: for how long nothing at all has come from an owner. ledger: of what is
     kept for clients.
     """
 
@@ -92,19 +92,19 @@ class Graph:
         return topic
 
     def unadvertise(self, owner: str, name: str) -> None:
-        """Take an owner from a topic's publishers. What was latched goes with its owner, or the last who latches."""
+        """Take an owner from a topic's publishers. What was latched goes with its owner, or the last that latches."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.publishers.pop(owner, None) is None:
             raise ValueError(f"topic '{name}': you do not advertise it")
         if not any(topic.publishers.values()) or (topic.latched_by is not None and topic.latched_by[0] == owner):
             topic.latch(None)
         if not topic.publishers:
-            for tell in self.on_abandoned:
-                tell(topic.name)
+            for notify in self.on_abandoned:
+                notify(topic.name)
         self._forget_if_unused(topic)
 
     def typed_topic(self, name: Any) -> Topic:
-        """Return a topic on which a client wants to publish. Raises ValueError unless its type is known."""
+        """Return a topic for a client to publish on. Raises ValueError unless its type is known."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.type is None:
             raise ValueError(f"topic '{name}': advertise it first, for its type is not known")
@@ -120,7 +120,7 @@ class Graph:
             sink(sample)
 
     def known_type(self, name: str, type_name: str | None) -> str | None:
-        """Return a topic's type, or the one that a client says it has if nobody knows. Raises if the two differ."""
+        """Return a topic's type, or if it is unknown the one that a client gives. Raises if the two differ."""
         resolved = resolve(type_name)[0] if type_name else None
         topic = self.topics.get(plain_name(name))
         present = topic.type if topic is not None else None
@@ -129,14 +129,14 @@ class Graph:
         return present or resolved
 
     def subscribe(self, owner: str, key: Any, name: str, type_name: str | None, sink: Sink) -> Topic:
-        """Let a sink hear a topic, which need not have a publisher yet."""
+        """Subscribe a sink to a topic, which need not have a publisher yet."""
         topic = self._topic(name, type_name)
         was_wanted = bool(topic.sinks)
         topic.sinks[owner, key] = sink
         if topic.latched is not None:
             sink(topic.latched)
         if not was_wanted:
-            self._tell_demand(topic.name, True)
+            self._notify_demand(topic.name, True)
         return topic
 
     def unsubscribe(self, owner: str, key: Any, name: str) -> None:
@@ -145,7 +145,7 @@ class Graph:
         if topic is None or topic.sinks.pop((owner, key), None) is None:
             raise ValueError(f"topic '{name}': you do not subscribe to it")
         if not topic.sinks:
-            self._tell_demand(topic.name, False)
+            self._notify_demand(topic.name, False)
         self._forget_if_unused(topic)
 
     def advertise_service(self, owner: str, name: str, type_name: str, handler: Handler) -> None:
@@ -175,7 +175,7 @@ class Graph:
             reply(False, str(error))
 
     def leave(self, owner: str) -> None:
-        """Remove an owner with all that it offers and wants."""
+        """Remove an owner with all its topics, subscriptions and services."""
         for topic in list(self.topics.values()):
             for key in [key for key in topic.sinks if key[0] == owner]:
                 self.unsubscribe(owner, key[1], topic.name)
@@ -184,12 +184,12 @@ class Graph:
         for service in [service for service in self.services.values() if service.owner == owner]:
             del self.services[service.name]
         self.nodes.pop(owner, None)
-        for tell in self.on_leave:
-            tell(owner)
+        for notify in self.on_leave:
+            notify(owner)
 
-    def _tell_demand(self, name: str, wanted: bool) -> None:
-        for tell in self.on_demand:
-            tell(name, wanted)
+    def _notify_demand(self, name: str, wanted: bool) -> None:
+        for notify in self.on_demand:
+            notify(name, wanted)
 
     def _topic(self, name: str, type_name: str | None) -> Topic:
         known = self.known_type(name, type_name)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
+from uwsim.bridges.answers import Lane, outcome
+from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
-from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Handler, Reply, Topic
+from uwsim.bridges.rosbridge.graph import LOGGER, Graph, Reply, Topic
 from uwsim.channels.guest import CatchUp, Guest, GuestService, GuestTopic
 
 THREADS = 6
@@ -21,7 +24,7 @@ class GuestNode:
         self._guest = guest
         self._graph = graph
         self._loop = loop
-        self._pool = ThreadPoolExecutor(THREADS, thread_name_prefix="uwsim-guest")
+        self._lane = Lane("uwsim-guest", THREADS, LOGGER)
         self._wanted: set[str] = set()
         self._newest: dict[str, Sample] = {}
         self._topics: dict[str, GuestTopic] = {}
@@ -29,28 +32,28 @@ class GuestNode:
         graph.on_demand.append(self._notice_demand)
         graph.on_leave.append(guest.left)
         for service in guest.services:
-            graph.advertise_service(guest.name, service.name, service.type, self._server(service))
+            graph.advertise_service(guest.name, service.name, service.type, partial(self._serve, service))
         guest.connect(self)
 
     def close(self) -> None:
         """Answer nothing more."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._lane.close()
 
     def offer_topics(self, topics: Iterable[GuestTopic]) -> None:
         """Offer these topics, instead of those before."""
-        self._on_loop(self._advertise, {topic.name: topic for topic in topics})
+        post(self._loop, self._advertise, {topic.name: topic for topic in topics})
 
     def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
         """Publish a message on a topic that is offered. catch_up: as a Channel's, of messages that build up."""
         sample = Sample(message, time_ns) if catch_up is None else Growing(catch_up, time_ns)
-        self._on_loop(self._publish, name, sample)
+        post(self._loop, self._publish, name, sample)
 
     def is_wanted(self, name: str) -> bool:
-        """Return whether anybody subscribes to a topic."""
+        """Return whether a topic has subscribers."""
         return name in self._wanted
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether somebody was ready for the last message of a topic, or there has been none."""
+        """Return whether a subscriber was ready for the last message of a topic, or there has been none."""
         newest = self._newest.get(name)
         return newest is None or newest.is_taken
 
@@ -85,40 +88,15 @@ class GuestNode:
             self._wanted.discard(name)
             self._newest.pop(name, None)
 
-    def _server(self, service: GuestService) -> Handler:
-        def serve(arguments: Any, reply: Reply, caller: str) -> None:
-            if not isinstance(arguments, dict):
-                raise ValueError(f"service '{service.name}': args must be an object")
-            if service.is_brief:
-                self._answer(service.call(caller, arguments), reply)
-            else:
-                self._pool.submit(service.call, caller, arguments).add_done_callback(
-                    lambda done: self._on_loop(_pass_on, done, reply)
-                )
-
-        return serve
-
-    def _answer(self, answer: dict[str, Any] | Future[dict[str, Any]], reply: Reply) -> None:
-        if isinstance(answer, Future):
-            answer.add_done_callback(lambda done: self._on_loop(_pass_on, done, reply))
+    def _serve(self, service: GuestService, arguments: Any, reply: Reply, caller: str) -> None:
+        if not isinstance(arguments, dict):
+            raise ValueError(f"service '{service.name}': args must be an object")
+        answer = partial(post, self._loop, reply)
+        if not service.is_brief:
+            self._lane.submit(partial(service.call, caller, arguments), answer)
+            return
+        found = service.call(caller, arguments)
+        if isinstance(found, Future):
+            found.add_done_callback(lambda done: answer(*outcome(done.result, LOGGER)))
         else:
-            reply(True, answer)
-
-    def _on_loop(self, function: Callable[..., None], *arguments: Any) -> None:
-        try:
-            self._loop.call_soon_threadsafe(function, *arguments)
-        except RuntimeError:  # the loop has ended
-            LOGGER.debug("%s: the server has stopped", self._guest.name)
-
-
-def _pass_on(done: Future[Any], reply: Reply) -> None:
-    if done.cancelled():
-        reply(False, "the server stops")
-        return
-    error = done.exception()
-    if error is None:
-        reply(True, done.result())
-        return
-    if not isinstance(error, ValueError | RuntimeError):
-        LOGGER.error("a service failed", exc_info=error)
-    reply(False, str(error) or type(error).__name__)
+            reply(True, found)

@@ -18,7 +18,7 @@ class Held(Protocol):
 
 
 class Ledger:
-    """What is kept for all clients. limit: bytes beyond which the client that keeps most must go."""
+    """What is kept for all clients. limit: bytes beyond which the client with most of them is disconnected."""
 
     def __init__(self, limit: float = math.inf) -> None:
         self.limit = limit

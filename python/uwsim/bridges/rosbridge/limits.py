@@ -1,4 +1,4 @@
-"""Limits of what a client may ask: beyond them it gets an answer that says so, waits, or is disconnected."""
+"""Limits of a client's requests: beyond them it gets an error, waits, or is disconnected."""
 
 from __future__ import annotations
 

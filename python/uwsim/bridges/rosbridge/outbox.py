@@ -12,7 +12,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from uwsim.bridges.rosbridge.encoding import Compression, Frame, Sample
+from uwsim.bridges.conversation import Frame
+from uwsim.bridges.rosbridge.encoding import Compression, Sample
 from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.messages import Ros
@@ -22,7 +23,7 @@ LARGE_QUEUE = 8
 
 
 class Parcel(NamedTuple):
-    """A message that is due, to be encoded as its subscriber wants it: that may take long, and may be done anywhere."""
+    """A message that is due, in its subscriber's encoding, which may take long to make: any thread may do it."""
 
     sample: Sample
     topic: str
@@ -82,7 +83,7 @@ class Mailbox:
         if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
         if sample.builds_up:
-            self.clear(account)  # the new one says what they would have said
+            self.clear(account)  # the new one contains what they contain
         while self.samples and (len(self.samples) >= self.longest or self.bytes + sample.size > most_bytes):
             self.lost += 1
             self._pop(account)
@@ -110,7 +111,7 @@ class Mailbox:
 
 
 class Outbox:
-    """A client's queues. wake: called when there is something to send. account: of what waits, and of who must go."""
+    """A client's queues. wake: called when there is something to send. account: of what waits."""
 
     def __init__(self, limits: Limits, account: Account, clock: Callable[[], float], wake: Callable[[], None]) -> None:
         self._limits = limits

@@ -1,8 +1,8 @@
 """Transforms for clients that keep no tree of their own: tf2_web_republisher, which tf clients call.
 
-A client names frames, a target, a rate and thresholds, and is told what changes: by the service (roslibpy) on a topic
-of its own, by the action (roslibjs) as feedback. It ends when nobody has listened for a while, or when the goal is
-cancelled. https://github.com/RobotWebTools/tf2_web_republisher
+A client names frames, a target, a rate and thresholds, and gets what changes: by the service (roslibpy) on a topic of
+its own, by the action (roslibjs) as feedback. It ends after a while without subscribers, or when the goal is cancelled.
+https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ IDENTITY = Transform(np.zeros(3), Rotation.identity())
 
 @dataclass(eq=False)
 class Request:
-    """One client's request, and what was last said of each frame. goal_id: of an action's, else ""."""
+    """One client's request, and what it last got of each frame. goal_id: of an action's, else ""."""
 
     topic: Topic
     frames: list[str]
@@ -68,7 +68,7 @@ class Request:
     patience_s: float
     wanted_s: float
     goal_id: str = ""
-    said: dict[str, Transform] = field(default_factory=dict)
+    sent: dict[str, Transform] = field(default_factory=dict)
 
 
 class TfRepublisher:
@@ -130,13 +130,13 @@ class TfRepublisher:
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
-        """Say what has changed, then be due again; end when nobody has listened for long."""
+        """Publish what has changed, then be due again; end after a while without subscribers."""
         if request not in self._requests:
             return
         now_s = time.monotonic()
         if request.topic.sinks:
             request.wanted_s = now_s
-            self._say(request)
+            self._publish(request)
         elif now_s - request.wanted_s > request.patience_s:
             self._end(request)
             return
@@ -150,12 +150,12 @@ class TfRepublisher:
             for topic in TOPICS:
                 self._graph.unsubscribe(OWNER, topic, topic)
 
-    def _say(self, request: Request) -> None:
+    def _publish(self, request: Request) -> None:
         changed = []
         for frame in request.frames:
             found = self._find(request.target, frame)
-            if found is not None and _differs(found, request.said.get(frame), request):
-                request.said[frame] = found
+            if found is not None and _differs(found, request.sent.get(frame), request):
+                request.sent[frame] = found
                 changed.append(_stamped(request.target, frame, found))
         if not changed:
             return

@@ -1,4 +1,4 @@
-"""What a client's frame will cost once it is decoded, from a scan of its characters or of its items' heads.
+"""The memory that a client's frame will take once decoded, from a scan of its characters or of its items' heads.
 
 A list of nothing is two characters, or one byte, and seventy in memory. So the scan comes first: what holds too many
 objects, or would take too many times its own size, is refused before anything is made of it.
@@ -18,14 +18,14 @@ CONTAINER_BYTES = 184  # of an object with up to five members, the garbage colle
 MEMBER_BYTES = 48  # of an object beyond that
 KEY_BYTES = 176  # of a key that the decoder remembers
 NODE_BYTES = 16  # of the tree that orjson makes first; it asks for twelve times the text, and uses that much a value
-KEY_ENDS = 8  # characters at either end, by which keys are told apart
+KEY_ENDS = 8  # characters at either end, by which keys are distinguished
 ITEMS_PER_OBJECT = 5  # of CBOR, whose walk takes a microsecond an item
 SLOW_VALUES = 200_000  # for a decoder that takes 80 ns for each
 TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references of other tags
 
 
 class Load(NamedTuple):
-    """What a frame holds. values: elements and members. strings: values, and keys of which each is a string anew.
+    """What a frame holds. values: elements and members. strings: values, and keys of which each is a string of its own.
 
     keys: those that are remembered. nodes: what a tree of the text has, if there is one.
     """
@@ -88,7 +88,7 @@ def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
 
 
 def _quick_load(text: str) -> Load:
-    """Return an upper bound: characters within strings are counted, too, and all keys as if each were a string anew."""
+    """Return an upper bound: characters within strings are counted, too, and each key as a string of its own."""
     containers = text.count("{") + text.count("[")
     commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
     values = commas + containers + 1

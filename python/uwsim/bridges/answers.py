@@ -1,0 +1,51 @@
+"""Calls of services: made on threads of their own, and answered once, with values or with the reason of a failure."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from logging import Logger
+from typing import Any
+
+Answer = Callable[[bool, Any], object]
+"""Takes whether a call succeeded, and its values, or the reason in words."""
+
+
+def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
+    """Return whether a call succeeds, and its values, or the reason in words. Raises nothing."""
+    try:
+        return True, call()
+    except CancelledError:
+        return False, "the server stops"
+    except (ValueError, RuntimeError) as error:
+        return False, str(error) or type(error).__name__
+    except Exception as error:
+        log.exception("a service failed")
+        return False, str(error) or type(error).__name__
+
+
+class Lane:
+    """Threads on which calls wait, for steps or for each other. most: calls that are not answered yet; None: any."""
+
+    def __init__(self, name: str, threads: int, log: Logger, most: int | None = None) -> None:
+        self._pool = ThreadPoolExecutor(threads, thread_name_prefix=name)
+        self._log = log
+        self._most = most
+        self._free = None if most is None else threading.Semaphore(most)
+
+    def submit(self, call: Callable[[], Any], answer: Answer) -> None:
+        """Call on a thread and answer there. Raises ValueError if too many calls wait, RuntimeError after `close`."""
+        if self._free is not None and not self._free.acquire(blocking=False):
+            raise ValueError(f"{self._most} calls wait already: this one is refused")
+
+        def finish(done: Future[Any]) -> None:
+            if self._free is not None:
+                self._free.release()
+            answer(*outcome(done.result, self._log))
+
+        self._pool.submit(call).add_done_callback(finish)
+
+    def close(self) -> None:
+        """Make no more calls; those that wait fail."""
+        self._pool.shutdown(wait=False, cancel_futures=True)

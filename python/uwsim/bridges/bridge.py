@@ -1,0 +1,150 @@
+"""Bridge: the base of all bridges, which join a live simulator, or a recording, to peers beyond this process."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Iterable
+from functools import partial
+from types import TracebackType
+from typing import Any, Self
+
+from uwsim.bridges.answers import Answer, Lane
+from uwsim.channels import Channel, Service, keep_up, require_live
+from uwsim.channels.feed import Feed, Reading, Readings
+from uwsim.live import LiveSimulator, NotRunningError, Subscription
+
+COMMAND_BYTES_MAX = 1 << 20
+SERVICE_THREADS = 4
+
+
+class Bridge:
+    """The simulator's side of a bridge: channels and services by name, the feed that reads, the threads that call.
+
+    A channel is read while a peer demands it. `take` gets its readings on the simulator's thread, which it must not
+    keep waiting. Commands and calls may come on any thread, and take effect between two steps.
+
+    name: of the log, uwsim.NAME, and of threads. feed: shared with other sinks, so that a reading is taken once for
+    all of them; by default one of its own. live: None with the feed of a recording, which takes no commands.
+    open_calls: the most that are not answered yet; None: the subclass bounds them.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        live: LiveSimulator | None,
+        channels: Iterable[Channel],
+        services: Iterable[Service] = (),
+        feed: Readings | None = None,
+        *,
+        open_calls: int | None = None,
+    ) -> None:
+        channels = list(channels)
+        self.log = logging.getLogger(f"uwsim.{name}")
+        self.live = live
+        self.feed = feed or Feed(require_live(live))
+        self.outputs = {channel.name: channel for channel in channels if channel.direction == "out"}
+        self.inputs = {channel.name: channel for channel in channels if channel.direction == "in"}
+        self.services = {service.name: service for service in services}
+        self.is_closed = False
+        self._usual = Lane(f"uwsim-{name}-service", SERVICE_THREADS, self.log, open_calls)
+        self._vital = Lane(f"uwsim-{name}-vital", 1, self.log, open_calls)
+        self._lock = threading.Lock()
+        self._ends: dict[str, Callable[[], None]] = {}  # of the channels that are read
+        self._going_on: list[Subscription] = []
+
+    def keep_up(self) -> None:
+        """Begin what channels do whether or not they are read: the last step of a subclass's start."""
+        self._going_on = keep_up(self.live, self.outputs.values())
+
+    def close(self) -> bool:
+        """Read, command and call nothing more; return whether this was the first call."""
+        with self._lock:
+            was_open, self.is_closed = not self.is_closed, True
+            ends = list(self._ends.values())
+            self._ends.clear()
+        for end in (*ends, *(subscription.cancel for subscription in self._going_on)):
+            end()
+        self._usual.close()
+        self._vital.close()
+        return was_open
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close."""
+        self.close()
+
+    # From the simulator
+
+    def take(self, reading: Reading) -> None:
+        """Take a reading of a channel that is demanded. Must not block."""
+        raise NotImplementedError
+
+    def listen(self, name: str) -> None:
+        """Read a channel from now on. Raises NotRunningError."""
+        with self._lock:
+            if name not in self._ends and not self.is_closed:
+                self._ends[name] = self.feed.listen(self.outputs[name], self.take)
+
+    def leave(self, name: str) -> None:
+        """Read a channel no longer."""
+        with self._lock:
+            end = self._ends.pop(name, None)
+        if end is not None:
+            end()
+
+    def is_read(self, name: str) -> bool:
+        """Return whether a channel is being read."""
+        return name in self._ends
+
+    def demand(self, name: str, is_wanted: bool) -> None:
+        """Begin or end to read a channel. If that is impossible, the log has the reason."""
+        if not is_wanted:
+            self.leave(name)
+            return
+        try:
+            self.listen(name)
+        except NotRunningError:
+            self.log.warning("topic '%s': the simulator does not run", name)
+
+    # To the simulator
+
+    def apply(self, channel: Channel, message: Any) -> None:
+        """Give a command. Raises ValueError, RuntimeError."""
+        channel.apply(require_live(self.live), message)
+
+    def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
+        """Decode a command and give it; `refuse` gets what is wrong with it."""
+        try:
+            if len(data) > COMMAND_BYTES_MAX:
+                raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
+            self.apply(channel, decode(data, channel.type))
+        except (ValueError, RuntimeError) as error:
+            self.refuse(f"/{channel.name}: {error}")
+        except Exception:
+            self.log.exception("topic '%s': a message could not be applied", channel.name)
+
+    def refuse(self, reason: str) -> None:
+        """Report a command that had no effect to the peers."""
+        self.log.warning("%s", reason)
+
+    def abandon(self, channel: Channel) -> None:
+        """Let a channel act on the departure of the last peer that gave commands on it."""
+        if channel.abandoned is None or self.live is None:
+            return
+        try:
+            channel.abandoned(self.live)
+        except (ValueError, RuntimeError) as error:
+            self.log.warning("topic '%s': %s", channel.name, error)
+
+    def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
+        """Call a service on a thread, since it may wait for steps, and answer there. Raises ValueError, RuntimeError.
+
+        Vital services have a thread of their own: nothing else keeps them waiting.
+        """
+        lane = self._vital if service.is_vital else self._usual
+        lane.submit(partial(service.call, require_live(self.live), request), answer)

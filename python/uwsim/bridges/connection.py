@@ -1,0 +1,64 @@
+"""HeardConnection: a client's WebSocket that bounds what the client makes it do, and knows whether it lives."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+from websockets.frames import CloseCode, Frame, Opcode
+
+READ_BYTES = 1 << 13  # at once: of frames without content that is a thousand
+CONTINUATIONS = 1000  # frames of one message
+UNREAD_PONGS_BYTES = 1 << 20
+GOING_S = 2.0  # for a closing handshake
+REASON_BYTES = 123  # RFC 6455, section 5.5
+
+
+class HeardConnection(ServerConnection):
+    """A connection that knows for how long nothing has come through it, answers to pings included.
+
+    silent_s: its server counts it up. Time in which the loop stood still is not silence.
+    """
+
+    silent_s = 0.0
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._continuations = 0
+        self._unread_pongs_bytes = 0
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Read little at once."""
+        super().connection_made(transport)
+        if hasattr(transport, "max_size"):
+            transport.max_size = READ_BYTES
+
+    def data_received(self, data: bytes) -> None:
+        """Take note that the other side lives. One that pings on and does not read the answers is cut off."""
+        self.silent_s = 0.0
+        before = self.transport.get_write_buffer_size()
+        super().data_received(data)
+        after = self.transport.get_write_buffer_size()
+        self._unread_pongs_bytes = 0 if after == 0 else self._unread_pongs_bytes + max(0, after - before)
+        if self._unread_pongs_bytes > UNREAD_PONGS_BYTES:
+            self.transport.abort()
+
+    def process_event(self, event: Any) -> None:
+        """Take a frame. A message in very many costs more than its bytes: it is refused."""
+        if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+            self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
+            if self._continuations > CONTINUATIONS:
+                self.protocol.fail(CloseCode.POLICY_VIOLATION, f"a message in more than {CONTINUATIONS} frames")
+                return
+        super().process_event(event)
+
+    async def dismiss(self, reason: str) -> None:
+        """Close with a reason; the other side may not read it, and is not waited for."""
+        try:
+            async with asyncio.timeout(GOING_S):
+                await self.close(CloseCode.POLICY_VIOLATION, reason.encode()[:REASON_BYTES].decode(errors="ignore"))
+        except TimeoutError:
+            pass
+        finally:
+            self.transport.abort()

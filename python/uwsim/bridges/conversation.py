@@ -1,0 +1,98 @@
+"""A client's WebSocket: frames in at a bounded rate, what waits for the client out."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import Any, NamedTuple, Protocol
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+Frame = str | bytes
+"""A frame of a WebSocket: str as text, bytes as binary."""
+AT_ONCE = 16  # frames after which others get their turn
+
+
+class Allowance:
+    """How much a client may send: a second's worth at once, then `rate` a second (a token bucket)."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._left = rate
+        self._seen_s = time.monotonic()
+
+    def delay_after(self, amount: float) -> float:
+        """Take an amount; return the seconds to wait before the next one."""
+        now_s = time.monotonic()
+        self._left = min(self._rate, self._left + (now_s - self._seen_s) * self._rate) - amount
+        self._seen_s = now_s
+        return max(0.0, -self._left / self._rate)
+
+
+class Rates(NamedTuple):
+    """What may come from a client a second: one that sends more is read more slowly."""
+
+    frames: float
+    bytes: float
+
+
+class Session(Protocol):
+    """A client's side of a protocol, without a transport."""
+
+    async def take(self, frame: Frame) -> float:
+        """Do what a frame requests; return the seconds of work on this thread."""
+
+    async def next_frame(self) -> tuple[Frame | None, float | None]:
+        """Return what is to be sent next; or None, and the seconds until something is due, None if never."""
+
+    def close(self) -> None:
+        """Leave: nothing is sent any more."""
+
+
+async def converse(
+    connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Allowance
+) -> None:
+    """Carry frames both ways until either side ends it. share: of a core, for all clients together."""
+    writer = asyncio.create_task(_write(connection, session, wakes))
+    try:
+        await _read(connection, session, rates, share)
+    except ConnectionClosed:
+        pass
+    finally:
+        writer.cancel()
+        await asyncio.gather(writer, return_exceptions=True)
+
+
+async def _read(connection: ServerConnection, session: Session, rates: Rates, share: Allowance) -> None:
+    frames, data = Allowance(rates.frames), Allowance(rates.bytes)
+    count = 0
+    while True:
+        frame: Any = await connection.recv()
+        size = len(frame)
+        taking = session.take(frame)
+        del frame  # no longer than the session keeps it
+        worked_s = await taking
+        delay_s = max(frames.delay_after(1), data.delay_after(size), share.delay_after(worked_s))
+        count += 1
+        if delay_s or count % AT_ONCE == 0:
+            await asyncio.sleep(delay_s)
+
+
+async def _write(connection: ServerConnection, session: Session, wakes: asyncio.Event) -> None:
+    loop = asyncio.get_running_loop()
+    count = 0
+    while True:
+        wakes.clear()  # before looking: another thread may put something meanwhile
+        frame, delay_s = await session.next_frame()
+        if frame is None:
+            timer = None if delay_s is None else loop.call_later(delay_s, wakes.set)
+            await wakes.wait()
+            if timer is not None:
+                timer.cancel()
+            continue
+        await connection.send(frame)
+        del frame  # which may be large, and the next one far away
+        count += 1
+        if count % AT_ONCE == 0:
+            await asyncio.sleep(0)

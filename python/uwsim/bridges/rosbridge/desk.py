@@ -1,0 +1,90 @@
+"""Desk: does large pieces of the network's work on a thread beside it, one after the other.
+
+The network's thread serves all clients, so nothing may hold it for long.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
+from typing import TypeVar
+
+from uwsim.bridges.conversation import Allowance, Frame
+from uwsim.bridges.rosbridge.outbox import Parcel
+from uwsim.bridges.rosbridge.session import Session
+
+PAUSE_S = 5e-5  # in which the other threads take their turn
+LARGE_FRAME_BYTES = 1 << 13
+S_PER_BYTE = 5e-8  # of work on a large frame, charged before it is done; what it took is settled afterwards
+
+T = TypeVar("T")
+
+
+class Desk:
+    """The thread. share: of a core, for the work of all clients together."""
+
+    def __init__(self, share: Allowance, pool: Executor) -> None:
+        self._share = share
+        self._pool = pool
+
+    async def do(self, work: Callable[[], T], size: int) -> T:
+        """Wait for the time that work on so many bytes will take, then do it beside the network's thread."""
+        expected_s = S_PER_BYTE * size
+        await asyncio.sleep(self._share.delay_after(expected_s))
+        result, worked_s = await asyncio.get_running_loop().run_in_executor(self._pool, _timed, work)
+        self._share.delay_after(worked_s - expected_s)
+        return result
+
+    async def encode(self, parcel: Parcel) -> Frame:
+        """Return the frame of a message that is due. What the simulator publishes is not charged to the clients."""
+        if not parcel.sample.is_large:
+            return parcel.encode()
+        return await asyncio.get_running_loop().run_in_executor(self._pool, parcel.encode)
+
+
+class Seat:
+    """A client's session at the desk: small frames are dealt with on the network's thread, large ones beside it."""
+
+    def __init__(self, session: Session, desk: Desk) -> None:
+        self.session = session
+        self._desk = desk
+
+    async def take(self, frame: Frame) -> float:
+        """Do what a frame requests, and keep it no longer; return the seconds of work on this thread."""
+        worked_s, is_whole = 0.0, False
+        following: Frame | None = frame
+        del frame
+        while following is not None:
+            if len(following) > LARGE_FRAME_BYTES:
+                work = partial(self.session.prepare, following, _pause, is_whole=is_whole)
+                prepared = await self._desk.do(work, len(following))
+                del work
+                begun_s = time.thread_time()
+            else:
+                begun_s = time.thread_time()
+                prepared = self.session.prepare(following, is_whole=is_whole)
+            following, is_whole = self.session.perform(prepared), True
+            worked_s += time.thread_time() - begun_s
+            del prepared
+        return worked_s
+
+    async def next_frame(self) -> tuple[Frame | None, float | None]:
+        """Return what is to be sent next; or None, and the seconds until something is due, None if never."""
+        found, delay_s = self.session.outbox.pick()
+        return (await self._desk.encode(found) if isinstance(found, Parcel) else found), delay_s
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self.session.close()
+
+
+def _timed(work: Callable[[], T]) -> tuple[T, float]:
+    begun_s = time.thread_time()  # of this thread: not while others have the core
+    return work(), time.thread_time() - begun_s
+
+
+def _pause() -> None:
+    time.sleep(PAUSE_S)

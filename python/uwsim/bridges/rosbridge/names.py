@@ -1,0 +1,25 @@
+"""The names of topics and services that one client uses, of which it may have so many."""
+
+from __future__ import annotations
+
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.subscription import Subscription
+
+
+class Names:
+    """A client's names. advertised: its topics, by plain name, and whether latched. subscriptions: by name as sent."""
+
+    def __init__(self, graph: Graph, limits: Limits) -> None:
+        self._graph = graph
+        self._limits = limits
+        self.advertised: dict[str, bool] = {}
+        self.subscriptions: dict[str, Subscription] = {}
+        self.services: set[str] = set()
+
+    def check_room(self) -> None:
+        """Raise ValueError if the client, or all of them, can have no more."""
+        if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
+            raise ValueError(f"names: you have {self._limits.names} topics and services, which is the most")
+        if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:
+            raise ValueError(f"names: there are {self._limits.all_names} topics and services, which is the most")

@@ -1,0 +1,118 @@
+"""One client's topics: those that it publishes, and those that it subscribes to."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, NamedTuple
+
+from uwsim.bridges.rosbridge.encoding import Sample
+from uwsim.bridges.rosbridge.graph import Graph, plain_name
+from uwsim.bridges.rosbridge.ledger import Account
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.bridges.rosbridge.names import Names
+from uwsim.bridges.rosbridge.outbox import Outbox
+from uwsim.bridges.rosbridge.subscription import CREDIT_MAX, Subscription, read_options
+from uwsim.channels.message_types import shortened
+from uwsim.channels.messages import Ros, resolve
+
+Operation = dict[str, Any]
+
+
+class Made(NamedTuple):
+    """A message of a type that a client publishes. size: bytes that it holds."""
+
+    message: Any
+    type: str
+    size: int
+
+
+class Topics:
+    """A client's topics. name: the client's, in the graph. png: whether it can read that compression."""
+
+    def __init__(
+        self,
+        graph: Graph,
+        name: str,
+        names: Names,
+        limits: Limits,
+        account: Account,
+        outbox: Outbox,
+        *,
+        ros: Ros,
+        png: bool,
+    ) -> None:
+        self._graph, self._name, self._names = graph, name, names
+        self._limits, self._account, self._outbox = limits, account, outbox
+        self._ros: Ros = ros
+        self._png = png
+
+    def advertise(self, operation: Operation) -> None:
+        """Let the client publish on a topic."""
+        name, latch = plain_name(operation.get("topic")), operation.get("latch") is True
+        self._names.check_room()
+        self._graph.advertise(self._name, name, resolve(operation.get("type"))[0], latch)
+        self._names.advertised[name] = latch
+
+    def unadvertise(self, operation: Operation) -> None:
+        """Let the client publish on a topic no longer."""
+        name = plain_name(operation.get("topic"))
+        self._names.advertised.pop(name, None)
+        self._graph.unadvertise(self._name, name)
+
+    def publish(self, operation: Operation) -> None:
+        """Publish what has been made of a message; a topic that has a type need not be advertised."""
+        topic, made = self._graph.typed_topic(operation.get("topic")), operation["msg"]
+        if topic.type != made.type:
+            raise ValueError(f"topic '{topic.name}': its type has just changed from {made.type} to {topic.type}")
+        if topic.name not in self._names.advertised:
+            self.advertise({"topic": topic.name, "type": topic.type, "latch": operation.get("latch")})
+        latch = self._names.advertised[topic.name] or operation.get("latch") is True
+        sample = Sample(made.message, time.time_ns(), made.size)
+        if latch and not self._account.has_room(sample.size):
+            raise ValueError(f"topic '{topic.name}': no room to latch it: too much is kept for you, or for all clients")
+        self._graph.publish(topic, sample, latch, (self._name, self._account))
+
+    def subscribe(self, operation: Operation) -> None:
+        """Send a topic's messages to the client, on the terms of this id and those before."""
+        name, type_name = operation.get("topic"), operation.get("type") or None
+        options = read_options(operation, self._limits)
+        plain_name(name)
+        assert isinstance(name, str)
+        ros = (resolve(type_name)[1] if type_name else None) or self._ros
+        known = self._graph.known_type(name, type_name)
+        subscription = self._names.subscriptions.get(name)
+        if subscription is None:
+            self._names.check_room()
+            subscription = Subscription(name, ros)
+        identity = operation.get("id")
+        if identity not in subscription.ids and len(subscription.ids) >= self._limits.ids:
+            raise ValueError(f"topic '{name}': you have {self._limits.ids} subscriptions to it, which is the most")
+        subscription.ids[identity] = options
+        self._outbox.open(name, subscription.mailbox(known, png=self._png))
+        self._names.subscriptions[name] = subscription
+        self._graph.subscribe(self._name, name, name, type_name, lambda sample: self._outbox.put(name, sample))
+
+    def unsubscribe(self, operation: Operation) -> None:
+        """End one of a topic's subscriptions by its id, or all of them."""
+        name, identity = operation.get("topic"), operation.get("id")
+        plain_name(name)
+        subscription = self._names.subscriptions.get(name)  # type: ignore[arg-type]
+        if subscription is None:
+            raise ValueError(f"topic '{name}': you do not subscribe to it")
+        if identity in subscription.ids:
+            del subscription.ids[identity]
+        else:
+            subscription.ids.clear()
+        if not subscription.ids:
+            del self._names.subscriptions[subscription.topic]
+            self._outbox.close(subscription.topic)
+            self._graph.unsubscribe(self._name, subscription.topic, subscription.topic)
+
+    def acknowledge(self, operation: Operation) -> None:
+        """Give credit back: ours, not rosbridge's. The client has dealt with messages of a subscription."""
+        name, count = operation.get("topic"), operation.get("count", 1)
+        if not isinstance(name, str) or name not in self._names.subscriptions:
+            raise ValueError(f"topic = {shortened(name)}: you do not subscribe to it")
+        if type(count) is not int or not 1 <= count <= CREDIT_MAX:
+            raise ValueError(f"ack.count = {shortened(count)}: must be in [1, {CREDIT_MAX}]")
+        self._outbox.acknowledge(name, count)
