@@ -8,10 +8,11 @@ import pytest
 
 from sea import open_water
 from uwsim import Simulator, _core
+from uwsim.axes import AXES
 from uwsim.scenario import ScenarioError, load_vehicle
 from uwsim.scenario.build.actuator import thrust_curve
 from uwsim.scenario.spec.actuator import load_thruster
-from uwsim.vehicle import AXES, Vehicle
+from uwsim.vehicle import Vehicle
 
 T200_PWM_N = {1100: -39.9, 1200: -26.6, 1300: -14.1, 1400: -4.71, 1600: 5.88, 1700: 17.85, 1800: 33.5, 1900: 51.5}
 

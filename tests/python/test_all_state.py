@@ -20,8 +20,8 @@ import pytest
 from pydantic import BaseModel
 
 from uwsim import Simulator, _core
+from uwsim.commands import COMMANDS, bound_command
 from uwsim.docking import DockedWarning
-from uwsim.live.commands import COMMANDS, bound_command
 
 SCENARIO = """
 name: everything
@@ -89,8 +89,8 @@ def episode() -> list[tuple[str, dict[str, Any]]]:
     """EPISODE, and each command that it lacks and that takes no more than a vehicle."""
     steps, given = list(EPISODE), {name for name, _ in EPISODE}
     for name in COMMANDS.keys() - given:
-        needed = [p.name for p in inspect.signature(COMMANDS[name]).parameters.values() if p.default is p.empty]
-        assert needed == ["sim", "vehicle"], f"a new command, {name}: give it arguments in EPISODE"
+        needed = [argument.name for argument in COMMANDS[name].all_arguments if argument.is_required]
+        assert needed == ["vehicle"], f"a new command, {name}: give it arguments in EPISODE"
         steps.insert(len(steps) // 2, (name, {"vehicle": "rov"}))
     return steps
 

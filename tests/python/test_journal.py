@@ -6,7 +6,7 @@ import numpy as np
 
 from uwsim import Simulator
 from uwsim.arguments import plain
-from uwsim.live.commands import bound_command
+from uwsim.commands import bound_command
 
 
 class Watcher:

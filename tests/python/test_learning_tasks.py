@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from uwsim.axes import AXES
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.motion import Motion
 from uwsim.learning.options import EpisodeOptions
 from uwsim.learning.returns import Flown, fly
-from uwsim.learning.task import AXES, Task
+from uwsim.learning.task import Task
 from uwsim.learning.tasks import Coverage, Docking, GatePassing, PipelineFollowing, StationKeeping, Waypoint
 
 SEEDS = range(3)

@@ -11,10 +11,10 @@ from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed
 from uwsim.channels.outgoing import Outgoing
 from uwsim.channels.served import served_table
+from uwsim.commands import COMMANDS, TRIGGER
 from uwsim.link import Carrier
 from uwsim.link.carried import carried_channels
-from uwsim.link.remote import CARRIED
-from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.live import LiveSimulator
 from uwsim.network import STATION
 from uwsim.simulator import Simulator
 from uwsim.station import Station
@@ -25,6 +25,13 @@ OVER = {"station/drive", "station/all_stop", "station/command"}
 """The station's services that put commands on the link: see the last test."""
 TOLD = ("track", "map")
 """Foxglove's scenes that are made of what has arrived: see test_foxglove."""
+
+
+CARRIED = {name for name, command in COMMANDS.items() if command.crosses_link}
+REQUESTS = {
+    "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
+}  # fmt: skip
+"""What services of commands need, where that is not `data`, or nothing."""
 
 
 def table() -> list[str]:
@@ -81,7 +88,8 @@ def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
         assert {"release", "undock", "dock", "override_failsafe", "all_stop"} <= {one.name for one in orders}
         for order in orders:
             before = given(sim)
-            assert order.call(live, {"data": True})["success"], order.name
+            request = REQUESTS.get(order.name) or ({} if order.type == TRIGGER else {"data": True})
+            assert order.call(live, request)["success"], order.name
             assert given(sim) == before + 1 and not sim.rov.released, order.name
 
 

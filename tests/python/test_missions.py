@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.axes import AXES
 from uwsim.control.autopilot import Autopilot, wrap_angle
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan
 from uwsim.missions.lanes import lawn_mower_lanes
@@ -161,8 +162,8 @@ class ScriptedVehicle:
     def release(self) -> None:
         self.released = True
 
-    def set_effort(self, *values: float) -> None:
-        self.effort = dict(zip(("surge", "sway", "heave", "roll", "pitch", "yaw"), values, strict=False))
+    def set_effort(self, *values: float, **efforts: float) -> None:
+        self.effort = dict(zip(AXES, values, strict=False)) | efforts
 
     def wait(self, duration_s: float) -> None:
         ahead = np.array([np.cos(self.yaw_rad), np.sin(self.yaw_rad)])

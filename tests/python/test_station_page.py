@@ -10,11 +10,11 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from browser import chromium, desk, until, when
+from uwsim.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.vehicle import AXES
 
 AXE = Path(__file__).parents[2] / "build/js/node_modules/axe-core/axe.min.js"
 HELD_S = 1.2

@@ -15,6 +15,7 @@ import pytest
 from textual import events
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.channels.key import Function
 from uwsim.cli.teleop import own_server
 from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
@@ -23,7 +24,6 @@ from uwsim.teleop.connection import Connection
 from uwsim.teleop.fan import draw_fan, fan_scale_m
 from uwsim.teleop.gamepad import FULL, Gamepads, shaped
 from uwsim.teleop.hands import FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
-from uwsim.teleop.keys import Function
 from uwsim.teleop.readout import Readout, take_state_data
 from uwsim.teleop.tapes import depth_tape, heading_tape
 from uwsim.teleop.terminal import ReleaseParser

@@ -82,7 +82,7 @@ class Held:
     def __getattr__(self, name: str) -> object:
         return getattr(self._hull, name)
 
-    def set_effort(self, *efforts: float) -> None:
+    def set_effort(self, **efforts: float) -> None:
         self._hull.set_effort()
 
 

@@ -10,7 +10,7 @@ from pydantic import FiniteFloat
 from uwsim.saved_state import Nanoseconds
 from uwsim.scenario.spec.camera import PanTilt
 
-AXES = ("pan", "tilt")
+MOTORS = ("pan", "tilt")
 Angles = tuple[FiniteFloat, FiniteFloat]
 Motion = tuple[Nanoseconds, Angles, Angles]
 """A time, where the axes were then, and where they turn to."""
@@ -40,7 +40,7 @@ class PanTiltHead:
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
         """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, with nothing changed."""
         given = (pan_rad, tilt_rad)
-        for axis, value, (low, high) in zip(AXES, given, self._limits_rad, strict=True):
+        for axis, value, (low, high) in zip(MOTORS, given, self._limits_rad, strict=True):
             if value is not None and not low - TOLERANCE_RAD <= value <= high + TOLERANCE_RAD:
                 raise ValueError(
                     f"camera '{self._camera}': {axis}_rad = {value:g} rad: must be in [{low:.4g}, {high:.4g}] rad"

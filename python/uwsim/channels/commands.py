@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,11 +11,15 @@ from numpy.typing import NDArray
 from uwsim.channels.channel import COMMAND, Channel
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
+from uwsim.commands import COMMANDS, Argument
 from uwsim.live import LiveSimulator
 from uwsim.simulator import Simulator
 
 SPEED_MAX = 100.0  # m/s and rad/s
 FLOATS = "std_msgs/msg/Float64MultiArray"
+THRUSTER = COMMANDS["set_thrusters"].argument("commands")
+FIN = COMMANDS["set_fins"].argument("angles_rad")
+ELEVATION = COMMANDS["aim"].argument("elevation_rad")
 
 
 def command_channels(source: Source, sim: Simulator, steering: Steering) -> list[Channel]:
@@ -46,7 +49,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
             hear(
                 "cmd_thrusters", FLOATS, f"commands in [-1, 1]: {', '.join(thrusters)}",
                 lambda live, message: steering.give(
-                    live, "set_thrusters", commands=_named("cmd_thrusters", thrusters, message.data, 1.0)
+                    live, "set_thrusters", commands=_named("cmd_thrusters", thrusters, message.data, THRUSTER)
                 ),
             )
         )  # fmt: skip
@@ -55,7 +58,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
             hear(
                 "cmd_fins", FLOATS, f"deflections [rad]: {', '.join(fins)}",
                 lambda live, message: steering.give(
-                    live, "set_fins", angles_rad=_named("cmd_fins", fins, message.data, 0.5 * math.pi)
+                    live, "set_fins", angles_rad=_named("cmd_fins", fins, message.data, FIN)
                 ),
             )
         )  # fmt: skip
@@ -81,16 +84,14 @@ def _wrench(live: LiveSimulator, steering: Steering, message: Any) -> None:
     steering.give(live, "set_wrench", force_body_n=wrench[:3], torque_body_nm=wrench[3:])
 
 
-def _named(topic: str, names: Sequence[str], values: NDArray[np.float64], limit: float) -> dict[str, float]:
+def _named(topic: str, names: Sequence[str], values: NDArray[np.float64], each: Argument) -> dict[str, float]:
     if len(values) != len(names):
         raise ValueError(f"{topic}: {len(values)} values: must be {len(names)}: {', '.join(names)}")
     for name, value in zip(names, values, strict=True):
-        if not abs(value) <= limit:
-            raise ValueError(f"{topic}: {name} = {value}: must be in [-{limit:g}, {limit:g}]")
+        each.check_number(value, f"{topic}: {name}")
     return dict(zip(names, map(float, values), strict=True))
 
 
 def _tilt(live: LiveSimulator, steering: Steering, tilt_rad: float) -> None:
-    if not abs(tilt_rad) <= 0.5 * math.pi:
-        raise ValueError(f"cmd_tilt = {tilt_rad} rad: must be in [-pi/2, pi/2]")
+    ELEVATION.check_number(tilt_rad, "cmd_tilt")
     steering.ask(live, "aim", elevation_rad=-tilt_rad)

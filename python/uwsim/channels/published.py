@@ -15,6 +15,7 @@ from uwsim import ranging
 from uwsim.channels import build
 from uwsim.channels.cameras import jpeg_message
 from uwsim.channels.channel import COMMAND, PANEL, PICTURE, Channel
+from uwsim.channels.key import POSE, Function, key_efforts
 from uwsim.channels.pictures import RATE_HZ, Pictures
 from uwsim.channels.pings import Pings
 from uwsim.channels.scans import DEPTH_ARRAY
@@ -26,7 +27,7 @@ from uwsim.simulator import Simulator
 POSE_HZ = 50.0
 PANEL_HZ = 10.0
 SLOW_HZ = 1.0
-TEXT, POSE, JPEG = "std_msgs/msg/String", "geometry_msgs/msg/Pose", "sensor_msgs/msg/CompressedImage"
+TEXT, JPEG = "std_msgs/msg/String", "sensor_msgs/msg/CompressedImage"
 TILT_LIMIT_RAD = 0.5 * math.pi
 
 
@@ -188,22 +189,18 @@ def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], si
 
 def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:
     """Apply a published `key` message. Raises ValueError, with nothing applied."""
-    linear, angular = message.position, message.orientation
-    efforts = {
-        "surge": linear.x, "sway": -linear.y, "heave": linear.z,
-        "pitch": angular.x, "roll": angular.y, "yaw": -angular.z,
-    }  # fmt: skip
+    efforts, function = key_efforts(message), message.orientation.w
     for axis, effort in efforts.items():
         if math.isnan(effort):
             raise ValueError(f"key: {axis} effort = {effort}: must be a number")
     functions = _functions(live, source)
-    if angular.w not in (0, *functions):
-        raise ValueError(f"key: orientation.w = {angular.w:g}: must be a function, 0 to {len(functions)}")
+    if function not in (Function.NONE, *functions):
+        raise ValueError(f"key: orientation.w = {function:g}: must be a function, 0 to {len(functions)}")
     saturated = {axis: min(max(float(effort), -1.0), 1.0) for axis, effort in efforts.items()}
     steering.give(live, "set_effort", **saturated)
     steering.by_keys = any(saturated.values())
-    if angular.w:
-        name, arguments = functions[int(angular.w)]
+    if function:
+        name, arguments = functions[int(function)]
         if name:
             steering.ask(live, name, **arguments)
 
@@ -225,8 +222,12 @@ def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict
         return ("aim", {"elevation_rad": elevation_rad}) if source.has_sonar else ("", {})
 
     return {
-        1: ("release", {}),
-        2: lamp("front", False), 3: lamp("front", True), 4: lamp("down", False), 5: lamp("down", True),
-        6: aim(-TILT_LIMIT_RAD), 7: aim(vehicle.sonar.elevation_rad if source.has_sonar else 0.0),
-        8: aim(TILT_LIMIT_RAD),
-    }  # fmt: skip
+        Function.RELEASE: ("release", {}),
+        Function.FRONT_OFF: lamp("front", False),
+        Function.FRONT_ON: lamp("front", True),
+        Function.DOWN_OFF: lamp("down", False),
+        Function.DOWN_ON: lamp("down", True),
+        Function.TILT_DOWN: aim(-TILT_LIMIT_RAD),
+        Function.TILT_HOLD: aim(vehicle.sonar.elevation_rad if source.has_sonar else 0.0),
+        Function.TILT_UP: aim(TILT_LIMIT_RAD),
+    }

@@ -116,7 +116,7 @@ class Table:
         found = simulation_services() + parameter_services()
         found += [stream_service(f"camera/{name}", name, self.pictures) for name in sim.cameras]
         for source in self.sources:
-            found += vehicle_services(source, sim, self.pictures, self.maps)
+            found += vehicle_services(source, sim, self.pictures, self.maps, self.steering[source.name])
         return found
 
 

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from uwsim.commands import Steerable
+
 
 class Watch(Protocol):
     """Shows the time."""
@@ -87,19 +89,8 @@ class EstimateLike(Protocol):
     def velocity(self) -> VelocityLike: ...
 
 
-class SteeredVehicle(EstimateLike, Protocol):
+class SteeredVehicle(EstimateLike, Steerable, Protocol):
     """A vehicle that accepts efforts."""
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Command efforts in [-1, 1], held until the next call."""
 
 
 class SurveyVehicle(SteeredVehicle, Protocol):

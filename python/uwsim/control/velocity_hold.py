@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.control.controller import Controller, ControlSettingsLike
 from uwsim.control.protocols import SteeredVehicle
 from uwsim.sealed import Sealed
 
 Vector = NDArray[np.float64]
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 class VelocityHold(Sealed):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from uwsim.axes import AXES
 from uwsim.did_you_mean import did_you_mean
 from uwsim.distortion import Distortion
 from uwsim.scenario.spec.fault import (
@@ -18,7 +19,7 @@ from uwsim.scenario.spec.fault import (
 )
 from uwsim.scenario.spec.scenario import Scenario
 from uwsim.scenario.spec.vehicle import VehicleModel
-from uwsim.vehicle import AXES, Vehicle
+from uwsim.vehicle import Vehicle
 
 CURRENT = "water.current_world_m_s"
 COORDINATES = ("x", "y", "z")

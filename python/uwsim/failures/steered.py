@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from uwsim.commands import Steerable
 from uwsim.control.protocols import EstimateLike
 from uwsim.vehicle import Vehicle
 
 ZERO = (0.0,) * 6
 
 
-class Steered:
+class Steered(Steerable):
     """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted.
 
     pose, velocity: by its own instruments (Vehicle.estimate) once its navigation has begun; the truth before.
@@ -40,17 +41,9 @@ class Steered:
         navigation = self._vehicle.navigation
         return navigation.navigator if navigation.has_begun else self._vehicle
 
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Set efforts, saturated."""
-        self.last = (surge, sway, heave, roll, pitch, yaw)
+    def command(self, name: str, /, **efforts: float) -> None:
+        """Set efforts, saturated: its only command."""
+        self.last = tuple(efforts.values())
         self.insist()
 
     def insist(self) -> None:

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from uwsim.arguments import plain
 from uwsim.atomic_file import write_atomically
+from uwsim.axes import AXES
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator import Simulator
-from uwsim.vehicle import AXES, Vehicle
+from uwsim.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

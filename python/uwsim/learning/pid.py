@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.control import Controller
 from uwsim.learning.episodes import Episodes
-from uwsim.learning.task import AXES
 from uwsim.scenario import control_settings
 from uwsim.scenario.build.water import surface_density_kg_m3
 

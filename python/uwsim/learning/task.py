@@ -11,12 +11,12 @@ import numpy as np
 from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from uwsim.agenda import Rank
 from uwsim.channels import Channel, Service, Table
+from uwsim.commands import COMMANDS
 from uwsim.did_you_mean import did_you_mean
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
@@ -21,7 +22,6 @@ from uwsim.link.rates import send_rates
 from uwsim.link.seen import seen_channels
 from uwsim.link.turns import Turn, turns
 from uwsim.live import LiveSimulator
-from uwsim.live.commands import ALL_STOP
 from uwsim.network import STATION, Network
 from uwsim.simulator import Simulator
 
@@ -77,7 +77,7 @@ class Carrier:
 
     def _require_known(self, patterns: Iterable[str]) -> None:
         """Raise ValueError for a pattern without effect."""
-        topics = [*self._carried, *(remote.TOPIC + name for name in remote.CARRIED)]
+        topics = [*self._carried, *(remote.TOPIC + name for name in COMMANDS if remote.crosses_link(name))]
         for pattern in patterns:
             if not any(is_chosen(topic, (pattern,)) for topic in topics):
                 hint = did_you_mean(pattern, topics)
@@ -136,10 +136,10 @@ class Carrier:
         return one.packing.unpack(found[-1].payload, one.channel) if one is not None and found else None
 
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
-        """Send a command of uwsim.live.COMMANDS to a vehicle; the future resolves when it is queued."""
+        """Send a command of uwsim.commands to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
-        stops = name == ALL_STOP and arguments.get("on", True)
-        return self._send(vehicle, topic, payload, replaces=name in remote.REPLACED, is_vital=stops)
+        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # its release may get lost
+        return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, is_vital=is_vital)
 
     def _heard(self, channel: Channel) -> Channel:
         one = self._carried.get(channel.name)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from uwsim.live.commands import bound_command
+from uwsim.commands import bound_command
 from uwsim.simulator import Simulator
 
 T = TypeVar("T")

@@ -9,28 +9,10 @@ from concurrent.futures import Future
 from typing import Any
 
 from uwsim.arguments import plain
+from uwsim.commands import COMMANDS, bound_command
 from uwsim.live import LiveSimulator
-from uwsim.live.commands import ALL_STOP, bound_command
 
 TOPIC = "command/"
-CARRIED = frozenset(
-    (
-        "release",
-        "undock",
-        "dock",
-        "override_failsafe",
-        ALL_STOP,
-        "set_effort",
-        "set_wrench",
-        "set_thrusters",
-        "set_fins",
-        "aim",
-        "set_lamp",
-    )
-) | {"aim_camera"}
-"""Commands that a vehicle gets; the others, such as `place`, are for the simulator."""
-REPLACED = frozenset(("set_effort", "set_wrench", "set_thrusters", "set_fins", "aim", ALL_STOP))
-"""Commands whose next one takes their place while they wait."""
 
 
 class RemoteSimulator:
@@ -51,13 +33,18 @@ class RemoteSimulator:
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
         """Send a command to a vehicle, or give it at once if it is for the simulator. Raises ValueError."""
         vehicle = arguments.get("vehicle")
-        if name not in CARRIED or vehicle is None:
+        if vehicle is None or not crosses_link(name):
             return self._live.command(name, **arguments)
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         bound_command(name, kept)
         del kept["vehicle"]
         self.has_sent = True
         return self._send(name, vehicle, kept)
+
+
+def crosses_link(name: str) -> bool:
+    """Return whether a command is one that a vehicle gets; the others, such as `place`, are for the simulator."""
+    return name in COMMANDS and COMMANDS[name].crosses_link
 
 
 def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:

@@ -1,8 +1,8 @@
 """A simulator on the wall clock: one thread steps it; commands come from any thread and are logged by tick."""
 
+from uwsim.commands import COMMANDS
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CommandLog, Entry, replay
-from uwsim.live.commands import COMMANDS
 from uwsim.live.live_simulator import LiveSimulator
 from uwsim.live.requests import NotRunningError
 from uwsim.live.subscription import Subscription

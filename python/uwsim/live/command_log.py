@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from uwsim.live.commands import bound_command
+from uwsim.commands import bound_command
 from uwsim.scenario import Scenario
 from uwsim.simulator import Simulator
 

@@ -13,9 +13,9 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from uwsim.arguments import plain
+from uwsim.commands import COMMANDS, bound_command
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
-from uwsim.live.commands import ALL_STOP, bound_command
 from uwsim.live.pace import Pace, Speed
 from uwsim.live.requests import Request
 from uwsim.live.step_loop import StepLoop
@@ -214,7 +214,8 @@ class LiveSimulator:
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
         """Give one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON's types or arrays.
 
-        Raises ValueError for an unknown name or keyword; what the command itself raises goes to the future.
+        Raises ValueError for an unknown name, and for arguments that the table of commands does not allow; what the
+        command itself raises goes to the future.
         """
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         return self._submit(bound_command(name, kept), name, kept)
@@ -237,7 +238,8 @@ class LiveSimulator:
         return threading.current_thread() is self._thread
 
     def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
-        request = Request(function, name, arguments, is_vital=name == ALL_STOP)
+        is_vital = name in COMMANDS and COMMANDS[name].is_vital
+        request = Request(function, name, arguments, is_vital=is_vital)
         if self._on_loop:  # a sink commands: that is between two steps
             self._loop.answer(request)
         else:

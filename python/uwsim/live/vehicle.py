@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from uwsim.cameras import Camera, Lamp
+from uwsim.commands import Placeable, command_named
 from uwsim.estimation import Navigator
 from uwsim.motion import Pose, Velocity
 from uwsim.sensors import Sensor
 from uwsim.sonars.multibeam import Sonar
-from uwsim.vehicle import Vector, Vehicle
+from uwsim.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from uwsim import _core
     from uwsim.live.live_simulator import LiveSimulator
 
 
-class LiveVehicle:
+class LiveVehicle(Placeable):
     """A vehicle with the public names of uwsim.vehicle.Vehicle, for missions and controllers on other threads.
 
     Readings are of the last step, which may be 20 ms ago; two of them may be of two ticks. Commands take effect at the
@@ -50,7 +51,7 @@ class LiveVehicle:
     def estimate(self) -> Navigator:
         """See Vehicle.estimate. The first look is a command, since it starts the navigation."""
         if not self._vehicle.navigation.has_begun:
-            self._command("start_navigation")
+            self.command("start_navigation")
         return self._vehicle.estimate
 
     @property
@@ -72,68 +73,9 @@ class LiveVehicle:
         """The vehicle's panel."""
         return self._vehicle.telemetry()
 
-    def release(self) -> None:
-        """Leave the station."""
-        self._command("release")
-
-    def undock(self) -> None:
-        """Leave the station for free water; see Vehicle.undock."""
-        self._command("undock")
-
-    def dock(self) -> None:
-        """Return to the station; see Vehicle.dock."""
-        self._command("dock")
-
-    def override_failsafe(self) -> None:
-        """Take the vehicle back from its failsafe; see Vehicle.override_failsafe."""
-        self._command("override_failsafe")
-
-    def all_stop(self, on: bool = True) -> None:
-        """Stop the vehicle against all other commands until released; see Vehicle.all_stop."""
-        self._command("all_stop", on=on)
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Command efforts; see Vehicle.set_effort."""
-        self._command("set_effort", surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
-
-    def set_wrench(
-        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
-    ) -> None:
-        """Command force and torque; see Vehicle.set_wrench."""
-        self._command("set_wrench", force_body_n=force_body_n, torque_body_nm=torque_body_nm)
-
-    def set_thrusters(self, commands: Mapping[str, float]) -> None:
-        """Command thrusters by name; see Vehicle.set_thrusters."""
-        self._command("set_thrusters", commands=commands)
-
-    def set_fins(self, angles_rad: Mapping[str, float]) -> None:
-        """Command fins by name; see Vehicle.set_fins."""
-        self._command("set_fins", angles_rad=angles_rad)
-
-    def place(
-        self,
-        position_world_m: Sequence[float] | Vector,
-        orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
-        velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    ) -> None:
-        """Put the vehicle at a pose; see Vehicle.place."""
-        self._command(
-            "place",
-            position_world_m=position_world_m,
-            orientation_xyzw=orientation_xyzw,
-            velocity_body=velocity_body,
-        )
-
-    def _command(self, name: str, **arguments: Any) -> None:
-        self._live.command(name, vehicle=self.name, **arguments).result()
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Give a command of uwsim.commands by its name; return when it has taken effect. Raises ValueError."""
+        return self._live.command(name, **command_named(name).named(self.name, arguments)).result()
 
 
 class LiveSonar:

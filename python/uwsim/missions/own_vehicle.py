@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.arguments import plain
+from uwsim.axes import AXES
+from uwsim.commands import Commandable, command_named
 from uwsim.control.autopilot import Autopilot
 from uwsim.control.controller import Controller
 from uwsim.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
@@ -34,7 +36,7 @@ class Event(NamedTuple):
     values: dict[str, Any]
 
 
-class OwnVehicle(Sealed):
+class OwnVehicle(Sealed, Commandable):
     """A mission's vehicle; see Vehicle.
 
     hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: gives time_s. estimate: by default the
@@ -56,7 +58,7 @@ class OwnVehicle(Sealed):
         hear: Callable[[Event], object] = lambda event: None,
     ) -> None:
         self._hull, self._clock, self._hear = hull, clock, hear
-        self._effort = (0.0,) * 6
+        self._effort: tuple[float, ...] = (0.0,) * 6
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
@@ -160,30 +162,15 @@ class OwnVehicle(Sealed):
         """Whether all stop is set; False for a vehicle that does not report it."""
         return bool(getattr(self._hull, "all_stopped", False))
 
-    def release(self) -> None:
-        """Let go of the station; the mission time starts."""
-        self._hull.release()
-
-    def undock(self) -> None:
-        """Leave the station for free water."""
-        self._hull.undock()
-
-    def dock(self) -> None:
-        """Enter the station's dock from close by. Raises ValueError if it is too far away or too fast."""
-        self._hull.dock()
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
-        self._hull.set_effort(surge, sway, heave, roll, pitch, yaw)
-        self._effort = (surge, sway, heave, roll, pitch, yaw)
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Give a command that a real vehicle could take. Raises ValueError."""
+        if not command_named(name).crosses_link:
+            raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
+        method = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
+        result = method(**arguments)
+        if name == "set_effort":
+            self._effort = tuple(arguments.get(axis, 0.0) for axis in AXES)
+        return result
 
     @property
     def effort(self) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.commands import Commandable
 from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
 
 
@@ -67,8 +68,8 @@ class CameraLike(Protocol):
         """Take a picture; see uwsim.cameras.Camera."""
 
 
-class Vehicle(Protocol):
-    """A vehicle as missions see it. Reading does not let time pass: only `yield` does.
+class Vehicle(Commandable, Protocol):
+    """A vehicle as missions see it: readings and commands. Reading does not let time pass: only `yield` does.
 
     estimate: where it is and how it moves, to the best of its knowledge: the truth, or a filter's estimate. pose,
     velocity: the estimate's. sonar: the first multibeam; sonars, sensors, cameras, lamps: by name.
@@ -99,26 +100,6 @@ class Vehicle(Protocol):
     @property
     def released(self) -> bool:
         """Whether it is free of the station."""
-
-    def release(self) -> None:
-        """Let go of the station; the mission time starts."""
-
-    def undock(self) -> None:
-        """Leave the station for free water."""
-
-    def dock(self) -> None:
-        """Enter the station's dock from close by. Raises ValueError if it is too far away or too fast."""
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Command efforts in [-1, 1] along and about the body's axes, held until the next call."""
 
     def telemetry(self) -> Panel:
         """Read the vehicle's panel."""

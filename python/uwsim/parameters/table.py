@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import get_args
 
+from uwsim.axes import AXES
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount, ThrusterType
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 from uwsim.scenario.spec.fields import Model
@@ -28,7 +29,6 @@ from uwsim.scenario.spec.water import (
     UniformCurrent,
 )
 
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 COORDINATES = ("x", "y", "z")
 COLOURS = ("red", "green", "blue")
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, get_args
 
+from uwsim.axes import AXES
 from uwsim.parameters import table
 from uwsim.parameters.effective import effective
 from uwsim.parameters.field_type import FieldType, field_type, stripped
@@ -167,6 +168,6 @@ def _matrix(at: Node) -> Iterator[Node]:
     """Yield the diagonal elements by axis, the others by both axes: "surge" and "surge_yaw"."""
     for i, row in enumerate(at.value):
         for j, value in enumerate(row):
-            name = table.AXES[i] if i == j else f"{table.AXES[i]}_{table.AXES[j]}"
+            name = AXES[i] if i == j else f"{AXES[i]}_{AXES[j]}"
             kind = FieldType("number", "SI", -1e6, 1e6)
             yield replace(at.below(name, i, value), place=(*at.place, i, j), type=kind)

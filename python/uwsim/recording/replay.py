@@ -16,9 +16,9 @@ from uwsim.channels.cdr import encode
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
+from uwsim.commands import bound_command
 from uwsim.journal import JUMPS
 from uwsim.link import seen_channels
-from uwsim.live.commands import bound_command
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
 from uwsim.recording.difference import differences

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.axes import AXES
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
-from uwsim.scenario.build.control import AXES
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 from uwsim.scenario_check.mounts import Mount, mounts

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
+from uwsim.axes import AXES
 from uwsim.channels.guest import Values
 from uwsim.channels.steering import Steering, require_link
+from uwsim.commands import ALL_STOP, COMMANDS
 from uwsim.live import LiveSimulator, NotRunningError
-from uwsim.live.commands import ALL_STOP
-from uwsim.vehicle import AXES
 
 SILENCE_S = 0.5
 """The age beyond which a command is refused, and the time without one after which efforts are zero."""
@@ -143,8 +143,7 @@ def wants_stop(request: Values) -> bool:
 
 def _effort(request: Values, axis: str) -> float:
     effort = _number(request, axis, 0.0)
-    if not -1.0 <= effort <= 1.0:
-        raise ValueError(f"{axis} = {effort:g}: must be in [-1, 1]")
+    COMMANDS["set_effort"].argument(axis).check_number(effort, axis)
     return effort
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from uwsim.axes import AXES
 from uwsim.channels.feed import Feed
 from uwsim.channels.guest import GuestTopic, Node, Values
 from uwsim.channels.map import PLACED
@@ -13,9 +14,10 @@ from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.served import served_table
 from uwsim.channels.source import Source
 from uwsim.channels.table import Wire
+from uwsim.commands import COMMANDS
 from uwsim.link import Carrier
 from uwsim.link.ashore import with_scans
-from uwsim.live import COMMANDS, LiveSimulator
+from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.recorder import MAP_TYPE
 from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
@@ -23,21 +25,15 @@ from uwsim.station.arrivals import Arrivals
 from uwsim.station.helm import Helm
 from uwsim.station.scene import Scene
 from uwsim.station.views import View, Views, title
-from uwsim.vehicle import AXES
 
-STEERING = {
-    "all_stop",
-    "link_send",
-    "place",
-    "set_effort",
-    "set_wrench",
-    "set_thrusters",
-    "set_fins",
-}  # the pilot's hands do that: `drive`, and anybody's: `all_stop`
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
 """Channels that the page shows, by how they end: a modem has no room for more, unless the scenario says so."""
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
-PILOTED = sorted(set(COMMANDS) - STEERING)
+
+
+def piloted_commands() -> list[str]:
+    """Return the commands that the pilot may give by name: `drive` steers, and anybody may call `all_stop`."""
+    return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
 
 
 class Running:
@@ -145,7 +141,7 @@ class Running:
             "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
             "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
             "scene": "/scene/scene.json",
-            "commands": PILOTED,
+            "commands": piloted_commands(),
         }
 
     def topics(self) -> list[GuestTopic]:

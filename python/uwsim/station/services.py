@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim.channels.guest import GuestService, Values
 from uwsim.channels.steering import require_link
-from uwsim.link.remote import CARRIED
+from uwsim.commands import COMMANDS
 from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
 from uwsim.station.helm import answered, wants_stop
-from uwsim.station.running import PILOTED, Running
+from uwsim.station.running import Running, piloted_commands
 from uwsim.station.saves import saved_names
 
 if TYPE_CHECKING:
@@ -91,12 +91,12 @@ class Services:
     def _command(self, caller: str, request: Values) -> Future[Values]:
         self._station.lease.require_pilot(caller)
         name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
-        if not isinstance(name, str) or name not in PILOTED or not isinstance(arguments, dict):
-            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(PILOTED)}")
+        if not isinstance(name, str) or name not in piloted_commands() or not isinstance(arguments, dict):
+            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(piloted_commands())}")
         running = self._station.present()
         live, text = running.far, ""
         given = {str(key): value for key, value in arguments.items()}
-        if name in CARRIED:
+        if COMMANDS[name].crosses_link:
             require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
             text = _sent(running)
         return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given), text=text)

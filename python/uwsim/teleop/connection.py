@@ -15,10 +15,9 @@ from typing import Any
 from websockets.exceptions import WebSocketException
 
 from uwsim.bridges.nodes.node import Node
-from uwsim.channels.messages import default_message
+from uwsim.channels.key import POSE, Function, key_message
 from uwsim.teleop.hands import ZERO, Hands
-from uwsim.teleop.keys import Function
-from uwsim.teleop.readout import PANELS, POSE, Readout, topics_to_hear
+from uwsim.teleop.readout import PANELS, Readout, topics_to_hear
 
 PERIOD_S = 0.05  # at which the hands are asked
 STOP_AGAIN_S = 1.0  # until an all stop that has not been answered is asked for again
@@ -241,15 +240,8 @@ class Connection:
         return self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm
 
     def _say_efforts(self, efforts: dict[str, float], function: Function) -> None:
-        """Publish; on this wire sway and yaw are positive to starboard."""
-        message = default_message(POSE)
-        message.position.x, message.position.y, message.position.z = (
-            efforts["surge"],
-            -efforts["sway"],
-            efforts["heave"],
-        )
-        message.orientation.x, message.orientation.y = efforts["pitch"], efforts["roll"]
-        message.orientation.z, message.orientation.w = -efforts["yaw"], float(function)
+        """Publish efforts and a function."""
+        message = key_message(efforts, function)
         self._efforts, self._said_s = dict(efforts), time.monotonic()
         self._guarded(lambda node: self._publish(message))
 

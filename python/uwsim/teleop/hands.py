@@ -14,9 +14,10 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 
-from uwsim.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING, Function
+from uwsim.axes import AXES
+from uwsim.channels.key import Function
+from uwsim.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING
 
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 FIRST_HOLD_S = 0.7  # keyboards wait for 0.25 to 0.66 s before they repeat
 REPEAT_HOLD_S = 0.25  # and repeat at 10 Hz or more; the rest is for slow networks
 STALL_S = 1.0  # without a beat, after which everything is let go: the screen hangs, and with it what hears of releases

@@ -2,22 +2,7 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-
-
-class Function(IntEnum):
-    """What the published `key` message asks for in orientation.w."""
-
-    NONE = 0
-    RELEASE = 1
-    FRONT_OFF = 2
-    FRONT_ON = 3
-    DOWN_OFF = 4
-    DOWN_ON = 5
-    TILT_DOWN = 6
-    TILT_HOLD = 7
-    TILT_UP = 8
-
+from uwsim.channels.key import Function
 
 DRIVING: dict[str, tuple[str, float]] = {
     "w": ("surge", 1.0), "s": ("surge", -1.0),

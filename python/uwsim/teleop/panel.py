@@ -6,7 +6,7 @@ import math
 
 from rich.text import Text
 
-from uwsim.teleop.hands import AXES
+from uwsim.axes import AXES
 from uwsim.teleop.readout import Readout
 
 BAR = 10  # characters for each side of an effort

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from uwsim import ranging
+from uwsim.channels.key import POSE
 from uwsim.channels.own_types import ALL_STOPPED
 
 NAN = math.nan
@@ -157,7 +158,7 @@ def take_link(readout: Readout, message: Any) -> None:
     readout.link = f"{message.modem} {message.quality:.0%}{delay}, {message.silence_at_station:.0f} s ago"
 
 
-TEXT, POSE = "std_msgs/msg/String", "geometry_msgs/msg/Pose"
+TEXT = "std_msgs/msg/String"
 LINK, NO_LINK = "uwsim_msgs/msg/Link", "none"
 PANELS = (take_telemetry, take_state_data)
 STANDARD: dict[str, tuple[str, Take]] = {

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.control import Controller
 from uwsim.scenario import VehicleModel
-from uwsim.scenario.build.control import AXES
 from uwsim.simulator import Simulator
 from uwsim.validate.flights import START_M, deep_water
 from uwsim.vehicle import Vehicle

@@ -7,8 +7,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from uwsim.axes import AXES
 from uwsim.figures.style import save_figure
-from uwsim.validate.vehicles import AXES, UNITS, Curve
+from uwsim.validate.vehicles import UNITS, Curve
 
 
 def draw_decays(curves: list[Curve], path: Path) -> None:

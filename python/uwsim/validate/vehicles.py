@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from uwsim.axes import AXES
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.spec.control import Control
 from uwsim.simulator import Simulator
@@ -19,7 +20,6 @@ from uwsim.validate.flights import deep_water, fly, times
 from uwsim.validate.published import PUBLISHED
 from uwsim.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
 
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
 SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping matters

@@ -10,17 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import matrix, quaternion, vector
 from uwsim.bridges.remote.instruments import IMAGE, READERS, RemoteCamera, RemoteCameras, RemoteLamp, RemoteSensor
 from uwsim.bridges.remote.sonar import RemoteSonar
 from uwsim.bridges.remote.tree import RemoteTree
-from uwsim.channels import build
+from uwsim.channels.command_services import request_of
+from uwsim.channels.key import POSE, key_message
 from uwsim.channels.own_types import ALL_STOPPED
+from uwsim.commands import Commandable, command_named
 from uwsim.motion import Pose, Velocity
 from uwsim.named import Named
 
-POSE = "geometry_msgs/msg/Pose"
 LIGHT_SERVICE = "lights/"
 
 
@@ -38,8 +40,8 @@ class RemotePanel:
     collision_warning: bool = False
 
 
-class RemoteVehicle:
-    """A vehicle at a rosbridge: pose and velocity by odometry, efforts by the published topic `key`.
+class RemoteVehicle(Commandable):
+    """A vehicle at a rosbridge: pose and velocity by odometry, commands by services, efforts by the topic `key`.
 
     name: whose topics are meant where there are several. odometry: the topic of its pose: "odom" is a simulator's
     truth. Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
@@ -141,40 +143,26 @@ class RemoteVehicle:
         panel = self._telemetry()
         return True if panel is None else bool(panel.released)
 
-    def all_stop(self, on: bool = True) -> None:
-        """Stop it against all other commands until False releases it. Raises ValueError, OSError."""
-        self._connection.call(f"{self._prefix}all_stop", data=bool(on))
-
     @property
     def all_stopped(self) -> bool:
         """Whether all stop is set; False for a vehicle that does not tell."""
         panel = self._telemetry()
         return panel is not None and ALL_STOPPED in panel.alarms
 
-    def release(self) -> None:
-        """Let go of the station. Raises ValueError, OSError."""
-        self._connection.call(f"{self._prefix}release")
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Give a command of uwsim.commands: efforts by the topic `key`, others by services. Raises ValueError, OSError.
 
-    def undock(self) -> None:
-        """Leave the station for free water. Raises ValueError, OSError."""
-        self._connection.call(f"{self._prefix}undock")
-
-    def dock(self) -> None:
-        """Enter the station's dock. Raises ValueError, OSError."""
-        self._connection.call(f"{self._prefix}dock")
-
-    def set_effort(
-        self,
-        surge: float = 0.0,
-        sway: float = 0.0,
-        heave: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-        yaw: float = 0.0,
-    ) -> None:
-        """Command efforts in [-1, 1]; on the wire sway and yaw are positive to starboard. Raises OSError."""
-        message = build.pose((surge, -sway, heave), (pitch, roll, -yaw, 0.0))
-        self._connection.publish(f"{self._prefix}key", POSE, message)
+        Efforts are not acknowledged; other commands have taken effect, or are sent over a link, when this returns.
+        """
+        command = command_named(name)
+        command.named(self.name, arguments)
+        if name == "set_effort":
+            message = key_message({axis: arguments.get(axis, 0.0) for axis in AXES})
+            self._connection.publish(f"{self._prefix}key", POSE, message)
+        elif command.service:
+            self._connection.call(self._prefix + name, **request_of(command, arguments))
+        else:
+            raise ValueError(f"vehicle '{self.name}': {name}: cannot be given over a rosbridge: it has no service")
 
     def telemetry(self) -> RemotePanel:
         """Read the panel: of /telemetry, else the battery alone."""

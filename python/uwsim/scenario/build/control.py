@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from uwsim import _core
+from uwsim.axes import AXES
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.craft import craft
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.control import Loop
 from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
-
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, eq=False)

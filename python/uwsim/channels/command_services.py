@@ -1,0 +1,52 @@
+"""Services of a vehicle that are commands: one for each entry of the table of commands that has a service type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from uwsim.arguments import plain
+from uwsim.channels.channel import Service
+from uwsim.channels.request import Request, answered, field
+from uwsim.channels.source import Source
+from uwsim.channels.steering import Steering, require_link
+from uwsim.commands import COMMANDS, SET_BOOL, Command
+from uwsim.live import LiveSimulator
+
+
+def command_services(source: Source, steering: Steering) -> list[Service]:
+    """Return a vehicle's services of commands. Their requests have the commands' arguments, those of SetBool `data`."""
+    return [
+        Service(
+            source.topic(command.name), command.service, answered(_given(source.name, command, steering)),
+            command.description, is_vital=command.is_vital,
+        )
+        for command in COMMANDS.values()
+        if command.service
+    ]  # fmt: skip
+
+
+def _given(vehicle: str, command: Command, steering: Steering) -> Callable[[LiveSimulator, Request], object]:
+    def give(live: LiveSimulator, request: Request) -> object:
+        arguments = arguments_of(command, request)
+        require_link(live, vehicle, command.name)
+        if command.steers:
+            return steering.give(live, command.name, **arguments).result()
+        return live.command(command.name, vehicle=vehicle, **arguments).result()
+
+    return give
+
+
+def arguments_of(command: Command, request: Request) -> dict[str, Any]:
+    """Return the arguments that a request to the command's service holds. Raises ValueError for a SetBool without."""
+    if command.service == SET_BOOL:
+        return {command.arguments[0].name: field(request, "data", bool, None)}
+    return dict(request)
+
+
+def request_of(command: Command, arguments: Mapping[str, Any]) -> Request:
+    """Return the request that gives a command by its service."""
+    if command.service == SET_BOOL:
+        flag = command.arguments[0]
+        return {"data": bool(arguments.get(flag.name, flag.default))}
+    return {name: plain(value, name) for name, value in arguments.items()}

@@ -1,0 +1,23 @@
+"""Every command of a simulator and its vehicles, in one table; it imports neither.
+
+Live simulators, logs, replays, links, services, remote vehicles and the station's page are made from COMMANDS. A new
+command is one entry of `table.py`; its method, if callers are to have one, is one of `Commandable`.
+"""
+
+from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command
+from uwsim.commands.commandable import Commandable, Placeable, Steerable
+from uwsim.commands.table import ALL_STOP, COMMANDS, bound_command, command_named
+
+__all__ = [
+    "ALL_STOP",
+    "COMMANDS",
+    "SET_BOOL",
+    "TRIGGER",
+    "Argument",
+    "Command",
+    "Commandable",
+    "Placeable",
+    "Steerable",
+    "bound_command",
+    "command_named",
+]

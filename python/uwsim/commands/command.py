@@ -1,0 +1,167 @@
+"""Command: an entry of the table. Argument: a value that it takes, with its unit and bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from uwsim.arguments import number
+from uwsim.did_you_mean import did_you_mean
+
+Type = Literal["number", "numbers", "numbers by name", "flag", "text", "bytes", "any"]
+REQUIRED: Final = object()
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A value that a command takes.
+
+    low, high: bounds of each number, included. length: of "numbers". default: used where the argument is missing;
+    REQUIRED if it must be given. One whose default is None may be None.
+    """
+
+    name: str
+    type: Type = "number"
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    length: int = 0
+    default: Any = REQUIRED
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it must be given."""
+        return self.default is REQUIRED
+
+    def check(self, value: Any, path: str) -> None:
+        """Raise ValueError, which names the path, the value, the unit and the rule, unless the value is allowed."""
+        if value is None and self.default is None:
+            return
+        if self.type == "number":
+            self.check_number(value, path)
+        elif self.type == "numbers":
+            if not isinstance(value, Sequence | np.ndarray) or len(value) != self.length:
+                raise ValueError(f"{path} = {value!r:.60}: must be {self.length} numbers{self._in_unit}")
+            for k, item in enumerate(value):
+                self.check_number(item, f"{path}[{k}]")
+        elif self.type == "numbers by name":
+            if not isinstance(value, Mapping):
+                raise ValueError(f"{path} = {value!r:.60}: must be numbers by name{self._in_unit}")
+            for name, item in value.items():
+                self.check_number(item, f"{path}.{name}")
+        elif self.type != "any" and not isinstance(value, CLASSES[self.type]):
+            raise ValueError(f"{path} = {value!r:.60}: must be {WORDS[self.type]}")
+
+    def check_number(self, value: Any, path: str) -> None:
+        """Raise ValueError unless one value is a finite number within the bounds."""
+        given, unit = number(value, path, self.unit), f" {self.unit}" if self.unit else ""
+        if not math.isfinite(given):
+            raise ValueError(f"{path} = {given}{unit}: must be finite")
+        if not self.low <= given <= self.high:
+            raise ValueError(f"{path} = {given}{unit}: must be in [{self.low:.6g}, {self.high:.6g}]{unit}")
+
+    @property
+    def _in_unit(self) -> str:
+        return f" [{self.unit}]" if self.unit else ""
+
+
+CLASSES: dict[str, Any] = {"flag": bool | np.bool_, "text": str, "bytes": bytes}
+WORDS = {"flag": "True or False", "text": "text", "bytes": "bytes"}
+VEHICLE, ANY_VEHICLE = Argument("vehicle", "text"), Argument("vehicle", "text", default=None)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command.
+
+    name: in Python, in logs and recordings, and on every wire. of: what it is given to: a vehicle, the simulator, or
+    either, depending on whether the argument `vehicle` names one. apply: changes that; called with it and with the
+    arguments by name; raises ValueError, changing nothing. None: the vehicle's method of this name. notes_itself:
+    whether `apply` reports to the simulator's journal, as methods do.
+    takes_more: whether arguments that are not listed are passed on.
+    crosses_link: whether it goes over the link to its vehicle. replaces: whether it takes the place of an older one
+    that still waits to be sent. is_vital: whether it is accepted however many wait, and sent until it has surely come.
+    steers: whether it drives the vehicle, so that it ends what steered before. service: the ROS type of the vehicle's
+    service of this name; "" for none. is_piloted: whether the station's pilot may give it by name.
+    """
+
+    name: str
+    description: str
+    arguments: tuple[Argument, ...] = ()
+    apply: Callable[..., Any] | None = None
+    of: Literal["vehicle", "simulator", "either"] = "vehicle"
+    notes_itself: bool = False
+    takes_more: bool = False
+    crosses_link: bool = False
+    replaces: bool = False
+    is_vital: bool = False
+    steers: bool = False
+    service: str = ""
+    is_piloted: bool = True
+
+    @property
+    def all_arguments(self) -> tuple[Argument, ...]:
+        """The arguments as logs have them: with the vehicle's name."""
+        vehicle = {"vehicle": (VEHICLE,), "simulator": (), "either": (ANY_VEHICLE,)}[self.of]
+        return (*vehicle, *self.arguments)
+
+    def argument(self, name: str) -> Argument:
+        """Return an argument by its name."""
+        return next(argument for argument in self.all_arguments if argument.name == name)
+
+    def check(self, arguments: Mapping[str, Any]) -> None:
+        """Raise ValueError unless these arguments can be given."""
+        known = {argument.name: argument for argument in self.all_arguments}
+        for name in arguments:
+            if name not in known and not self.takes_more:
+                rule = f"must be one of {', '.join(known)}" if known else "it takes no arguments"
+                raise ValueError(f"command '{self.name}': {name!r}: {rule}{did_you_mean(name, known)}")
+        for name, argument in known.items():
+            if name in arguments:
+                argument.check(arguments[name], f"command '{self.name}': {name}")
+            elif argument.is_required:
+                raise ValueError(f"command '{self.name}': {name}: must be given")
+
+    def bound(self, arguments: Mapping[str, Any]) -> Callable[[Any], Any]:
+        """Return the command with its arguments as a function of the simulator. Raises ValueError; see `check`."""
+        self.check(arguments)
+
+        def give(sim: Any) -> Any:
+            vehicle = None if self.of == "simulator" else arguments.get("vehicle")
+            return self.give(sim if vehicle is None else item(sim.vehicles, vehicle, "vehicle"), sim.journal, arguments)
+
+        return give
+
+    def named(self, vehicle: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the arguments with a vehicle's name, checked. Raises ValueError, also if it is the simulator's."""
+        if self.of == "simulator":
+            raise ValueError(f"command '{self.name}': is given to the simulator, not to vehicle '{vehicle}'")
+        given = {"vehicle": vehicle, **arguments}
+        self.check(given)
+        return given
+
+    def __call__(self, sim: Any, /, **arguments: Any) -> Any:
+        """Give it to a simulator. Raises ValueError, changing nothing."""
+        return self.bound(arguments)(sim)
+
+    def give(self, target: Any, journal: Any, arguments: Mapping[str, Any]) -> Any:
+        """Give it to its vehicle or simulator, with arguments that `check` has seen, and report it to the journal."""
+        values = {name: value for name, value in arguments.items() if name != "vehicle" or self.of == "simulator"}
+        if self.apply is None:
+            return getattr(target, self.name)(**values)
+        result = self.apply(target, **values)
+        if not self.notes_itself:
+            journal.note(self.name, **arguments)
+        return result
+
+
+def item(items: Mapping[str, Any], name: Any, what: str) -> Any:
+    """Return an item by its name. Raises ValueError that lists the names."""
+    if not isinstance(name, str) or name not in items:
+        raise ValueError(f"{what} = {name!r}: must be one of {', '.join(items)}")
+    return items[name]

@@ -1,0 +1,95 @@
+"""The commands that a vehicle has as methods: written once, for simulated, live and remote vehicles and missions.
+
+They are protocols with bodies: a class that inherits one gets its methods, and gives commands by its own `command`;
+a class that has the methods itself, such as the simulated vehicle, fits without inheriting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+class Steerable(Protocol):
+    """A vehicle that takes efforts."""
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Command efforts in [-1, 1] along and about the body axes (REP 103), held until the next. ValueError."""
+        _give(self, "set_effort", surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
+
+
+class Commandable(Steerable, Protocol):
+    """A vehicle that takes every command that a real one could take. All raise ValueError, changing nothing."""
+
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Give a command of uwsim.commands by its name."""
+
+    def release(self) -> None:
+        """Leave the station; the mission time starts."""
+        self.command("release")
+
+    def undock(self) -> None:
+        """Leave the station for free water."""
+        self.command("undock")
+
+    def dock(self) -> None:
+        """Enter the station's dock from nearby, slowly."""
+        self.command("dock")
+
+    def override_failsafe(self) -> None:
+        """Take the vehicle back from its failsafe."""
+        self.command("override_failsafe")
+
+    def all_stop(self, on: bool = True) -> None:
+        """Stop the vehicle against all other commands until False releases it."""
+        self.command("all_stop", on=on)
+
+    def set_wrench(
+        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Command the thrusters' force (3,) and torque (3,) in still water, body axes, about the origin."""
+        self.command("set_wrench", force_body_n=force_body_n, torque_body_nm=torque_body_nm)
+
+    def set_thrusters(self, commands: Mapping[str, float]) -> None:
+        """Command thrusters in [-1, 1] by name; unnamed thrusters stop."""
+        self.command("set_thrusters", commands=commands)
+
+    def set_fins(self, angles_rad: Mapping[str, float]) -> None:
+        """Command fins by name; unnamed fins return to 0."""
+        self.command("set_fins", angles_rad=angles_rad)
+
+
+class Placeable(Commandable, Protocol):
+    """A simulated vehicle: it can also be put anywhere."""
+
+    def place(
+        self,
+        position_world_m: Sequence[float] | Vector,
+        orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
+        velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given."""
+        self.command(
+            "place",
+            position_world_m=position_world_m,
+            orientation_xyzw=orientation_xyzw,
+            velocity_body=velocity_body,
+        )
+
+
+def _give(vehicle: Any, name: str, **arguments: Any) -> None:
+    """Give a command without making `command` a part of the protocol: a controller needs no more than `set_effort`."""
+    vehicle.command(name, **arguments)

@@ -1,0 +1,178 @@
+"""The table of commands. A new one is one entry here."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from uwsim.axes import AXES
+from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
+
+ALL_STOP = "all_stop"
+RIGHT_ANGLE_RAD = 0.5 * math.pi
+
+
+def _aim(vehicle: Any, elevation_rad: float, sonar: str | None = None) -> None:
+    head = vehicle.sonar if sonar is None else item(vehicle.sonars, sonar, f"vehicle '{vehicle.name}' sonar")
+    head.aim(elevation_rad)
+
+
+def _set_lamp(vehicle: Any, lamp: str, on: bool) -> None:
+    item(vehicle.lamps, lamp, f"vehicle '{vehicle.name}' lamp").on = on
+
+
+def _aim_camera(carrier: Any, camera: str, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+    what = "camera" if hasattr(carrier, "vehicles") else f"vehicle '{carrier.name}' camera"
+    item(carrier.cameras, camera, what).aim(pan_rad, tilt_rad)
+
+
+def _start_navigation(vehicle: Any) -> None:
+    _ = vehicle.estimate
+
+
+def _set_parameter(sim: Any, name: str, value: Any) -> None:
+    sim.parameters[name] = value
+
+
+def _link_send(sim: Any, sender: str, receiver: str, topic: str, payload: bytes, **how: Any) -> None:
+    if sim.link is None:
+        raise ValueError("link_send: the scenario has no link")
+    sim.link.send(sender, receiver, topic, payload, **how)
+
+
+DOCKING = [
+    Command("release", "leave the station, which lets go", crosses_link=True, service=TRIGGER),
+    Command("undock", "leave the station for free water", crosses_link=True, service=TRIGGER),
+    Command("dock", "return to the station, from close by", crosses_link=True, service=TRIGGER),
+]
+SAFETY = [
+    Command(
+        "override_failsafe", "take the vehicle back from its failsafe", crosses_link=True, service=TRIGGER
+    ),
+    Command(
+        ALL_STOP, "true: stop the thrusters, against every command, until false releases it",
+        (Argument("on", "flag", default=True),),
+        crosses_link=True, replaces=True, is_vital=True, service=SET_BOOL, is_piloted=False,
+    ),
+    Command(
+        "inject_fault", "let something fail", (Argument("kind", "text"),),
+        lambda sim, kind, **values: sim.faults.inject(kind, **values),
+        of="simulator", notes_itself=True, takes_more=True,
+    ),
+    Command(
+        "end_fault", "end a fault for good", (Argument("name", "text"),), lambda sim, name: sim.faults.end(name),
+        of="simulator", notes_itself=True,
+    ),
+]  # fmt: skip
+STEERING = [
+    Command(
+        "set_effort", "efforts along and about the body axes, held until the next command",
+        tuple(Argument(axis, low=-1.0, high=1.0, default=0.0) for axis in AXES),
+        crosses_link=True, replaces=True, steers=True, is_piloted=False,
+    ),
+    Command(
+        "set_wrench", "force and torque of the thrusters in still water, body axes",
+        (
+            Argument("force_body_n", "numbers", "N", length=3),
+            Argument("torque_body_nm", "numbers", "N m", length=3, default=(0.0, 0.0, 0.0)),
+        ),
+        crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/SetWrench", is_piloted=False,
+    ),
+    Command(
+        "set_thrusters", "commands of thrusters by name; the others stop",
+        (Argument("commands", "numbers by name", low=-1.0, high=1.0),),
+        crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/SetThrusters", is_piloted=False,
+    ),
+    Command(
+        "set_fins", "deflections of fins by name; the others return to 0",
+        (Argument("angles_rad", "numbers by name", "rad", -RIGHT_ANGLE_RAD, RIGHT_ANGLE_RAD),),
+        crosses_link=True, replaces=True, steers=True, service="uwsim_msgs/srv/SetFins", is_piloted=False,
+    ),
+    Command(
+        "place", "put a vehicle at a pose",
+        (
+            Argument("position_world_m", "numbers", "m", length=3),
+            Argument("orientation_xyzw", "numbers", length=4, default=(0.0, 0.0, 0.0, 1.0)),
+            Argument("velocity_body", "numbers", "m/s, rad/s", length=6, default=(0.0,) * 6),
+        ),
+        is_piloted=False,
+    ),
+]  # fmt: skip
+INSTRUMENTS = [
+    Command("start_navigation", "start a vehicle's estimate, if it has not begun", (), _start_navigation,
+            notes_itself=True),
+    Command(
+        "aim", "turn a sonar's head, by default the first's; up is positive",
+        (
+            Argument("elevation_rad", unit="rad", low=-RIGHT_ANGLE_RAD, high=RIGHT_ANGLE_RAD),
+            Argument("sonar", "text", default=None),
+        ),
+        _aim, notes_itself=True, crosses_link=True, replaces=True,
+    ),
+    Command(
+        "set_lamp", "switch the lamps", (Argument("lamp", "text"), Argument("on", "flag")), _set_lamp,
+        notes_itself=True, crosses_link=True,
+    ),
+    Command(
+        "aim_camera", "turn a vehicle's camera, or one of the station's if no vehicle is named",
+        (
+            Argument("camera", "text"),
+            Argument("pan_rad", unit="rad", default=None),
+            Argument("tilt_rad", unit="rad", default=None),
+        ),
+        _aim_camera, of="either", notes_itself=True, crosses_link=True,
+    ),
+    Command(
+        "set_optics", "change the light", (), lambda sim, **changes: sim.set_optics(**changes),
+        of="simulator", notes_itself=True, takes_more=True,
+    ),
+]  # fmt: skip
+PARAMETERS = [
+    Command(
+        "set_parameter", "set a parameter", (Argument("name", "text"), Argument("value", "any")), _set_parameter,
+        of="simulator", notes_itself=True,
+    ),
+    Command(
+        "set_parameters", "set several parameters at once", (Argument("changes", "any"),),
+        lambda sim, changes: sim.parameters.update(changes), of="simulator", notes_itself=True,
+    ),
+    Command(
+        "reset_parameters", "return to the scenario's values: one, all below a name, or all",
+        (Argument("name", "text", default=None),), lambda sim, name=None: sim.parameters.reset(name),
+        of="simulator", notes_itself=True,
+    ),
+]  # fmt: skip
+LINK = [
+    Command(
+        "link_send", "give the link a message",
+        (
+            Argument("sender", "text"),
+            Argument("receiver", "text"),
+            Argument("topic", "text"),
+            Argument("payload", "bytes"),
+            Argument("priority", low=0, high=255, default=0),
+            Argument("lifetime_s", unit="s", low=0.0, high=1e9, default=None),
+            Argument("replaces", "flag", default=False),
+            Argument("repeats", low=0, high=10, default=0),
+        ),
+        _link_send, of="simulator", notes_itself=True, is_piloted=False,
+    ),
+]  # fmt: skip
+
+COMMANDS: dict[str, Command] = {
+    command.name: command for command in (*DOCKING, *SAFETY, *STEERING, *INSTRUMENTS, *PARAMETERS, *LINK)
+}
+"""Every command by its name, except `reset` and `restore_state`, which belong to the simulator itself."""
+
+
+def command_named(name: str) -> Command:
+    """Return a command by its name. Raises ValueError that lists the names."""
+    if name not in COMMANDS:
+        raise ValueError(f"command = {name!r}: must be one of {', '.join(COMMANDS)}")
+    return COMMANDS[name]
+
+
+def bound_command(name: str, arguments: Mapping[str, Any]) -> Callable[[Any], Any]:
+    """Return a command with its arguments as a function of the simulator. Raises ValueError if they are not allowed."""
+    return command_named(name).bound(arguments)
