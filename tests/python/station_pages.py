@@ -11,6 +11,8 @@ from websockets.sync.client import connect
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.messages import typed_array
 from uwsim.station import Site, Station
+from uwsim.station.calls import CALLS
+from uwsim.station.wire import Refused
 
 PATIENCE_S = 60.0
 
@@ -26,11 +28,14 @@ class Page:
         self.socket.send(json.dumps({"op": op, **fields}))
 
     def call(self, service, **args):
+        """Call a service of the station, whose answer must be as the wire describes it."""
         self.count += 1
         began = len(self.heard)
         self.send("call_service", service=f"/station/{service}", args=args, id=str(self.count))
         answer = self.next(lambda o: o.get("id") == str(self.count))
         self.meanwhile = self.heard[began:]
+        if service in CALLS and answer["result"]:
+            require_described(CALLS[service], answer["values"])
         return answer["values"]
 
     def next(self, wanted):
@@ -52,6 +57,12 @@ class Page:
 
         meanwhile, self.meanwhile = self.meanwhile, []
         return (next(filter(is_it, meanwhile), None) or self.next(is_it))["msg"]
+
+
+def require_described(call, values):
+    """Fail unless an answer has the fields of the wire's description, of their types, and no others."""
+    described = Refused if values.get("success") is False else call.answer
+    described.model_validate(values)
 
 
 def tagged(*arguments):

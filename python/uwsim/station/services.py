@@ -1,4 +1,4 @@
-"""What the page asks of the station, by service (docs/station-wire.md)."""
+"""The station's answers to its page, by service; see `calls`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from uwsim.channels.guest import GuestService, Values
 from uwsim.channels.steering import require_link
 from uwsim.commands import COMMANDS
+from uwsim.station.calls import CALLS
 from uwsim.station.choice import ChoiceError, catalog, chosen, chosen_save
 from uwsim.station.control import CONTROLS
 from uwsim.station.helm import answered, wants_stop
@@ -29,27 +30,12 @@ class Services:
 
     def all(self) -> list[GuestService]:
         """Return what the station offers."""
-        quick = (
-            ("describe", self._describe, "what runs, and under which names it is seen"),
-            ("join", self._join, "take part under a name"),
-            ("take_control", self._take_control, "have the controls, if nobody has them"),
-            ("hand_over", self._hand_over, "pass the controls on"),
-            ("drive", self._drive, "set efforts, by the pilot"),
-            ("all_stop", self._all_stop, "stop a vehicle against all commands, by anybody; release it, by the pilot"),
-            ("command", self._command, "give another command, by the pilot"),
-            ("set_view", self._set_view, "change the rate, width and quality of a view"),
-        )
-        start_screen = (
-            ("catalog", self._catalog, "what can be chosen on the start screen"),
-            ("check", self._check, "say what is wrong with a choice"),
-            ("start", self._start, "run a simulator of a choice"),
-        )
-        control = ("control", self._control, "pause, step, restart, save, record and the like; by the pilot")
-        slow = (control,) if self._station.is_fixed else (*start_screen, control)
         return [
-            GuestService(f"station/{name}", f"uwsim_msgs/srv/Station{_camel(name)}", _said(call), text, brief)
-            for calls, brief in ((quick, True), (slow, False))
-            for name, call, text in calls
+            GuestService(
+                f"station/{name}", call.ros_type, _said(getattr(self, f"_{name}")), call.description, call.is_brief
+            )
+            for name, call in CALLS.items()
+            if not (call.is_start_screen and self._station.is_fixed)
         ]
 
     def _describe(self, caller: str, request: Values) -> Values:
@@ -153,7 +139,3 @@ def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
             return {"success": False, "message": str(error)}
 
     return answer
-
-
-def _camel(name: str) -> str:
-    return "".join(part.capitalize() for part in name.split("_"))

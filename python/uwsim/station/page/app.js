@@ -16,6 +16,7 @@ import { Telemetry } from './telemetry.js';
 import { TopBar } from './topbar.js';
 import { FanView } from './views/fan.js';
 import { Views } from './views/layout.js';
+import { TYPES } from './wire/messages.js';
 import { keptName } from './wire/name.js';
 import { bridgeUrl, Station } from './wire/station.js';
 
@@ -119,7 +120,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
   const found = [
     station.bridge.subscribe(
       topic,
-      'uwsim_msgs/Telemetry',
+      TYPES.Telemetry,
       (message) => {
         tilt_rad = Number.isFinite(message.tilt) ? message.tilt : 0;
         scene.takeTelemetry(name, message);
@@ -143,7 +144,7 @@ function watch({ name, telemetry: topic, map_changes: map, scan }) {
     found.push(
       station.bridge.subscribe(
         map,
-        'uwsim_msgs/MapChanges',
+        TYPES.MapChanges,
         (changes) => {
           scene.takeMap(changes);
           panel.showMap(scene.store);

@@ -1,4 +1,5 @@
 // The newest telemetry of the vehicle that is shown, and how old it is.
+import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
 
 const LATE_MS = 1500;
@@ -20,7 +21,7 @@ export class Telemetry extends EventTarget {
     this.#heardMs = -Infinity;
     this.#end = this.station.bridge.subscribe(
       topic,
-      'uwsim_msgs/Telemetry',
+      TYPES.Telemetry,
       (message) => {
         this.message = message;
         this.#heardMs = performance.now();

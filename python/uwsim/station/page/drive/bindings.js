@@ -1,7 +1,6 @@
 // Which key does what: actions, presets, the pilot's own changes. A key is a place on the keyboard (KeyboardEvent.code).
 
 // Axes are those of REP 103: x ahead, y to port, z up; so positive pitch is nose down and positive yaw turns to port.
-export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 export const DRIVING = {
   'surge+': 'Ahead',
   'surge-': 'Astern',

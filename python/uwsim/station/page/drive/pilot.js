@@ -1,5 +1,6 @@
 // Keys, gamepads and fingers become efforts: sent at once when they change, five times a second while held, zero when let go.
-import { ALL_STOP, AXES } from './bindings.js';
+import { AXES } from '../wire/messages.js';
+import { ALL_STOP } from './bindings.js';
 import { Gamepads } from './gamepad.js';
 import { Keys } from './keys.js';
 import { Touch } from './touch.js';

@@ -1,7 +1,6 @@
 // All stop: a button and a key that always send it, for whoever looks, and the button that releases it, for the pilot.
 import { attempt, byId, el, toast, write } from '../dom.js';
-
-export const ALL_STOPPED = 'all stop'; // as the telemetry's alarms have it
+import { ALL_STOPPED } from '../wire/messages.js';
 
 export class AllStop {
   #vehicle = '';

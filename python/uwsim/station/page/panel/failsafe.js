@@ -1,6 +1,6 @@
 // What the vehicle does by itself, why, what it notices about itself, and the button that takes it back.
 import { attempt, el, write } from '../dom.js';
-import { ALL_STOPPED } from './all_stop.js';
+import { ALL_STOPPED } from '../wire/messages.js';
 
 const DOING = {
   hold: 'holds its place by itself',

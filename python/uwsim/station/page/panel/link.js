@@ -1,6 +1,7 @@
 // The link through the water, where the scenario has one: how well station and vehicle hear each other. Without one it is
 // seen only while a fault has cut the vehicle off.
 import { el, fixed, write } from '../dom.js';
+import { TYPES } from '../wire/messages.js';
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
@@ -65,7 +66,7 @@ export class Link {
     for (const [value] of this.values) write(value, '–');
     this.#silence = this.#interval = 0;
     write(this.note, '');
-    if (link) this.#end = this.station.bridge.subscribe(link, 'uwsim_msgs/Link', (message) => this.#show(message));
+    if (link) this.#end = this.station.bridge.subscribe(link, TYPES.Link, (message) => this.#show(message));
   }
 
   #show(message) {

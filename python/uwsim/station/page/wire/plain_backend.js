@@ -1,9 +1,9 @@
 // A rosbridge without a station, such as `uwsim serve lake`: the same questions, answered by ROS topics and services.
 // Nobody has a lease there, and no server zeroes the efforts of a page that is gone: the page says so.
+import { AXES, SERVICES } from './messages.js';
 import { seconds } from './rosbridge.js';
 
 const PACE_MS = 500;
-const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
 const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
 const TILT = { min_rad: -Math.PI / 2, max_rad: Math.PI / 2, rate_rad_s: (5 * Math.PI) / 180 }; // of the published wire
 const FIXED = {
@@ -11,7 +11,7 @@ const FIXED = {
   truth_allowed: true,
   warnings: { proximity_m: 10 },
   scene: '',
-  commands: ['undock', 'dock', 'set_lamp', 'aim', 'override_failsafe'],
+  commands: [...SERVICES, 'set_lamp', 'aim'],
 };
 
 export class PlainBackend {

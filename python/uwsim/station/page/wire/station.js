@@ -1,4 +1,5 @@
 // The station as the page knows it: its state, who this page is, and what can be asked.
+import * as messages from './messages.js';
 import { PlainBackend } from './plain_backend.js';
 import { Rosbridge } from './rosbridge.js';
 import { StationBackend } from './station_backend.js';
@@ -70,23 +71,23 @@ export class Station extends EventTarget {
   }
 
   catalog() {
-    return this.bridge.call('/station/catalog');
+    return messages.catalog(this.bridge);
   }
 
   check(choice) {
-    return this.bridge.call('/station/check', choice);
+    return messages.check(this.bridge, choice);
   }
 
   start(choice) {
-    return this.bridge.call('/station/start', choice);
+    return messages.start(this.bridge, choice);
   }
 
   takeControl() {
-    return this.bridge.call('/station/take_control');
+    return messages.takeControl(this.bridge);
   }
 
   handOver(to) {
-    return this.bridge.call('/station/hand_over', { to });
+    return messages.handOver(this.bridge, { to });
   }
 
   // stampMs: performance.now() when the controls were read.

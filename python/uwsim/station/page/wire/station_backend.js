@@ -1,4 +1,5 @@
 // A station answers as docs/station-wire.md says.
+import * as messages from './messages.js';
 
 export class StationBackend {
   isPlain = false;
@@ -6,34 +7,34 @@ export class StationBackend {
 
   constructor(bridge, learn) {
     this.#bridge = bridge;
-    bridge.subscribe('/station/state', 'uwsim_msgs/StationState', learn);
+    bridge.subscribe('/station/state', messages.TYPES.StationState, learn);
   }
 
   join(name) {
-    return this.#bridge.call('/station/join', { name });
+    return messages.join(this.#bridge, { name });
   }
 
   describe() {
-    return this.#bridge.call('/station/describe');
+    return messages.describe(this.#bridge);
   }
 
   drive(vehicle, efforts, stamp_ms) {
-    return this.#bridge.call('/station/drive', { vehicle, ...efforts, stamp_ms });
+    return messages.drive(this.#bridge, { vehicle, ...efforts, stamp_ms });
   }
 
   command(name, vehicle, args) {
-    return this.#bridge.call('/station/command', { name, vehicle, args });
+    return messages.command(this.#bridge, { name, vehicle, args });
   }
 
   allStop(vehicle, on) {
-    return this.#bridge.call('/station/all_stop', { vehicle, on });
+    return messages.allStop(this.#bridge, { vehicle, on });
   }
 
   control(action, args) {
-    return this.#bridge.call('/station/control', { action, ...args });
+    return messages.control(this.#bridge, { action, ...args });
   }
 
   setView(options) {
-    return this.#bridge.call('/station/set_view', options);
+    return messages.setView(this.#bridge, options);
   }
 }
