@@ -1,3 +1,6 @@
 """The six axes of a body, in the order of every (6,) array of efforts, velocities and wrenches."""
 
-AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+from typing import Literal, get_args
+
+Axis = Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
+AXES: tuple[str, ...] = get_args(Axis)

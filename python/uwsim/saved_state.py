@@ -89,7 +89,8 @@ class SavedState:
 
 @cache
 def _model(types: tuple[tuple[str, Any], ...]) -> type[State]:
-    return create_model("States", __base__=State, **{key: (kind, ...) for key, kind in types})
+    fields: dict[str, Any] = {key: (kind, ...) for key, kind in types}
+    return create_model("States", __base__=State, **fields)
 
 
 def checked(model: type[M], text: str) -> M:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from uwsim import Simulator, _core
 from uwsim.agenda import next_tick
-from uwsim.channels import channels
+from uwsim.channels import Table
 from uwsim.failures import Failsafe, Faults
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator
@@ -72,7 +72,7 @@ def everything(**link: str) -> Scenario:
 
 def test_the_order_within_one_tick(trace: list[str]) -> None:
     sim = Simulator(everything(modem="s2cm_hs"), threads=1)
-    carrier = Carrier(sim, channels(sim)).start()
+    carrier = Carrier(sim, Table(sim)).start()
     sim.journal.attach(Watcher("the first", sim, trace))
     sim.journal.attach(Watcher("the second", sim, trace))
     sim.step(DUE - 1)

@@ -227,7 +227,7 @@ def test_the_episode_sets_everything_going(sim: Simulator) -> None:
     start = everything(sim)
     changed = "\n".join({line.partition(":")[0] for at in flown(sim) for line in differences(start, at)})
     for part in (
-        "_events", "_faults._faults", "water_kg", "_distortion", ".is_driven", "_navigation._navigator", "observers",
+        "_events", "._faults.", "water_kg", "_distortion", ".is_driven", "_navigation._navigator", "observers",
         "_state", "_cause", "_steered.last", "_pilot", "_alarms", "._on", "_motion", "_parameters._changes", "optics",
         "link_waiting", "counts", "received", "released", "effort", "thruster_commands", "fin_angles_rad", "sonar",
         "telemetry", "compass", "usbl", "dvl",

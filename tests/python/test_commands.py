@@ -16,9 +16,8 @@ from uwsim import Simulator
 from uwsim.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.bridges.remote import RemoteConnection, RemoteVehicle
-from uwsim.channels import services
 from uwsim.channels.key import key_efforts, key_message
-from uwsim.channels.served import served_channels
+from uwsim.channels.served import served_table
 from uwsim.commands import COMMANDS, TRIGGER, Argument, Command, Commandable, Placeable, bound_command
 from uwsim.link import Carrier
 from uwsim.live import LiveSimulator, replay
@@ -92,13 +91,13 @@ def test_a_new_entry_goes_over_a_link_and_the_pilot_may_give_it(nudge: Command) 
     assert "nudge" in piloted_commands()
     with (
         LiveSimulator(Simulator("pool", link="tether"), paused=True, speed="max") as live,
-        Carrier(live, served_channels(live)) as carrier,
+        Carrier(live, table := served_table(live)) as carrier,
     ):
         carrier.remote().command("nudge", vehicle="rov", effort=0.25).result()
         assert live.rov.effort[0] == 0.0
         live.step(200)
         assert live.rov.effort[0] == 0.25
-        (service,) = [one for one in carrier.over(services(live.simulator)) if one.name == "nudge"]
+        (service,) = [one for one in carrier.over(table.services) if one.name == "nudge"]
         assert service.call(live, {"effort": 0.5}) == {"success": True, "message": "sent over tether"}
 
 

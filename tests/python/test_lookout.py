@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -71,10 +72,10 @@ def test_a_climb_that_is_still_to_be_made_slows_the_vehicle_down() -> None:
 def test_a_vehicle_that_sees_a_wall_ahead_slows_down_and_rises(monkeypatch) -> None:
     vehicle = Seeing(points_m=[(8.0, 0.0, -16.0)])
     for lookout in lookouts(vehicle):
-        asked = []
-        monkeypatch.setattr(lookout.vehicle.autopilot, "_core", SimpleNamespace(steer=lambda *a: asked.append(a[2:]) or (0,) * 6))
+        core = Mock(steer=Mock(return_value=(0.0,) * 6))
+        monkeypatch.setattr(lookout.vehicle.autopilot, "_core", core)
         drive(lookout.steer(0.0, (1.0, 0.0)), vehicle)
-        (heading_rad, (east_m_s, north_m_s), z_m), = asked
+        ((_, _, heading_rad, (east_m_s, north_m_s), z_m),) = [call.args for call in core.steer.call_args_list]
         assert (heading_rad, north_m_s) == (0.0, 0.0)
         assert east_m_s == pytest.approx(SLOWEST) and z_m == pytest.approx(-19.0), "a metre of the climb at once"
 

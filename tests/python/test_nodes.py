@@ -74,7 +74,7 @@ def test_five_processes_make_the_map_of_one(tmp_path):
         process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
         try:
             until(lambda: INSERTED in server.graph.topics, process)
-            server._loop.call_soon_threadsafe(
+            server._listener.loop.call_soon_threadsafe(
                 lambda: server.graph.subscribe("/test", 0, INSERTED, None, lambda s: heard.append(s.message.data))
             )
             assert "octomap" in process.stdout.readline()

@@ -163,9 +163,8 @@ def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
     with RosbridgeServer(None) as server:
         process = child(server.url, compression, 1, seconds, "count")
         wait_for(lambda: server.graph.topics.get("scan") is not None and server.graph.topics["scan"].sinks)
-        assert server._loop is not None
         cpu_s = time.process_time()
-        pump = asyncio.run_coroutine_threadsafe(publish_on(server, scan), server._loop)
+        pump = asyncio.run_coroutine_threadsafe(publish_on(server, scan), server._listener.loop)
         found = result(process)
         cpu_s = time.process_time() - cpu_s
         pump.cancel()

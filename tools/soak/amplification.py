@@ -221,8 +221,7 @@ class Watch:
         self._witness = Thread(target=self._ask)
 
     def __enter__(self) -> Watch:
-        assert self._server._loop is not None
-        self._beat = asyncio.run_coroutine_threadsafe(self._count(), self._server._loop)
+        self._beat = asyncio.run_coroutine_threadsafe(self._count(), self._server._listener.loop)
         self._witness.start()
         return self
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from uwsim.agenda import Agenda, Rank
 from uwsim.docking import Dock
@@ -27,7 +27,7 @@ class AboardState(State):
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
-    all_stopped: list[str] = []  # version 1 had no all stop
+    all_stopped: list[str] = Field(default=[])  # version 1 had no all stop
     faults: FaultsState
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.axes import AXES
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
 from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
@@ -214,7 +215,7 @@ class _RemoteFlight:
         self._log.add(Event(self.time_s, "", event, values))
 
 
-_NAMES = (*COLUMNS, *(f"effort {axis}" for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw")))
+_NAMES = (*COLUMNS, *(f"effort {axis}" for axis in AXES))
 
 
 def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.agenda import Rank
+from uwsim.agenda import NEVER, Rank
 from uwsim.channels import Channel, Service, Table
 from uwsim.commands import COMMANDS
 from uwsim.did_you_mean import did_you_mean
@@ -74,6 +74,7 @@ class Carrier:
         self._turns: list[Turn] = []
         self._arrived_ns = 0
         self._tick = -1  # at which arrivals were last given to the vehicles
+        self._awaited_tick = NEVER
 
     def _require_known(self, patterns: Iterable[str]) -> None:
         """Raise ValueError for a pattern without effect."""
@@ -213,19 +214,21 @@ class Carrier:
 
     @property
     def due_tick(self) -> int:
-        """The tick at which a message may arrive."""
-        return max(-(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9)), self._tick + 1)
+        """The tick at which a message may arrive; once it has, it is no longer the network's next, but still due."""
+        arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
+        self._awaited_tick = min(self._awaited_tick, arrival)
+        return max(self._awaited_tick, self._tick + 1)
 
     def act(self, tick: int) -> None:
         """Give the vehicles what has arrived. On the simulator's thread, between two steps."""
-        self._tick = tick
+        self._tick, self._awaited_tick = tick, NEVER
         for vehicle in self._sim.vehicles:
             self._receive(vehicle)
         self._arrived_ns = max(self._arrived_ns, self._sim.time_ns)
 
     def jump(self, tick: int) -> None:
         """Begin with what arrives from now on, as time has jumped."""
-        self._tick, self._arrived_ns = tick - 1, self._sim.time_ns
+        self._tick, self._awaited_tick, self._arrived_ns = tick - 1, NEVER, self._sim.time_ns
         self._listened.clear()
 
     def _say(self, name: str) -> bool:

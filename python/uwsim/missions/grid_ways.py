@@ -33,8 +33,7 @@ class Grid:
 
     def holds(self, cells: Cells) -> NDArray[np.bool_]:
         """Return whether each of the cells (n, d) is one of the grid's."""
-        held: NDArray[np.bool_] = ((cells >= 0) & (cells < self.shape)).all(axis=1)
-        return held
+        return np.asarray(((cells >= 0) & (cells < self.shape)).all(axis=1))
 
     def centres(self, cells: NDArray[Any]) -> Floats:
         """Return the middles (n, d) of cells (n, d)."""

@@ -72,9 +72,7 @@ class Lookout(Sealed):
         z_m = self.safe_height_m()
         share = self.share_of_speed(z_m)
         east, north = velocity_world_m_s
-        yield from steer(
-            self.vehicle, heading_rad, (share * east, share * north), z_m, most_climb_m=self._most_climb_m
-        )
+        yield from steer(self.vehicle, heading_rad, (share * east, share * north), z_m, most_climb_m=self._most_climb_m)
 
     def look(self) -> PingLike:
         """Ping, and note what is ahead; part of `steer`."""

@@ -13,7 +13,7 @@ TIMEOUT_S = 60.0
 
 def is_at(sonar: Any, elevation_rad: float) -> bool:
     """Return whether the head is at an elevation; true for a sonar that does not report one."""
-    return abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD
+    return bool(abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD)
 
 
 def until_at(sonar: Any, elevation_rad: float) -> Steps[bool]:

@@ -1,4 +1,4 @@
-"""The pilot of a survey: a Controller where thrusters drive the vehicle, an Autopilot where forces along its axes do."""
+"""The pilot of a survey: a Controller for thrusters, an Autopilot for forces along the axes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
 
     Thrusters that push below the centre of mass pitch the vehicle, and saturate together. An Autopilot, which knows
     nothing of that, nosed a BlueROV2 Heavy over 15 s into the lake's survey at 1.4 m/s; a Controller has its model.
-    Without thrusters the vehicle gets exactly the wrench that is commanded: there the Autopilot, which does not plan its
+    Without thrusters the vehicle receives exactly the commanded wrench: there the Autopilot, which does not plan its
     accelerations, is faster by 2 % and covers as much more.
     """
     settings = getattr(vehicle, "control", None)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from uwsim.axes import AXES
 from uwsim.scenario.dump import plain
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.fields import Model
@@ -17,7 +18,7 @@ from uwsim.scenario.spec.link import LinkSetup
 from uwsim.scenario.spec.sonar import SonarNoise
 
 PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
-    ("vehicles", "model", "control"): (Control, ("surge", "sway", "heave", "roll", "pitch", "yaw")),
+    ("vehicles", "model", "control"): (Control, AXES),
     ("vehicles", "sonar", "noise"): (SonarNoise, tuple(SonarNoise.model_fields)),
     ("link",): (LinkSetup, ("carries",)),
 }

@@ -31,7 +31,8 @@ class SteppedMission:
 
     def steps(self) -> Steps[Any]:
         """Return the function's steps."""
-        return self._steps
+        steps: Steps[Any] = self._steps
+        return steps
 
     def run(self) -> str:
         """Fly to the end; return the mission's own text, if it returns one, else that all is flown."""

@@ -48,6 +48,9 @@ class Session:
     (unless it asks by set_level) nor png: both are kept from it.
     """
 
+    _calls: Calls
+    _topics: Topics
+
     operations: ClassVar[dict[str, Callable[[Session], Perform]]] = {
         "advertise": lambda session: session._topics.advertise,
         "unadvertise": lambda session: session._topics.unadvertise,

@@ -75,7 +75,7 @@ class FreeWater:
         """Return the open voxel (3,) that is nearest to a point."""
         voxels = np.argwhere(self._open)
         away = np.linalg.norm(self._grid.centres(voxels) - point, axis=1)
-        return voxels[int(np.argmin(away))]
+        return np.asarray(voxels[int(np.argmin(away))])
 
     def _clear(self, a: Floats, b: Floats) -> bool:
         """Return whether a straight line keeps the clearance."""

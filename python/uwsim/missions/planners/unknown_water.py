@@ -35,7 +35,7 @@ PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lan
 
 @dataclass(frozen=True)
 class MownWater:
-    """The water that has been flown: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
+    """Flown water: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
 
     flown_m: tuple[tuple[float, float], ...]
     closed_m: tuple[tuple[float, float], ...]

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from uwsim.axes import Axis
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 
 Share = Annotated[float, InRange(0, 1)]
 Speed = Annotated[float, InRange(-5, 5, "m/s")]
-Axis = Literal["surge", "sway", "heave", "roll", "pitch", "yaw"]
 
 
 class FaultModel(Model):
