@@ -80,7 +80,7 @@ def test_a_message_that_is_larger_than_all_that_may_wait_is_sent_alone(graph):
     assert len(reader.frames()) == 1 and not reader.reasons
 
 
-def test_a_reader_of_many_topics_that_does_not_read_must_go(graph, caplog):
+def test_a_reader_of_many_topics_that_does_not_read_must_go(graph):
     reader, publisher = Client(graph, "/reader"), Client(graph, "/publisher")
     for k in range(20):
         reader.send("subscribe", topic=f"t{k}", type="std_msgs/String")
@@ -88,7 +88,7 @@ def test_a_reader_of_many_topics_that_does_not_read_must_go(graph, caplog):
         publisher.publish(f"t{k % 20}", 300_000)
         assert reader.bytes <= LIMITS.client_bytes + 2 * MB
     (reason,) = reader.reasons
-    assert "wait to be read, of 5 that may: you read too slowly" in reason and reason in caplog.text
+    assert "wait to be read, of 5 that may: you read too slowly" in reason
     assert reader.bytes == graph.ledger.bytes == 0 and not publisher.reasons
     publisher.send("status", msg="still here")
     assert reader.send("subscribe", topic="more").frames() == []

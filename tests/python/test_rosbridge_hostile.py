@@ -131,7 +131,7 @@ def test_who_does_not_read_loses_its_own_messages_and_nobody_else_notices(server
         assert sorted(lost)[-1] > 0 and sorted(lost)[-2] == 0 and max(waiting) <= 2
 
 
-def test_who_asks_and_does_not_read_is_disconnected(server):
+def test_who_asks_and_does_not_read_is_disconnected(server, caplog):
     with connect(server, max_queue=1) as asker, connect(server) as witness:
         assert works(asker) and works(witness)  # both are in the server's list
         asker.send('{"op": "set_level", "level": "error"}')
@@ -146,7 +146,7 @@ def test_who_asks_and_does_not_read_is_disconnected(server):
         except ConnectionClosed:
             pass
         until(lambda: len(server.sessions) < before)
-        assert works(witness)
+        assert works(witness) and "is disconnected: 50 answers wait to be read" in caplog.text
 
 
 def test_browsers_pages_need_permission():
