@@ -203,15 +203,17 @@ def _notes(data: bytes, _: Path) -> bytes:
 
 def _commands(data: bytes, _: Path) -> bytes:
     """A recording's commands, a line each, ten steps apart. One that is refused changes nothing."""
+    from uwsim.channels import Table
     from uwsim.recording.commands import command_from
     from uwsim.recording.replay import give
 
     sim, begin = simulator_to_restore()
+    table = Table(sim)
     try:
         for line in data.decode().splitlines():
             before = sim.save_state()
             try:
-                give(sim, command_from(line))
+                give(sim, table, command_from(line))
                 sim.step(10)
             except ValueError:
                 assert sim.save_state() == before, line

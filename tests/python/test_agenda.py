@@ -40,7 +40,7 @@ class Watcher:
 
 @pytest.fixture
 def trace(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """What is done, in order, by all simulators that are made from now on."""
+    """Record, in order, the acts of all simulators that are made from now on."""
     lines: list[str] = []
 
     def spy(owner: type, method: str, line: Callable[[Any], str]) -> None:
@@ -98,7 +98,7 @@ def test_the_order_within_one_tick(trace: list[str]) -> None:
 
 
 def test_the_order_does_not_depend_on_how_many_steps_are_made_at_once(trace: list[str]) -> None:
-    def told(parts: list[int]) -> list[str]:
+    def acted(parts: list[int]) -> list[str]:
         sim = Simulator(everything(), threads=1)
         sim.journal.attach(Watcher("the first", sim, trace, period=30))
         sim.journal.attach(Watcher("the second", sim, trace, period=DUE))
@@ -107,7 +107,7 @@ def test_the_order_does_not_depend_on_how_many_steps_are_made_at_once(trace: lis
             sim.step(steps)
         return [line for line in trace if line != "the world steps"]
 
-    assert told([250]) == told([1] * 250) == told([99, 1, 1, 149])
+    assert acted([250]) == acted([1] * 250) == acted([99, 1, 1, 149])
 
 
 def test_a_step_with_nothing_due_is_one_native_step(trace: list[str]) -> None:

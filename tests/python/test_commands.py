@@ -125,7 +125,7 @@ EDGES: dict[tuple[str, str], Callable[[Simulator, float], object]] = {
     ("set_thrusters", "commands"): lambda sim, x: sim.vehicles["scout"].set_thrusters({"front_left": x}),
     ("aim", "elevation_rad"): lambda sim, x: sim.rov.sonar.aim(x),
 }
-"""What enforces each bound where no table is asked."""
+"""Calls that enforce each bound without the table."""
 
 
 @pytest.fixture(scope="module")

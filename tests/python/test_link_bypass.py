@@ -31,7 +31,7 @@ CARRIED = {name for name, command in COMMANDS.items() if command.crosses_link}
 REQUESTS = {
     "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
 }  # fmt: skip
-"""What services of commands need, where that is not `data`, or nothing."""
+"""The requests of command services that take more than `data`."""
 
 
 def table() -> list[str]:

@@ -154,7 +154,7 @@ def test_another_picture_is_found(slow: Slow, tmp_path: Path, monkeypatch: pytes
 
     give = module.give
     dark = {"vehicle": "rov", "lamp": "front", "on": False}
-    monkeypatch.setattr(module, "give", lambda sim, command: give(sim, command._replace(arguments=dark)))
+    monkeypatch.setattr(module, "give", lambda sim, own, command: give(sim, own, command._replace(arguments=dark)))
     result = replay(path)
     assert result.difference is not None and "sees another picture at the time of its stamp" in result.difference
 
