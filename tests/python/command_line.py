@@ -1,18 +1,59 @@
-"""The `uwsim` command run as a process of its own, as a user runs it."""
+"""The `uwsim` command: run here, which spares a process's imports, or as a process of its own, as a user runs it."""
 
+import contextlib
+import io
+import logging
+import os
 import resource
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from unittest import mock
+
+from uwsim.cli import main
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 
 
-def uwsim(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
-    """Run the command to its end. options: of subprocess.run."""
+def uwsim(*arguments: str | Path, cwd: str | Path = ".") -> subprocess.CompletedProcess[str]:
+    """Run the command to its end, in this process."""
+    words = [str(word) for word in arguments]
+    out, err = (io.TextIOWrapper(io.BytesIO(), write_through=True) for _ in range(2))
+    with left_as_found(), contextlib.chdir(cwd), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            with mock.patch.object(sys, "argv", ["uwsim", *words]):
+                main()
+        except SystemExit as ended:
+            code = ended.code
+    texts = [stream.buffer.getvalue().decode() for stream in (out, err)]
+    return subprocess.CompletedProcess(words, code, *texts)
+
+
+@contextlib.contextmanager
+def left_as_found() -> Iterator[None]:
+    """Restore what a command sets for its whole process; a log's messages go to its stderr, not to pytest."""
+    signals = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with (
+            Path(os.devnull).open() as nothing,
+            warnings.catch_warnings(),
+            mock.patch.object(logging.root, "handlers", []),
+            mock.patch.dict(os.environ),
+            mock.patch.object(sys, "path", list(sys.path)),
+            mock.patch.object(sys, "stdin", nothing),
+        ):
+            yield
+    finally:
+        for number, handler in signals.items():
+            signal.signal(number, handler)
+
+
+def uwsim_process(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end as a process. options: of subprocess.run."""
     return subprocess.run([*UWSIM, *arguments], capture_output=True, text=True, timeout=600, check=False, **options)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from command_line import error_line, files_limited_to, uwsim
+from command_line import error_line, files_limited_to, uwsim, uwsim_process
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.reader import Recording
 
@@ -33,7 +33,7 @@ def leftovers(folder: Path) -> list[Path]:
 def test_a_run_on_a_full_disk(folder: Path) -> None:
     out = folder / "out"
     words = ("run", str(folder / "mission.py"), "--scenario", "pool", "--map", "--out", str(out), "--autosave", "0.1")
-    ended = uwsim(*words, preexec_fn=files_limited_to(100))
+    ended = uwsim_process(*words, preexec_fn=files_limited_to(100))
     assert ended.returncode == 1
     *earlier, last = ended.stderr.strip().splitlines()
     assert all("autosave failed" in line for line in earlier), ended.stderr
@@ -45,7 +45,7 @@ def test_a_run_on_a_full_disk(folder: Path) -> None:
 
 def test_a_sweep_on_a_full_disk_is_resumed_when_there_is_room(folder: Path) -> None:
     words = ("sweep", str(folder / "sweep.yaml"), "--out", str(folder / "out"), "--workers", "0", "--no-report")
-    full = error_line(uwsim(*words, preexec_fn=files_limited_to(3000)))
+    full = error_line(uwsim_process(*words, preexec_fn=files_limited_to(3000)))
     assert "ledger.jsonl': cannot be written: File too large; --resume continues" in full
     finished = len((folder / "out" / "ledger.jsonl").read_bytes().splitlines()) - 1
     assert 1 <= finished < 4
@@ -58,7 +58,7 @@ def test_a_sweep_on_a_full_disk_is_resumed_when_there_is_room(folder: Path) -> N
 def test_a_survey_whose_recording_fills_the_disk_keeps_its_map(folder: Path) -> None:
     recording = folder / "run.mcap"
     words = ("survey", "pool", "--out", str(folder / "out"), "--mission-time", "10", "--report", "none")
-    ended = uwsim(*words, "--record", str(recording), preexec_fn=files_limited_to(400_000))
+    ended = uwsim_process(*words, "--record", str(recording), preexec_fn=files_limited_to(400_000))
     assert ended.returncode == 1
     assert "Traceback" not in ended.stderr
     assert f"recording '{recording}': ends early: File too large" in ended.stderr.splitlines()[-1]
@@ -68,7 +68,7 @@ def test_a_survey_whose_recording_fills_the_disk_keeps_its_map(folder: Path) -> 
 
 @pytest.mark.parametrize("megabytes", [400, 700])
 def test_too_little_memory_is_one_line(megabytes: int, folder: Path) -> None:
-    ended = uwsim("survey", "lake", "--out", str(folder / "out"), "--mission-time", "20", preexec_fn=memory(megabytes))
+    ended = uwsim_process("survey", "lake", "--out", str(folder / "out"), "--mission-time", "20", preexec_fn=memory(megabytes))
     assert ended.returncode in (0, 1), ended.stderr
     assert "Traceback" not in ended.stderr
     assert ended.returncode == 0 or len(ended.stderr.strip().splitlines()) == 1, ended.stderr

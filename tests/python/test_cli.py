@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import typer
 
-from command_line import error_line, uwsim
+from command_line import error_line, uwsim, uwsim_process
 from docs_pages import page_named
 from uwsim.cli.exit_codes import EXIT_CODES, INCOMPLETE
 from uwsim.cli.main import app
@@ -94,7 +94,7 @@ def test_a_mistake_in_the_yaml_is_named_with_its_line(old: str, new: str, expect
 
 @pytest.mark.parametrize("command", [[], ["map"], ["scenario"]])
 def test_no_line_of_help_is_cut(command: list[str]) -> None:
-    shown = uwsim(*command, "--help", env={**os.environ, "COLUMNS": "80"}).stdout
+    shown = uwsim_process(*command, "--help", env={**os.environ, "COLUMNS": "80"}).stdout
     assert "..." not in shown.replace("COMMAND [ARGS]...", "")
 
 
@@ -119,7 +119,7 @@ def test_every_exit_code_is_in_the_help_and_in_the_documentation() -> None:
 
 
 def test_a_survey_that_its_battery_stops_is_incomplete_and_the_exit_code_says_so(tmp_path: Path) -> None:
-    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "20")
+    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "20", "--report", "none")
     stopped = uwsim(*arguments)
     assert stopped.returncode == INCOMPLETE, stopped.stderr
     assert "the survey is incomplete: coverage is" in stopped.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from command_line import UWSIM, error_line, files_limited_to, hears_ctrl_c, uwsim
+from command_line import UWSIM, error_line, files_limited_to, hears_ctrl_c, uwsim, uwsim_process
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
@@ -101,14 +101,14 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_the_flight(tm
 
 def test_a_full_disk_gives_one_line_and_no_partial_file(tmp_path: Path) -> None:
     arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
-    line = error_line(uwsim(*arguments, preexec_fn=files_limited_to(100)))
+    line = error_line(uwsim_process(*arguments, preexec_fn=files_limited_to(100)))
     assert "map.bt" in line
     assert not any(tmp_path.iterdir())
 
 
 def test_a_disk_that_is_full_after_the_map_gives_the_summary_and_says_so(tmp_path: Path) -> None:
     arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "5")
-    result = uwsim(*arguments, preexec_fn=files_limited_to(20_000))
+    result = uwsim_process(*arguments, preexec_fn=files_limited_to(20_000))
     assert "is complete" in error_line(result)
     assert "coverage" in result.stdout
     assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz", "summary.json", "checkpoint"}

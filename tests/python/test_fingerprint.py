@@ -12,7 +12,7 @@ from tests.fuzz.laws import Laws
 from tests.fuzz.readers import READERS
 from tests.fuzz.seeds import seeds
 
-from command_line import error_line, uwsim
+from command_line import error_line, uwsim, uwsim_process
 from uwsim.fingerprint import fingerprint
 
 ELSEWHERE = """
@@ -78,12 +78,12 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
 
 @pytest.mark.parametrize("chosen, rule", [("mmx", "must be portable, avx2 or avx512"), ("AVX2", "must be portable")])
 def test_an_instruction_set_that_there_is_not_is_refused(chosen: str, rule: str) -> None:
-    failed = uwsim("fingerprint", "pool", env=os.environ | {"UWSIM_INSTRUCTION_SET": chosen})
+    failed = uwsim_process("fingerprint", "pool", env=os.environ | {"UWSIM_INSTRUCTION_SET": chosen})
     assert failed.returncode == 1
     assert f"UWSIM_INSTRUCTION_SET = {chosen}: {rule}" in error_line(failed)
 
 
 def test_the_narrowest_instruction_set_is_one_that_every_machine_can_choose() -> None:
     env = os.environ | {"UWSIM_INSTRUCTION_SET": "portable"}
-    made = json.loads(uwsim("fingerprint", "pool", "--json", env=env).stdout)
+    made = json.loads(uwsim_process("fingerprint", "pool", "--json", env=env).stdout)
     assert made["machine"]["instruction set"] == "portable"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from command_line import error_line, uwsim
+from command_line import error_line, uwsim_process
 from ros1_tools import master, ros_is_installed, run_node, running, serving
 from uwsim import Simulator, recording
 from uwsim.bridges.ros1.raw_types import read_message
@@ -294,7 +294,7 @@ def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:
     import os
 
     environment = {**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:9"}
-    line = error_line(uwsim("serve", "lake", "--ros1", "--port", "0", env=environment))
+    line = error_line(uwsim_process("serve", "lake", "--ros1", "--port", "0", env=environment))
     assert "no master answers at http://127.0.0.1:9: start roscore" in line
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from command_line import files_limited_to, uwsim
+from command_line import files_limited_to, uwsim_process
 from uwsim import Simulator
 from uwsim.mapping import OccupancyMap
 from uwsim.survey.autosave import Autosave
@@ -65,7 +65,7 @@ def test_a_lost_folder_is_reported_once_and_the_flight_continues(tmp_path: Path)
 
 def test_a_full_disk_is_reported_once_in_flight_and_with_all_attempts_at_the_end(tmp_path: Path) -> None:
     arguments = ("survey", "pool", "--out", str(tmp_path), "--autosave", "0.001", "--mission-time", "60")
-    result = uwsim(*arguments, preexec_fn=files_limited_to(100))
+    result = uwsim_process(*arguments, preexec_fn=files_limited_to(100))
     assert result.returncode == 1
     lines = result.stderr.strip().splitlines()
     assert len(lines) == 2, result.stderr

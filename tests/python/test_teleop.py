@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from textual import events
 
+from command_line import error_line, uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.key import Function
 from uwsim.cli.teleop import own_server
@@ -388,10 +389,6 @@ def test_its_own_simulator_is_flown_over_a_link():
     ],
 )
 def test_mistakes_are_told_in_a_line(arguments, message):
-    done = subprocess.run(
-        [UWSIM, "teleop", *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE_S
-    )
+    done = uwsim("teleop", *arguments)
     assert done.returncode == 1
-    assert len(done.stderr.splitlines()) == 1
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
+    assert message in error_line(done)
