@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from uwsim.datasets import make_dataset
     from uwsim.docking import DockedWarning
     from uwsim.flight.fly import fly
+    from uwsim.flight.survey import run_survey
     from uwsim.scenario import Scenario, ScenarioError
     from uwsim.simulator import Simulator
-    from uwsim.survey.run import run_survey
 
 try:
     __version__ = version("uwsim")
@@ -44,7 +44,7 @@ _MODULE_OF = {
     "Simulator": "uwsim.simulator",
     "fly": "uwsim.flight.fly",
     "make_dataset": "uwsim.datasets",
-    "run_survey": "uwsim.survey.run",
+    "run_survey": "uwsim.flight.survey",
 }
 
 __all__ = [

@@ -223,13 +223,6 @@ def _commands(data: bytes, _: Path) -> bytes:
         sim.restore_state(begin)
 
 
-def _checkpoint(data: bytes, _: Path) -> str:
-    """A survey's state with a checksum that is right, so that mutations reach what is inside."""
-    from uwsim.survey.flight_state import NAME, VERSION, from_bytes
-
-    return repr(from_bytes(f"{NAME} {VERSION} {hashlib.blake2b(data).hexdigest()}\n".encode() + data))
-
-
 def _flight(data: bytes, folder: Path) -> str:
     from uwsim.flight.checkpoint import FOLDER, STATE, FlightCheckpoint
 
@@ -381,7 +374,6 @@ READERS = {
     "survey_track": Reader(_survey_track, ("numpy.lib", "zipfile")),
     "notes": Reader(_notes, ("json",), values=JSON),
     "commands": Reader(_commands, ("pydantic", "json"), has_end=_without_end, values=JSON_LINES),
-    "checkpoint": Reader(_checkpoint, ("pydantic", "json", "numpy.lib"), values=JSON),
     "flight": Reader(_flight, ("pydantic", "json"), values=JSON),
     "mcap": Reader(_recording, ("mcap", "rosbags")),
     "cdr": Reader(_cdr, ("rosbags",)),

@@ -255,22 +255,14 @@ def _commands() -> list[bytes]:
     return [b"\n".join(json.dumps({"tick": 0, "name": n, "arguments": a}).encode() for n, a in COMMANDS.items())]
 
 
-def _checkpoint() -> list[bytes]:
-    from uwsim.survey.flight_state import FlightState, to_bytes
-    from uwsim.survey.ping_log import PingLog
-
-    log = PingLog(area_world_m=np.zeros((4, 2)), positions_world_m=[[0.0, 0.0, 0.0]], position_error_m=[0.0])
-    state = FlightState(b"state", {"leg": 3}, 2, 0.5, 1.0, {"fly": 1.0}, log)
-    return [to_bytes(state, {"order": {}, "maps": {}}).partition(b"\n")[2]]
-
-
 def _flight() -> list[bytes]:
     from uwsim.flight.request import FlightRequest
 
     request = FlightRequest(mission="m.py", function="mission", mission_digest="0", arguments={"depth_m": 3})
-    state = {"request": asdict(request), "tick": 4, "state_digest": "0", "echo_count": 2, "files": {}}
+    state = {"version": 1, "request": asdict(request), "tick": 4, "state_digest": "0", "echo_count": 2, "files": {}}
     with_map = {**state, "files": {"map-4.ot": "0"}}
-    return [json.dumps(state).encode(), json.dumps(with_map).encode()]
+    mission = {"state": {"leg": 3}, "clock": [0, 1.5], "begun_tick": 0, "events": [[0.0, "rov", "begun", {}]]}
+    return [json.dumps(each).encode() for each in (state, with_map, {**state, "mission": mission})]
 
 
 def _recordings() -> list[bytes]:
@@ -346,7 +338,6 @@ _MAKERS: dict[str, Callable[[], list[bytes]]] = {
     "survey_track": _survey_track,
     "notes": _notes,
     "commands": _commands,
-    "checkpoint": _checkpoint,
     "flight": _flight,
     "mcap": _recordings,
     "cdr": _cdr,

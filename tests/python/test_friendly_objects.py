@@ -115,8 +115,8 @@ def test_tracks_show_themselves() -> None:
 
 def test_progress_in_a_notebook_ends_with_the_last_state(tmp_path: Path) -> None:
     cell = nbformat.v4.new_code_cell("""
-        from uwsim.survey.terminal import Terminal
-        with Terminal().flight("pool") as show:
+        from uwsim.flight.terminal import Terminal
+        with Terminal().flight("surveying pool") as show:
             for k in range(1001):
                 show(k / 1000, 0.06 * k)
     """)

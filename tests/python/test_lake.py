@@ -1,16 +1,16 @@
 """The whole default survey meets the figures that are promised for it."""
 
 from uwsim import Simulator
-from uwsim.missions import COVERED
+from uwsim.flight.record import DONE
+from uwsim.flight.survey import fly_survey
 from uwsim.scoring.map_score import score_map
-from uwsim.survey.fly import fly_survey
 
 
 def test_the_lake_survey_meets_its_promises() -> None:
     sim = Simulator("lake")
     occupancy, record = fly_survey(sim)
-    assert record.stopped_because == COVERED
-    assert record.collision_count == 0
+    assert record.ended_because == DONE
+    assert record.collisions == 0
     assert record.simulated_s >= 20 * 60
     assert sim.step_s <= 0.005
     assert record.ping_count >= 10 * record.simulated_s - 1

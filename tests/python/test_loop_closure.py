@@ -10,8 +10,8 @@ import pytest
 import uwsim
 from uwsim.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.flight.record import FlightRecord
+from uwsim.flight.survey import run_survey
 from uwsim.missions import OwnVehicle, Steps, goto
-from uwsim.survey.run import run_survey
 
 LANE_M, SPACING_M, LANES, SPEED_M_S, HEIGHT_M = 80.0, 15.0, 5, 1.0, 12.0
 ACROSS_M = np.linspace(-20.0, 20.0, 161)  # where the fan meets the ground, about its middle
@@ -125,7 +125,7 @@ def test_a_mission_s_loops_need_map_and_filter(tmp_path: Path) -> None:
 
 
 def test_closing_loops_needs_an_estimated_track(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="close_loops: needs estimate = 'filter'"):
+    with pytest.raises(ValueError, match="close_loops: needs map=True and estimate='filter'"):
         run_survey("pool", tmp_path, close_loops=True)
     with pytest.raises(ValueError, match="close_loops: cannot be combined"):
         run_survey("pool", tmp_path, estimate="filter", close_loops=True, verify_map=True)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator, ranging
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.fly import fly_survey
 
 TILT_RAD = np.radians(35)
 

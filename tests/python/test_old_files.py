@@ -16,15 +16,14 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from uwsim import Simulator
-from uwsim.flight import checkpoint
+from uwsim.flight import saved_flight
 from uwsim.flight.fly import resume
+from uwsim.flight.survey import resume_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.reader import Recording
 from uwsim.recording.replay import replay
 from uwsim.scenario.fingerprint import BuildWarning, build_fingerprint, scenario_fingerprint
 from uwsim.scoring.survey_track import SurveyTrack
-from uwsim.survey import flight_state
-from uwsim.survey.run import resume_survey
 
 V1 = Path(__file__).parent / "data" / "v1"
 pytestmark = pytest.mark.filterwarnings("ignore::uwsim.scenario.fingerprint.BuildWarning")
@@ -62,11 +61,9 @@ def test_a_saved_estimate_is_restored_and_goes_on(v1: Path) -> None:
         assert (np.abs(error_m) < 5.0 * estimate.position_std_m).all()
 
 
-def test_a_survey_is_resumed(v1: Path) -> None:
-    record = resume_survey(v1 / "survey", report="none")
-    assert record.stopped_because == "all lanes are flown"
-    assert record.ping_count > 60
-    assert len(OccupancyMap.read(v1 / "survey" / "map.bt").occupied_voxels()) > 1000
+def test_a_survey_that_was_saved_before_surveys_were_flights_is_refused(v1: Path) -> None:
+    with pytest.raises(ValueError, match=r"survey.state': was saved by an earlier uwsim.*fly it again"):
+        resume_survey(v1 / "survey", report="none")
 
 
 def test_a_flight_is_resumed(v1: Path) -> None:
@@ -87,7 +84,7 @@ def test_a_recording_is_read_and_replayed(name: str) -> None:
 
 
 def test_a_recorded_survey_gives_its_map(tmp_path: Path) -> None:
-    from uwsim.survey.from_recording import survey_from
+    from uwsim.flight.from_recording import survey_from
 
     assert survey_from(Recording(V1 / "survey.mcap"), tmp_path / "map.bt", None) == 30
     assert OccupancyMap.read(tmp_path / "map.bt").to_bytes("bt")
@@ -131,19 +128,10 @@ def fnv1a(data: bytes) -> int:
     return total
 
 
-def test_a_survey_of_another_version_is_refused_by_its_version(v1: Path) -> None:
-    path = v1 / "survey" / "checkpoint" / "survey.state"
-    ours = f"{flight_state.NAME} {flight_state.VERSION} ".encode()
-    assert path.read_bytes().startswith(ours)
-    path.write_bytes(path.read_bytes().replace(ours, b"uwsim survey 99 ", 1))
-    with pytest.raises(ValueError, match=rf"survey.state': is of version 99: this uwsim reads {flight_state.VERSION}"):
-        resume_survey(v1 / "survey")
-
-
 def test_a_flight_of_another_version_is_refused_by_its_version(v1: Path) -> None:
     path = v1 / "flight" / "checkpoint" / "flight.json"
     path.write_text(path.read_text().replace('"version":1', '"version":99', 1))
-    with pytest.raises(ValueError, match=f"flight.json': is of version 99: this uwsim reads {checkpoint.VERSION}"):
+    with pytest.raises(ValueError, match=f"json': is of version 99: this uwsim reads up to {saved_flight.VERSION}"):
         resume(v1 / "flight")
 
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from uwsim import ranging
+from uwsim import fly, ranging
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
+from uwsim.missions import wait
 from uwsim.scenario import Scenario, load
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import fly_survey
 
 MODEL = ranging.MODELS[1]
 ANGLES = MODEL.angle_min_rad + MODEL.angle_increment_rad * np.arange(MODEL.beams)
@@ -123,8 +124,14 @@ def test_a_limit_of_what_is_not_known_or_not_filtered_is_refused() -> None:
     limited = load("pool").model_copy(update={"survey": survey.model_copy(update={"max_uncertainty_m": 0.1})})
     with pytest.raises(ValueError, match=r"survey.max_uncertainty_m = 0.1 m: needs a sonar with `mode: physics`"):
         fly_survey(Simulator(limited))
+    with pytest.raises(ValueError, match=r"survey.max_uncertainty_m = 0.1 m: needs a sonar with `mode: physics`"):
+        fly(idle, limited, map=True)
     with pytest.raises(ValueError, match="is without effect where outlier_filter is false"):
         survey.model_validate({**dict(survey), "max_uncertainty_m": 0.1, "outlier_filter": False})
+
+
+def idle(vehicle):
+    yield wait(1.0)
 
 
 def test_the_scenario_and_the_caller_may_choose() -> None:

@@ -8,7 +8,8 @@ import pytest
 
 import uwsim as package
 from command_line import error_line, uwsim
-from uwsim.missions import COVERED, dive_to, wait
+from uwsim.flight.record import DONE
+from uwsim.missions import dive_to, wait
 
 SPIRAL = '''
 from uwsim.missions import AdaptiveLawnMower
@@ -48,7 +49,7 @@ def test_a_function_and_a_class_fly_a_survey(tmp_path: Path) -> None:
         yield wait(1.0)
 
     flown = package.run_survey("pool", tmp_path / "function", mission=diving, report="json")
-    assert flown.stopped_because == COVERED
+    assert flown.ended_because == DONE
     assert flown.ping_count > 5
     assert summary(tmp_path / "function")["pings"] == flown.ping_count
     assert flown.coverage is not None and 0.0 < flown.coverage < 1.0
@@ -62,7 +63,7 @@ def test_the_command_flies_a_mission_by_its_name(tmp_path: Path) -> None:
     assert summary(tmp_path / "out")["ended_because"] == "four seconds are over"
     assert (tmp_path / "out" / "report.html").exists(), "summary.json is beside every report"
     done = uwsim("survey", "pool", "--mission", "spirals:stepped", "--report", "json", *options, cwd=tmp_path)
-    assert summary(tmp_path / "out")["ended_because"] == "it is deep", done.stderr
+    assert (summary(tmp_path / "out")["ended_because"], summary(tmp_path / "out")["result"]) == (DONE, "it is deep")
 
 
 @pytest.mark.parametrize(

@@ -44,5 +44,5 @@ def test_mountings_matrices_and_turned_points_are_those_of_scipy() -> None:
 
 def test_simulator_and_survey_are_imported_without_scipy() -> None:
     """Its import would take longer than to make a simulator."""
-    program = "import sys, uwsim.simulator, uwsim.survey.run; sys.exit('scipy' in sys.modules)"
+    program = "import sys, uwsim.simulator, uwsim.flight.survey; sys.exit('scipy' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], check=True, timeout=120)

@@ -14,14 +14,14 @@ from uwsim.channels.messages import from_bytes
 from uwsim.channels.scans import PING_TOPICS
 from uwsim.cli.diff import diff as diff_command
 from uwsim.cli.map import from_recording
+from uwsim.flight.from_recording import record_ping, survey_recorder
+from uwsim.flight.request import FlightRequest
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 from uwsim.recording.diff import diff
 from uwsim.recording.live_map import live_map
 from uwsim.recording.replay import replay
-from uwsim.survey.from_recording import record_ping, survey_recorder
-from uwsim.survey.request import SurveyRequest
 
 SCAN = "sensor_msgs/msg/LaserScan"
 TOPICS = ("odom", "scan", "points", "imu", "dvl", "tf*", "stateData", "octomap_binary", "sonar_ping")
@@ -137,7 +137,7 @@ def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_pa
 
 def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: Path) -> None:
     path, sim = tmp_path / "run.mcap", survey_simulator(tmp_path)
-    request = SurveyRequest("small.yaml", 2, None, None, None, 0.4, "bricks", verify_map=False)
+    request = FlightRequest(scenario="small.yaml", seed=2, map=True, voxel_m=0.4)
     table = Table(sim)
     pings = table.pings["rov"]
     live = {topic.name: topic.channel(table.sources[0], pings) for topic in PING_TOPICS}

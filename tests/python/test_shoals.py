@@ -9,12 +9,13 @@ import pytest
 
 from command_line import error_line, uwsim
 from uwsim import Simulator
+from uwsim.flight.flyable_lanes import SurveyAreaWarning, flyable_plan, survey_plan
+from uwsim.flight.record import DONE
+from uwsim.flight.survey import fly_survey
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.shoal_chart import CELL_M, ShoalChart
 from uwsim.scenario import load
 from uwsim.scenario.read.assets import assets_folder
-from uwsim.survey.fly import fly_survey, survey_plan
-from uwsim.survey.flyable_lanes import SurveyAreaWarning, flyable_plan
 
 WALL = [(5, j) for j in range(-4, 5)]
 START, GOAL = (2.0, 2.0), (38.0, 2.0)
@@ -105,8 +106,8 @@ def test_a_survey_over_shoals_leaves_them_out_says_why_and_touches_nothing(
     sim = lake(area_m)
     with pytest.warns(SurveyAreaWarning, match=rf"^[\d.]+ % of the survey's lanes cannot be flown \(.*{reason}"):
         _, record = fly_survey(sim)
-    assert record.stopped_because == "all lanes are flown"
-    assert record.collision_count == 0
+    assert record.ended_because == DONE
+    assert record.collisions == 0
     assert record.lanes_left_out is not None and reason.replace("\\", "") in record.lanes_left_out
 
 

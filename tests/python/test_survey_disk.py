@@ -5,62 +5,63 @@ from pathlib import Path
 import pytest
 
 from command_line import files_limited_to, uwsim_process
-from uwsim import Simulator
+from uwsim.flight import results
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.engine import Flight
+from uwsim.flight.fly import fly
+from uwsim.flight.record import DONE, FlightRecord
+from uwsim.flight.survey import resume_survey, run_survey
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.autosave import Autosave
-from uwsim.survey.checkpoint import Checkpoint
-from uwsim.survey.fly import fly_survey
-from uwsim.survey.request import SurveyRequest
-from uwsim.survey.run import resume_survey, run_survey
-
-REQUEST = SurveyRequest("pool", 0, None, None, None, 0.5, "bricks", False)
 
 
 @pytest.fixture(autouse=True)
-def no_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skip the results: they take longer than the flights, and other tests cover them."""
-    monkeypatch.setattr("uwsim.survey.run.write_results", lambda *arguments: None)
+def no_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Skip all results but the map: they take longer than the flights, and other tests cover them."""
+    monkeypatch.setattr(results, "_write_files", lambda *arguments: None)
+    monkeypatch.setattr(results, "scored", lambda flown, *arguments: flown)
 
 
 def test_resume_makes_a_report_that_could_not_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    reported: list[object] = []
+    reported: list[FlightRecord] = []
 
     def full(*arguments: object) -> None:
         raise OSError("No space left on device")
 
-    monkeypatch.setattr("uwsim.survey.run.write_results", full)
-    with pytest.raises(OSError, match=r"No space left.*map\.bt is complete; uwsim survey --resume makes the report"):
-        run_survey("pool", tmp_path, mission_time_s=5.0)
+    monkeypatch.setattr(results, "_write_files", full)
+    with pytest.raises(OSError, match=r"No space left.*map\.bt is complete; --resume makes the report"):
+        run_survey("pool", tmp_path, mission_time_s=5.0, report="json")
     flown = (tmp_path / "map.bt").read_bytes()
-    write = lambda sim, occupancy, record, *more: reported.append(record)  # noqa: E731
-    monkeypatch.setattr("uwsim.survey.run.write_results", write)
+    monkeypatch.setattr(results, "_write_files", lambda flown, *more: reported.append(flown))
     record = resume_survey(tmp_path)
-    assert [(each.ping_count, each.stopped_because) for each in reported] == [(50, record.stopped_because)]
+    assert [(each.ping_count, each.ended_because) for each in reported] == [(50, record.ended_because)]
     assert (tmp_path / "map.bt").read_bytes() == flown
-    assert {path.name for path in tmp_path.iterdir()} == {"map.bt"}
+    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "log.jsonl"}
 
 
-def test_a_lost_folder_is_reported_once_and_the_flight_continues(tmp_path: Path) -> None:
+def test_a_lost_folder_is_reported_once_and_the_flight_continues(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     messages: list[str] = []
     out = tmp_path / "out"
-    out.mkdir()
-    autosave = Autosave(Checkpoint(out), REQUEST, 1e-6, messages.append)
-    shares: list[float] = []
+    autosave = FlightAutosave(1e-6, messages.append)
+    pauses, on_pause = [0], Flight._on_pause
 
-    def lose_and_restore(share: float) -> None:
-        shares.append(share)
-        if len(shares) == 20:
+    def lose_and_restore(flight: Flight, show: object) -> None:
+        on_pause(flight, show)
+        pauses[0] += 1
+        if pauses[0] == 20:
             out.rename(tmp_path / "lost")  # at once: an autosave on its own thread may be writing in it
             out.write_text("in the way")
-        if len(shares) > 40 and messages and out.is_file():
+        if pauses[0] > 40 and messages and out.is_file():
             out.unlink()
             out.mkdir()
 
-    occupancy, record = fly_survey(Simulator("pool"), supervisor=autosave, on_progress=lose_and_restore)
-    assert record.stopped_because == "all lanes are flown"
+    monkeypatch.setattr(Flight, "_on_pause", lose_and_restore)
+    flown = fly(None, "pool", out, map=True, autosave=autosave)
+    assert flown.ended_because == DONE
     assert [text.split(":")[0] for text in messages] == ["autosave failed", "autosave works again"]
     assert "the flight continues with the map in memory" in messages[0]
-    assert OccupancyMap.read(out / "map.bt").resolution_m == occupancy.resolution_m
+    assert OccupancyMap.read(out / "map.bt").resolution_m == flown.voxel_m
 
 
 def test_a_full_disk_is_reported_once_in_flight_and_with_all_attempts_at_the_end(tmp_path: Path) -> None:

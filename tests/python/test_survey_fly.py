@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from uwsim import Simulator
+from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.difference import map_difference
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.missions import COVERED
 from uwsim.scoring.map_score import score_map
-from uwsim.survey.fly import fly_survey
-from uwsim.survey.ping_to_map import HullBox, PingToMap
-from uwsim.survey.record import INTERRUPTED
 
 
 def survey_bytes(**options: object) -> bytes:
@@ -26,9 +27,9 @@ def survey_bytes(**options: object) -> bytes:
 def test_the_pool_is_covered_and_the_map_lies_on_the_true_surface() -> None:
     sim = Simulator("pool")
     occupancy, record = fly_survey(sim)
-    assert record.stopped_because == COVERED
+    assert (record.ended_because, record.result) == (DONE, COVERED)
     assert not record.ended_early
-    assert record.collision_count == 0
+    assert record.collisions == 0
     assert record.ping_count == pytest.approx(10 * record.simulated_s, abs=1)
     score = score_map(
         sim.world,
@@ -68,12 +69,13 @@ def test_a_survey_keeps_one_sample_ping_only() -> None:
 
 
 def test_scans_before_a_refused_one_are_in_the_map() -> None:
-    box = HullBox(np.full(3, -0.1), np.full(3, 0.1))
+    hull = (np.full(3, -0.1), np.full(3, 0.1))
     ranges_m = np.full(513, 10.0, np.float32)
     far = np.eye(4)
     far[0, 3] = 1e6
     occupancy = OccupancyMap(0.5)
-    with pytest.raises(ValueError, match="must be within"), PingToMap(occupancy, 2, box) as chain:
+    with pytest.raises(ValueError, match="must be within"), MapFiller(occupancy, 95.0) as filler:
+        chain = PingToMap(2, hull, filler)
         for world_from_sonar in (np.eye(4), far, np.eye(4)):
             chain.insert(ranges_m, world_from_sonar, world_from_sonar, 0.0)
     assert len(occupancy.occupied_voxels()) > 0
@@ -108,7 +110,7 @@ def test_ctrl_c_ends_the_survey_with_the_map_so_far(threads: int) -> None:
 
     occupancy, record = fly_survey(sim, on_progress=interrupt_after_fifty)
     assert pinged.is_set()
-    assert record.stopped_because == INTERRUPTED
+    assert record.ended_because == INTERRUPTED
     assert 50 <= record.ping_count <= 52
     assert len(occupancy.occupied_voxels()) > 0
     assert OccupancyMap(0.5).to_bytes("bt") != occupancy.to_bytes("bt")
@@ -123,7 +125,7 @@ def test_a_survey_with_another_sonar_model_decodes_its_own_beams() -> None:
 
 def test_an_empty_battery_ends_the_survey() -> None:
     _, record = fly_survey(Simulator("pool", mission_time_s=4.0))
-    assert record.stopped_because == "the battery is used up"
+    assert record.ended_because == BATTERY_EMPTY
     assert record.simulated_s == pytest.approx(4.0, abs=0.11)
 
 

@@ -3,41 +3,36 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from uwsim import Simulator
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.fly import fly, resume
+from uwsim.flight.pinging import SURVEYED
+from uwsim.flight.request import FlightRequest
+from uwsim.flight.survey import fly_survey, run_survey
 from uwsim.mapping import OccupancyMap
-from uwsim.survey.checkpoint import Checkpoint
-from uwsim.survey.fly import fly_survey
-from uwsim.survey.record import INTERRUPTED
-from uwsim.survey.request import SurveyRequest
-from uwsim.survey.run import run_survey
-
-REQUEST = SurveyRequest("pool", 0, None, None, None, 0.5, "bricks", False, link="s2cm_hs")
 
 
 def pool(link: str | None = "s2cm_hs") -> Simulator:
     return Simulator("pool", link=link, threads=1)
 
 
-class StopAt:
-    """A supervisor that saves a flight at a pause, and ends it."""
+class StopAt(FlightAutosave):
+    """Saves a flight at a pause, and ends it."""
 
-    def __init__(self, checkpoint: Checkpoint, pause: int) -> None:
-        self.checkpoint, self.pause, self.count = checkpoint, pause, 0
+    def __init__(self, pause: int) -> None:
+        super().__init__(1e6)
+        self.pause, self.count = pause, 0
 
-    def save_due(self) -> bool:
+    def due(self) -> bool:
         return False
 
     def stop_requested(self) -> bool:
         self.count += 1
         return self.count == self.pause
-
-    def save(self, state: object, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
-        self.checkpoint.write(REQUEST, state, occupancy, reference)
 
 
 def test_the_report_tells_both_maps_and_what_became_of_the_messages(tmp_path: Path) -> None:
@@ -60,18 +55,19 @@ def test_the_report_tells_both_maps_and_what_became_of_the_messages(tmp_path: Pa
 @pytest.mark.parametrize("pause", [1, 211])
 def test_resumed_the_station_has_the_same_pings(pause: int, tmp_path: Path) -> None:
     _, whole = fly_survey(pool(), OccupancyMap(0.5))
-    _, stopped = fly_survey(pool(), OccupancyMap(0.5), supervisor=StopAt(Checkpoint(tmp_path), pause))
-    assert stopped.stopped_because == INTERRUPTED
-    saved = Checkpoint(tmp_path).read()
-    _, resumed = fly_survey(saved.request.new_simulator(1), saved.occupancy, resume=saved.state)
+    options = {"map": True, "map_growth": False, "voxel_m": 0.5, "carried": SURVEYED, "report": "none"}
+    stopped = fly(None, "pool", tmp_path, link="s2cm_hs", threads=1, autosave=StopAt(pause), **options)
+    assert stopped.interrupted
+    resumed = resume(tmp_path, threads=1, report="none")
     assert resumed.ashore.save() == whole.ashore.save()
     assert resumed.ashore.table() == whole.ashore.table()
 
 
 def test_a_survey_is_resumed_over_the_same_modem() -> None:
-    replace(REQUEST).require_same({"link": "s2cm_hs"})
-    with pytest.raises(ValueError, match="link = tether: the survey was begun with s2cm_hs"):
-        REQUEST.require_same({"link": "tether"})
+    request = FlightRequest(scenario="pool", link="s2cm_hs")
+    request.require_same({"link": "s2cm_hs"})
+    with pytest.raises(ValueError, match="link = tether: the flight was begun with s2cm_hs"):
+        request.require_same({"link": "tether"})
 
 
 def test_over_a_cable_whole_pings_come_ashore() -> None:

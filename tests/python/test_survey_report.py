@@ -12,13 +12,15 @@ from rich.console import Console
 
 from uwsim import _core
 from uwsim.figures import truth_and_map
+from uwsim.flight.ping_log import PingSample
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.report import write_page
+from uwsim.flight.report_figures import map_figures
+from uwsim.flight.samples import COLUMNS, Samples
+from uwsim.flight.summary import coverage_shortfall, key_figures, summary_table, warning_rows
+from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import score_map
 from uwsim.scoring.score_text import order_rows
-from uwsim.survey.completeness import coverage_shortfall
-from uwsim.survey.record import PingSample, SurveyRecord
-from uwsim.survey.report import write_report
-from uwsim.survey.report_figures import draw_report_figures
-from uwsim.survey.summary import key_figures, summary_table, warning_rows
 
 AREA = np.array([[-8.0, -6.0], [8.0, -6.0], [8.0, 6.0], [-8.0, 6.0]])
 NO_VOXELS = np.empty((0, 3))
@@ -51,20 +53,24 @@ def record(world):
     echo = np.isfinite(ranges)
     assert 0 < echo.sum() < 65  # some beams have no echo
     points = path[20] + directions[echo] * ranges[echo, None]
-    return SurveyRecord(
-        scenario_name='<b>lake & "co"</b>',
+    return FlightRecord(
+        mission="survey",
+        scenario='<b>lake & "co"</b>',
         seed=31415,
+        estimate="truth",
         sonar_model="2",
         step_s=0.005,
         voxel_m=0.5,
         threads=2,
-        stopped_because="the <proximity> sensor read less than 7 m",
+        ended_because="the <proximity> sensor read less than 7 m",
+        ended_early=False,
+        planned=True,
         simulated_s=1312.4,
         wall_s=62.1,
-        ping_count=40,
         echo_count=2345,
-        collision_count=0,
-        path_world_m=path,
+        free_voxels=98765,
+        occupancy=Occupied(),
+        pings_world_m={"rov": path},
         area_world_m=AREA,
         range_max_m=15.0,
         ping_interval_s=0.1,
@@ -76,13 +82,43 @@ def record(world):
     )
 
 
-def survey(world, record, folder, voxels=None):
+class Occupied(OccupancyMap):
+    """A map of given voxels."""
+
+    def __init__(self, voxels=NO_VOXELS):
+        super().__init__(0.5)
+        self._voxels = voxels
+
+    def occupied_voxels(self):
+        return self._voxels
+
+
+def scored(world, record, voxels=None):
+    """Return the record with the score of a map of voxels, by default all that are in sight."""
+    path = record.path_world_m
     if voxels is None:
-        voxels = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
-    score = score_map(world, voxels, 0.5, record.path_world_m, AREA, 15.0)
-    figures = draw_report_figures(folder, world, record, score, voxels)
-    write_report(folder / "report.html", record, score, 98765, figures)
-    return score, figures, (folder / "report.html").read_text(encoding="utf-8")
+        voxels = score_map(world, NO_VOXELS, 0.5, path, AREA, 15.0).visible_centres_m
+    score = score_map(world, voxels, 0.5, path, record.area_world_m, 15.0)
+    return dataclasses.replace(record, occupancy=Occupied(voxels), score=score)
+
+
+def survey(world, record, folder, voxels=None):
+    """Write the report of a record; return it scored, its figures and the page."""
+    flown = scored(world, record, voxels)
+    figures = map_figures(folder, flown, world, _core.RayScene(world))
+    write_page(folder / "report.html", flown, figures)
+    return flown, figures, (folder / "report.html").read_text(encoding="utf-8")
+
+
+def without_pings(record, count=0, **changes):
+    path = record.path_world_m[:count]
+    return dataclasses.replace(record, pings_world_m={"rov": path}, **changes)
+
+
+def collided(record, times):
+    row = np.zeros(len(COLUMNS) + 1)
+    row[COLUMNS.index("collisions")] = times
+    return dataclasses.replace(record, samples={"rov": Samples((*COLUMNS, "effort surge"), row[None])})
 
 
 def texts(page: str) -> str:
@@ -90,11 +126,11 @@ def texts(page: str) -> str:
 
 
 def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(world, record, tmp_path):
-    score, figures, page = survey(world, record, tmp_path)
+    flown, figures, page = survey(world, record, tmp_path)
     shown = texts(page)
-    for name, value in key_figures(record, score, 98765):
+    for name, value in key_figures(flown):
         assert f"{name} {value}" in shown
-    for value in (record.scenario_name, str(record.seed), record.stopped_because, "uwsim map render map.bt"):
+    for value in (record.scenario, str(record.seed), record.ended_because, "uwsim map render map.bt"):
         assert value in shown
     assert "physics 8.0 s 13 %" in shown
     assert "map (in parallel) 32.0 s" in shown, "with two threads the map has one of its own"
@@ -102,7 +138,7 @@ def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(world,
 
     assert len(figures) == 5
     assert "The seabed by IHO S-44" in shown
-    for name, allowed, cells in order_rows(score):
+    for name, allowed, cells in order_rows(flown.score):
         assert f"{name} {allowed} {cells}" in shown
     embedded = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
     assert [base64.b64decode(text) for text in embedded] == [figure.path.read_bytes() for figure in figures]
@@ -115,9 +151,9 @@ def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(
         "pings under 10 m above the bed": "100 %",
         "pings in contact": "0 %",
     }
-    score = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0)
-    assert set(warning_rows(record)) <= set(key_figures(record, score, 0))
-    rare = dataclasses.replace(record, ping_count=100_000, pings_with_warning={"range": 1, "proximity": 99_999})
+    assert set(warning_rows(record)) <= set(key_figures(scored(world, record)))
+    many = {"rov": np.zeros((100_000, 3))}
+    rare = dataclasses.replace(record, pings_world_m=many, pings_with_warning={"range": 1, "proximity": 99_999})
     assert [value for _, value in warning_rows(rare)] == ["0.1 %", "99.9 %"], "neither none nor all"
 
 
@@ -133,8 +169,11 @@ def test_table_and_report_show_for_what_share_of_the_pings_each_warning_was_lit(
         (None, True, None, True),
     ],
 )
-def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(record, coverage, ended_early, least, short):
-    flown = dataclasses.replace(record, coverage=coverage, ended_early=ended_early)
+def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(
+    world, record, coverage, ended_early, least, short
+):
+    score = None if coverage is None else dataclasses.replace(scored(world, record).score, coverage=coverage)
+    flown = dataclasses.replace(record, score=score, ended_early=ended_early)
     shortfall = coverage_shortfall(flown, least)
     assert (shortfall is not None) == short
     if shortfall and coverage:
@@ -150,9 +189,9 @@ def test_the_report_needs_no_network_and_escapes_names(world, record, tmp_path):
 
 
 def test_the_report_of_a_survey_without_pings_says_so(world, record, tmp_path):
-    empty = dataclasses.replace(
-        record, ping_count=0, echo_count=0, path_world_m=NO_VOXELS, sample_ping=None, wall_s=0.0, stage_wall_s={},
-        simulated_s=0.0, stopped_because="interrupted",
+    empty = without_pings(
+        record, echo_count=0, sample_ping=None, wall_s=0.0, stage_wall_s={}, simulated_s=0.0,
+        ended_because="interrupted",
     )  # fmt: skip
     _, figures, page = survey(world, empty, tmp_path, NO_VOXELS)
     names = ["truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png"]
@@ -165,7 +204,7 @@ def test_the_report_of_a_survey_without_pings_says_so(world, record, tmp_path):
 
 
 def test_one_ping_and_one_voxel_are_enough_for_a_report(world, record, tmp_path):
-    short = dataclasses.replace(record, ping_count=1, path_world_m=record.path_world_m[:1])
+    short = without_pings(record, 1)
     _, figures, page = survey(world, short, tmp_path, np.array([[0.25, 0.25, -19.75]]))
     assert len(figures) == 4
     assert "first ping" not in texts(page)
@@ -181,23 +220,23 @@ def test_the_same_survey_gives_the_same_bytes(world, record, tmp_path):
 
 
 def test_the_table_shows_the_same_key_figures(world, record, tmp_path):
-    score = survey(world, record, tmp_path)[0]
+    flown = survey(world, record, tmp_path)[0]
     console = Console(width=100, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(dataclasses.replace(record, scenario_name="[red]lake[/red]"), score, 98765))
+    console.print(summary_table(dataclasses.replace(flown, scenario="[red]lake[/red]")))
     shown = console.export_text()
     assert "[red]lake[/red]" in shown
-    for name, value in key_figures(record, score, 98765):
+    for name, value in key_figures(flown):
         assert re.search(f"{re.escape(name)} .* {re.escape(value)} ", shown)
 
 
 @pytest.mark.parametrize("columns", [40, 60])
 def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(world, record, tmp_path, columns):
-    score = survey(world, record, tmp_path)[0]
+    flown = survey(world, record, tmp_path)[0]
     console = Console(width=columns, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(record, score, 98765))
+    console.print(summary_table(flown))
     shown = console.export_text()
     assert max(len(line) for line in shown.splitlines()) <= columns
-    for _, value in key_figures(record, score, 98765):
+    for _, value in key_figures(flown):
         assert value in shown
 
 
@@ -207,18 +246,21 @@ def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(world, record, t
         ({}, {}, None),
         ({}, {"coverage": 0.95}, None),
         ({}, {"coverage": 0.9499}, "coverage is 94.9 % of"),
-        ({"collision_count": 1}, {}, "The vehicle collided once."),
-        ({"collision_count": 1200}, {}, "The vehicle collided 1,200 times."),
+        ({"collisions": 1}, {}, "There was a collision."),
+        ({"collisions": 1200}, {}, "There were 1,200 collisions."),
         ({"ping_interval_s": 0.15}, {}, "The sonar pinged at 6.67 Hz, not 10: sound takes longer to 15 m and back."),
-        ({"ended_early": True}, {}, "The mission ended early (the <proximity> sensor read less than 7 m)"),
+        ({"ended_early": True}, {}, "The mission ended early: the <proximity> sensor read less than 7 m."),
     ],
 )
 def test_table_and_report_show_the_same_warnings(world, record, tmp_path, record_change, score_change, warning):
-    score = dataclasses.replace(survey(world, record, tmp_path)[0], **score_change)
-    record = dataclasses.replace(record, **record_change)
-    write_report(tmp_path / "report.html", record, score, 98765, [])
+    flown = scored(world, record)
+    flown = dataclasses.replace(flown, score=dataclasses.replace(flown.score, **score_change))
+    if times := record_change.pop("collisions", 0):
+        flown = collided(flown, times)
+    flown = dataclasses.replace(flown, **record_change)
+    write_page(tmp_path / "report.html", flown, [])
     console = Console(width=200, record=True, file=(tmp_path / "terminal").open("w"))
-    console.print(summary_table(record, score, 98765))
+    console.print(summary_table(flown))
     page, table = (tmp_path / "report.html").read_text(encoding="utf-8"), " ".join(console.export_text().split())
     if warning is None:
         assert 'class="warning"' not in page
@@ -229,10 +271,9 @@ def test_table_and_report_show_the_same_warnings(world, record, tmp_path, record
 
 
 def test_coverage_is_not_rounded_up_to_100_percent(world, record):
-    voxels = score_map(world, NO_VOXELS, 0.5, record.path_world_m, AREA, 15.0).visible_centres_m
-    score = score_map(world, voxels, 0.5, record.path_world_m, AREA, 15.0)
-    almost = dataclasses.replace(score, coverage=0.99996)
-    assert dict(key_figures(record, almost, 0))["coverage"].startswith("99.9 %")
+    flown = scored(world, record)
+    almost = dataclasses.replace(flown, score=dataclasses.replace(flown.score, coverage=0.99996))
+    assert dict(key_figures(almost))["coverage"].startswith("99.9 %")
 
 
 @pytest.mark.parametrize("size_m", [1e-4, 1e-9])
@@ -240,9 +281,9 @@ def test_a_tiny_area_has_figures_too(world, record, tmp_path, size_m):
     speck = dataclasses.replace(
         record, area_world_m=np.array([[3.0, 2.0]]) + size_m * np.array([[0, 0], [1, 0], [0, 1]])
     )
-    score = score_map(world, NO_VOXELS, 0.5, speck.path_world_m, speck.area_world_m, 15.0)
-    for tiny in (speck, dataclasses.replace(speck, path_world_m=NO_VOXELS)):
-        for figure in draw_report_figures(tmp_path, world, tiny, score, np.array([[3.25, 2.25, -19.75]])):
+    for tiny in (speck, without_pings(speck)):
+        flown = scored(world, tiny, np.array([[3.25, 2.25, -19.75]]))
+        for figure in map_figures(tmp_path, flown, world, _core.RayScene(world)):
             width, height = Image.open(figure.path).size
             assert 100 < width < 4000
             assert 100 < height < 4000

@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from uwsim.flight.survey import run_survey
 from uwsim.scoring.score_map_file import score_map_file, write_score_json
-from uwsim.survey.run import run_survey
+
+FLOWN = {"map.bt", "track.npz", "track-rov.csv", "log.jsonl"}
 
 
 def names(folder: Path) -> set[str]:
@@ -15,7 +17,7 @@ def names(folder: Path) -> set[str]:
 
 def test_json_holds_the_flight_and_the_score_of_the_map_file(tmp_path: Path) -> None:
     record = run_survey("pool", tmp_path / "out", seed=5, mission_time_s=6.0, report="json")
-    assert names(tmp_path / "out") == {"map.bt", "track.npz", "summary.json"}
+    assert names(tmp_path / "out") == FLOWN | {"summary.json"}
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["seed"] == 5
     assert summary["pings"] == record.ping_count > 0
@@ -30,10 +32,10 @@ def test_json_holds_the_flight_and_the_score_of_the_map_file(tmp_path: Path) -> 
 
 def test_none_leaves_the_map_and_the_track(tmp_path: Path) -> None:
     run_survey("pool", tmp_path, seed=5, mission_time_s=1.0, report="none")
-    assert names(tmp_path) == {"map.bt", "track.npz"}
+    assert names(tmp_path) == FLOWN
 
 
 def test_another_report_is_refused_before_the_flight(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="report = pdf: must be one of full, json, none"):
+    with pytest.raises(ValueError, match="report = 'pdf': must be one of full, json, none"):
         run_survey("pool", tmp_path / "out", report="pdf")
     assert not (tmp_path / "out").exists()

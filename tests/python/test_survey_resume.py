@@ -11,86 +11,99 @@ import pytest
 
 from command_line import start_survey, wait_for
 from uwsim import Simulator
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.fly import fly, resume
+from uwsim.flight.record import DONE, FlightRecord
+from uwsim.flight.survey import fly_survey, resume_survey, run_survey
+from uwsim.flight.vehicle_chain import ping_steps
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import load
-from uwsim.survey.checkpoint import Checkpoint
-from uwsim.survey.fly import fly_survey
-from uwsim.survey.record import INTERRUPTED
-from uwsim.survey.request import SurveyRequest
-from uwsim.survey.run import resume_survey, run_survey
-
-REQUEST = SurveyRequest("pool", 0, None, None, None, 0.5, "bricks", False)
+from uwsim.scenario.dump import write_scenario
 
 
 @pytest.fixture(autouse=True)
 def no_results(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the results: they take longer than the flights, and other tests cover them."""
-    monkeypatch.setattr("uwsim.survey.run.write_results", lambda *arguments: None)
+    monkeypatch.setattr("uwsim.flight.engine.write_results", only_the_map)
 
 
-class SaveAt:
-    """A flight supervisor that saves the flight at the given pauses, counted from 1, and stops it at the last."""
+def only_the_map(flown: FlightRecord, sim: object, out: Path, *arguments: object, **more: object) -> FlightRecord:
+    flown.occupancy.write(out / "map.bt")
+    return flown
 
-    def __init__(self, checkpoint: Checkpoint, *pauses: int) -> None:
-        self.checkpoint = checkpoint
-        self.pauses = pauses
-        self.count = 0
 
-    def save_due(self) -> bool:
-        self.count += 1
+class SaveAt(FlightAutosave):
+    """Saves a flight at the given pauses, counted from 1, and stops it at the last."""
+
+    def __init__(self, *pauses: int) -> None:
+        super().__init__(1e6)
+        self.pauses, self.count = pauses, 0
+
+    def due(self) -> bool:
         return self.count in self.pauses
 
     def stop_requested(self) -> bool:
-        return self.count + 1 == self.pauses[-1]
+        self.count += 1
+        return self.count == self.pauses[-1]
 
-    def save(self, state: object, occupancy: OccupancyMap, reference: OccupancyMap | None) -> None:
-        self.checkpoint.write(REQUEST, state, occupancy, reference)
+
+def survey(out: Path, scenario: object = "pool", **options: object) -> FlightRecord:
+    return fly(None, scenario, out, map=True, map_growth=False, **options)
 
 
 @pytest.fixture(scope="module")
-def uninterrupted() -> tuple[bytes, object]:
+def uninterrupted() -> tuple[bytes, FlightRecord]:
     occupancy, record = fly_survey(Simulator("pool"))
     return occupancy.to_bytes("ot"), record
 
 
 @pytest.mark.parametrize(("pause", "threads"), [(1, 1), (150, 2), (333, 1), (600, 2)])
 def test_a_survey_resumed_from_any_pause_is_the_same(
-    pause: int, threads: int, uninterrupted: tuple[bytes, object], tmp_path: Path
+    pause: int, threads: int, uninterrupted: tuple[bytes, FlightRecord], tmp_path: Path
 ) -> None:
-    checkpoint = Checkpoint(tmp_path)
-    supervisor = SaveAt(checkpoint, pause)
-    _, stopped = fly_survey(Simulator("pool", threads=threads), supervisor=supervisor)
-    assert stopped.stopped_because == INTERRUPTED
-    saved = checkpoint.read()
-    occupancy, record = fly_survey(Simulator("pool"), saved.occupancy, resume=saved.state)
+    stopped = survey(tmp_path, threads=threads, autosave=SaveAt(pause))
+    assert stopped.interrupted
+    record = resume(tmp_path)
     expected_map, expected = uninterrupted
-    assert occupancy.to_bytes("ot") == expected_map, "all log-odds"
+    assert record.occupancy.to_bytes("ot") == expected_map, "all log-odds"
     np.testing.assert_array_equal(record.path_world_m, expected.path_world_m)
-    for name in ("simulated_s", "ping_count", "echo_count", "collision_count", "stopped_because"):
+    for name in ("simulated_s", "ping_count", "echo_count", "collisions", "ended_because", "result"):
         assert getattr(record, name) == getattr(expected, name)
     np.testing.assert_array_equal(record.sample_ping.ranges_m, expected.sample_ping.ranges_m)
+    np.testing.assert_array_equal(record.samples["rov"].values, expected.samples["rov"].values)
+    assert record.events == expected.events
     assert record.wall_s > stopped.wall_s - 0.5, "wall time of both flights"
 
 
 def test_a_ping_rate_out_of_step_with_the_control_period_is_resumed(tmp_path: Path) -> None:
     pool = load("pool")
     odd = pool.model_copy(update={"survey": pool.survey.model_copy(update={"ping_rate_hz": 7.0})})
-    whole, _ = fly_survey(Simulator(odd, mission_time_s=12.0))
-    fly_survey(Simulator(odd, mission_time_s=12.0), supervisor=SaveAt(Checkpoint(tmp_path), 51))
-    saved = Checkpoint(tmp_path).read()
-    occupancy, _ = fly_survey(Simulator(odd, mission_time_s=12.0), saved.occupancy, resume=saved.state)
-    assert occupancy.to_bytes("ot") == whole.to_bytes("ot")
+    write_scenario(tmp_path / "odd.yaml", odd)
+    whole, _ = fly_survey(Simulator(tmp_path / "odd.yaml", mission_time_s=12.0))
+    survey(tmp_path, tmp_path / "odd.yaml", mission_time_s=12.0, autosave=SaveAt(51))
+    assert resume(tmp_path).occupancy.to_bytes("ot") == whole.to_bytes("ot")
 
 
-def test_saving_does_not_change_the_map(uninterrupted: tuple[bytes, object], tmp_path: Path) -> None:
-    supervisor = SaveAt(Checkpoint(tmp_path), *range(1, 700, 20), 10_000)
-    occupancy, _ = fly_survey(Simulator("pool", threads=2), supervisor=supervisor)
-    assert occupancy.to_bytes("ot") == uninterrupted[0]
+@pytest.mark.parametrize(("step_s", "rate_hz"), [(0.01, 20.0), (0.005, 50.0), (0.005, 10.0)])
+def test_no_flight_pings_more_often_than_sound_returns(step_s: float, rate_hz: float) -> None:
+    pool = load("pool")
+    survey = pool.survey.model_copy(update={"ping_rate_hz": rate_hz})
+    sim = Simulator(pool.model_copy(update={"step_s": step_s, "survey": survey}), mission_time_s=10.0)
+    limit = 10.0 * min(sim.rov.sonar.ping_rate_max_hz, rate_hz)
+    steps = ping_steps(sim, "rov")
+    pings = fly_survey(sim)[1].ping_count
+    assert pings == int(10.0 / step_s) // steps <= limit + 1e-9
+    assert pings > limit - 1 - 10.0 / (steps * step_s) / steps, "no less than a step more apart than they must be"
+
+
+def test_saving_does_not_change_the_map(uninterrupted: tuple[bytes, FlightRecord], tmp_path: Path) -> None:
+    flown = survey(tmp_path, threads=2, autosave=SaveAt(*range(1, 700, 20), 10_000))
+    assert flown.occupancy.to_bytes("ot") == uninterrupted[0]
 
 
 def saved_state(out: Path) -> bytes | None:
     try:
-        return (out / "checkpoint" / "survey.state").read_bytes()
+        return (out / "checkpoint" / "flight.json").read_bytes()
     except FileNotFoundError:
         return None
 
@@ -118,9 +131,10 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
     assert killed >= 1
     output, errors = process.communicate(timeout=600)
     assert process.returncode == 0, errors
-    assert "all lanes are flown" in output
+    assert DONE in output
     assert hashlib.sha256((out / "map.bt").read_bytes()).hexdigest() == expected
-    assert {path.suffix for path in out.iterdir()} == {".bt", ".html", ".json", ".npz", ".png"}, "no leftovers"
+    suffixes = {path.suffix for path in out.iterdir()}
+    assert suffixes == {".bt", ".html", ".json", ".jsonl", ".csv", ".npz", ".png"}, "no leftovers"
 
 
 @pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
@@ -133,34 +147,33 @@ def test_results_of_an_earlier_survey_are_removed(tmp_path: Path, name: str) -> 
 def test_ctrl_c_saves_before_it_ends(tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = start_survey(out, "pool")
-    wait_for(out / "checkpoint" / "survey.state", process)
+    wait_for(out / "checkpoint" / "flight.json", process)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=90)
     assert process.returncode == 130, errors
     assert "--resume continues" in " ".join(errors.split())
     record = resume_survey(out)
-    assert record.stopped_because == "all lanes are flown"
+    assert record.ended_because == DONE
     expected = fly_survey(Simulator("pool"))[0].to_bytes("bt")
     assert (out / "map.bt").read_bytes() == expected
 
 
-def saved_pool(out: Path, pause: int = 30) -> Checkpoint:
-    out.mkdir(exist_ok=True)
-    fly_survey(Simulator("pool"), supervisor=SaveAt(Checkpoint(out), pause))
-    return Checkpoint(out)
+def saved_pool(out: Path, pause: int = 30) -> Path:
+    survey(out, seed=0, autosave=SaveAt(pause))
+    return out / "checkpoint"
 
 
 def test_a_survey_that_cannot_be_resumed_says_why(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no unfinished survey is saved in '.*': the folder holds no survey"):
+    with pytest.raises(ValueError, match=r"no unfinished flight is saved in '.*': the folder holds no flight"):
         resume_survey(tmp_path)
     assert not any(tmp_path.iterdir())
     run_survey("pool", tmp_path, mission_time_s=3.0, autosave_s=0.01)
-    with pytest.raises(ValueError, match=r"its map\.bt belongs to a survey that has ended"):
+    with pytest.raises(ValueError, match=r"its map\.bt belongs to a flight that has ended"):
         resume_survey(tmp_path)
     saved_pool(tmp_path)
-    with pytest.raises(ValueError, match="seed = 9: the survey was begun with 0"):
+    with pytest.raises(ValueError, match="seed = 9: the flight was begun with 0"):
         resume_survey(tmp_path, seed=9)
-    with pytest.raises(ValueError, match="scenario = lake: the survey was begun with pool"):
+    with pytest.raises(ValueError, match="scenario = lake: the flight was begun with pool"):
         resume_survey(tmp_path, scenario="lake")
 
 
@@ -176,8 +189,8 @@ def damaged_copies(path: Path) -> Iterator[bytes]:
 
 def test_a_damaged_checkpoint_is_refused(tmp_path: Path) -> None:
     checkpoint = saved_pool(tmp_path)
-    (saved_map,) = checkpoint.folder.glob("map-*.ot")
-    for path in (checkpoint.folder / "survey.state", saved_map):
+    (saved_map,), (arrays,) = checkpoint.glob("map-*.ot"), checkpoint.glob("flight-*.npz")
+    for path in (checkpoint / "flight.json", saved_map, arrays):
         whole = path.read_bytes()
         for damaged in damaged_copies(path):
             path.write_bytes(damaged)
@@ -194,28 +207,39 @@ def test_another_survey_in_the_same_folder_sets_the_unfinished_one_aside(
 ) -> None:
     saved_pool(tmp_path)
     run_survey("pool", tmp_path, mission_time_s=3.0)
-    assert "an unfinished survey was in" in capfd.readouterr().err
-    assert (tmp_path / "checkpoint.old" / "survey.state").exists()
+    assert "an unfinished flight was in" in capfd.readouterr().err
+    assert (tmp_path / "checkpoint.old" / "flight.json").exists()
     assert not (tmp_path / "checkpoint").exists()
 
 
-def test_a_mission_without_save_and_restore_flies_but_cannot_be_resumed(tmp_path: Path) -> None:
-    class Hover:
-        progress = 0.0
+def test_a_mission_without_save_and_restore_is_flown_again_as_far_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "hovering.py").write_text(HOVER)
+    monkeypatch.chdir(tmp_path)
+    mission = "hovering:Hover"
+    whole = fly(mission, "pool", tmp_path / "whole", map=True)
+    assert whole.ended_because == "hovered" and whole.ended_early
+    half = fly(mission, "pool", tmp_path / "half", map=True, autosave=SaveAt(15))
+    assert half.interrupted and 0 < half.ping_count < whole.ping_count
+    again = resume(tmp_path / "half")
+    assert again.occupancy.to_bytes("ot") == whole.occupancy.to_bytes("ot")
+    assert again.ended_because == "hovered"
+    assert again.map_growth == whole.map_growth
 
-        def __init__(self, vehicle: object, clock: object, plan: object) -> None:
-            self.clock = clock
 
-        def run(self) -> str:
-            for _ in range(10):
-                self.clock.wait(0.1)
-            return "hovered"
+HOVER = """
+class Hover:
+    progress = 0.0
 
-    _, record = fly_survey(Simulator("pool"), mission=Hover, supervisor=SaveAt(Checkpoint(tmp_path), 5, 99))
-    assert record.stopped_because == "hovered"
-    saved = Checkpoint(tmp_path).read()
-    with pytest.raises(ValueError, match="mission Hover: cannot be resumed: it has no save and restore"):
-        fly_survey(Simulator("pool"), saved.occupancy, mission=Hover, resume=saved.state)
+    def __init__(self, vehicle, clock, plan):
+        self.clock = clock
+
+    def run(self):
+        for _ in range(60):
+            self.clock.wait(0.1)
+        return "hovered"
+"""
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])
@@ -232,7 +256,7 @@ def test_a_map_in_limited_memory_is_the_same_even_when_resumed(tmp_path: Path) -
     out = tmp_path / "out"
     limited = ("pool", "--voxel", "0.05", "--mission-time", "12", "--map-memory", "2")
     process = start_survey(out, *limited)
-    wait_for(out / "checkpoint" / "survey.state", process)
+    wait_for(out / "checkpoint" / "flight.json", process)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     resume_survey(out, map_memory_mb=2.0)

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from command_line import start_survey, wait_for
-from uwsim.survey.run import resume_survey, run_survey
+from uwsim.flight.survey import resume_survey, run_survey
 
 
 @pytest.fixture(autouse=True)
 def no_results(monkeypatch: pytest.MonkeyPatch) -> None:
     """Skip the results: they take longer than the flights, and other tests cover them."""
-    monkeypatch.setattr("uwsim.survey.run.write_results", lambda *arguments: None)
+    monkeypatch.setattr("uwsim.flight.engine.write_results", lambda flown, *arguments, **more: flown)
 
 
 def test_a_map_is_verified_on_request_even_when_resumed(tmp_path: Path) -> None:
@@ -22,7 +22,7 @@ def test_a_map_is_verified_on_request_even_when_resumed(tmp_path: Path) -> None:
     assert run_survey("pool", tmp_path / "b", mission_time_s=3.0).verified is None
     out = tmp_path / "out"
     process = start_survey(out, "pool", "--verify-map")
-    wait_for(out / "checkpoint" / "survey.state", process)
+    wait_for(out / "checkpoint" / "flight.json", process)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     assert list((out / "checkpoint").glob("reference-*.ot"))
@@ -32,14 +32,14 @@ def test_a_map_is_verified_on_request_even_when_resumed(tmp_path: Path) -> None:
 def test_a_map_that_differs_from_stock_exits_with_1(tmp_path: Path) -> None:
     """The reference omits one scan."""
     program = (
-        "from uwsim.survey.request import SurveyRequest; from uwsim.mapping import OccupancyMap as M\n"
+        "from uwsim.flight.request import FlightRequest; from uwsim.mapping import OccupancyMap as M\n"
         "from uwsim.cli import main\n"
         "class Forgetful(M):\n"
         "    seen = 0\n"
         "    def insert_scan(self, *scan):\n"
         "        Forgetful.seen += 1\n"
         "        if Forgetful.seen != 20: super().insert_scan(*scan)\n"
-        "SurveyRequest.new_reference = lambda request: Forgetful(resolution_m=request.voxel_m)\n"
+        "FlightRequest.new_reference = lambda request: Forgetful(resolution_m=request.voxel_m)\n"
         "main()"
     )
     command = [sys.executable, "-c", program, "survey", "pool", "--out", str(tmp_path), "--mission-time", "8"]

@@ -11,11 +11,12 @@ from command_line import UWSIM
 from uwsim.mapping import OccupancyMap
 
 LAKE = ["survey", "lake", "--mission-time", "400", "--voxel", "0.4"]
+FLOWN = {"map.bt", "track.npz", "summary.json", "log.jsonl", "track-rov.csv"}
 PLACES = {
     "the flight begins": [".uwsim.lock"],
-    "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".survey.state.*"],
-    "it has been saved": ["checkpoint/survey.state"],
-    "in flight, some saves later": ["checkpoint/map-[5-9]??.ot", "checkpoint/map-[12]???.ot"],  # of 4,000 pings
+    "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".flight.json.*"],
+    "it has been saved": ["checkpoint/flight.json"],
+    "in flight, some saves later": ["checkpoint/map-[1-9]????.ot"],  # of 80,000 ticks
     "the map is scored, the report drawn": ["track.npz"],
 }
 
@@ -40,7 +41,7 @@ def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, who
     assert not (tmp_path / "report.html").exists()
     if (tmp_path / "map.bt").exists():
         OccupancyMap.read(tmp_path / "map.bt")
-    if not (tmp_path / "checkpoint" / "survey.state").exists():
+    if not (tmp_path / "checkpoint" / "flight.json").exists():
         assert place == next(iter(PLACES)), "nothing flown is lost"
         return
     resumed = subprocess.run(
@@ -49,7 +50,7 @@ def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, who
     )  # fmt: skip
     assert resumed.returncode == 0, resumed.stderr
     assert (tmp_path / "map.bt").read_bytes() == whole
-    assert {path.name for path in tmp_path.iterdir()} == {"map.bt", "track.npz", "summary.json"}, "no leftovers"
+    assert {path.name for path in tmp_path.iterdir()} == FLOWN, "no leftovers"
 
 
 def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from uwsim import Simulator
 from uwsim.closure import ClosedTrack, close_loops
-from uwsim.survey.closed_map import PingKeeper
-from uwsim.survey.fly import fly_survey
+from uwsim.flight.closed_flight import PingKeeper
+from uwsim.flight.survey import fly_survey
 
 PICTURE = Path(__file__).parents[2] / "docs" / "loop-closure.png"
 Array = NDArray[np.float64]

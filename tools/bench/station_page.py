@@ -24,9 +24,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from uwsim.bridges import RosbridgeServer
+from uwsim.flight.survey import run_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.station import Site, Station
-from uwsim.survey.run import run_survey
 
 console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it

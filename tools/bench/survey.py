@@ -15,10 +15,11 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator
+from uwsim.flight.flyable_lanes import required_survey
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.stages import MAP_THREAD_STAGES, STAGES, WAITING
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import ENGINES, OccupancyMap
-from uwsim.survey.fly import fly_survey, required_survey
-from uwsim.survey.record import SurveyRecord
-from uwsim.survey.wall_time import MAP_THREAD_STAGES, STAGES, WAITING
 
 console = Console()
 
@@ -39,7 +40,7 @@ def main(
 ) -> None:
     """Fly a survey several times, and print medians."""
     engines = engine or ["bricks"]
-    records: dict[str, list[SurveyRecord]] = {name: [] for name in engines}
+    records: dict[str, list[FlightRecord]] = {name: [] for name in engines}
     for run in range(runs):
         for name in engines:
             with console.status(f"run {run + 1} of {runs}, {name}"):
@@ -57,7 +58,7 @@ def main(
         json_file.write_text(json.dumps(written, indent=2) + "\n", encoding="utf-8")
 
 
-def summarise(records: list[SurveyRecord]) -> dict[str, float]:
+def summarise(records: list[FlightRecord]) -> dict[str, float]:
     """Return medians over the runs: real-time factor, wall time, and each stage's wall seconds."""
 
     def median(values: list[float]) -> float:
@@ -75,9 +76,9 @@ def summarise(records: list[SurveyRecord]) -> dict[str, float]:
     return figures
 
 
-def _table(engine: str, figures: dict[str, float], record: SurveyRecord) -> Table:
+def _table(engine: str, figures: dict[str, float], record: FlightRecord) -> Table:
     table = Table(
-        title=f"{record.scenario_name}, model {record.sonar_model}, {engine} at {record.voxel_m:g} m, "
+        title=f"{record.scenario}, model {record.sonar_model}, {engine} at {record.voxel_m:g} m, "
         f"{record.threads} threads: {figures['real_time_factor']:.1f} x real time over "
         f"{figures['simulated_s']:.0f} simulated s",
         title_justify="left",

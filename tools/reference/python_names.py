@@ -14,8 +14,7 @@ PUBLIC = {
         "uwsim.flight.fly.fly()",
         "uwsim.flight.record.FlightRecord",
         "uwsim.flight.remote.fly_remote()",
-        "uwsim.survey.run.run_survey()",
-        "uwsim.survey.record.SurveyRecord",
+        "uwsim.flight.survey.run_survey()",
     ],
     "Planners": [
         f"uwsim.missions.planners.{name}()"

@@ -21,16 +21,13 @@ from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.scans import Head, scan_of
 from uwsim.channels.source import Source
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.ping_to_map import Box, placed_echoes
 from uwsim.scenario import Scenario
-from uwsim.scenario.build.hull import vehicle_hull
-from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.build.hull import hull_box_m
 from uwsim.simulator import Simulator
 
-Box = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""Its low and high corners, (3,) each."""
 PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
-HULL_MARGIN_M = 0.05
 WAITING_MAX = 64  # pings that may be queued for the map; with more, the steps wait
 
 
@@ -219,17 +216,15 @@ def empty_map(scenario: Scenario) -> OccupancyMap:
     return OccupancyMap(scenario.survey.voxel_m if scenario.survey else 0.2, on_outside="count")
 
 
-def hull_box_m(model: VehicleModel) -> Box:
-    """Return the corners (3,) of a box about a vehicle's hull, in its body frame."""
-    vertices, _ = vehicle_hull(model)
-    return vertices.min(axis=0) - HULL_MARGIN_M, vertices.max(axis=0) + HULL_MARGIN_M
-
-
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
     """Return a ping's points (n, 3), passed through the chain: scan, cloud, body without its own hull, odom."""
-    body_from_sonar = ranging.relative_transform(taken.odom_from_body, taken.odom_from_sonar)
-    points = ranging.transform_points(ranging.to_point_cloud(scan_of(head, taken)), body_from_sonar)
-    return ranging.transform_points(ranging.remove_box(points, *hull), taken.odom_from_body)
+    cloud_m = ranging.to_point_cloud(scan_of(head, taken))
+    return placed_echoes(cloud_m, hull, taken.odom_from_body, taken.odom_from_sonar)
+
+
+def insert_ping(occupancy: OccupancyMap, head: Head, taken: TakenPing, hull: Box) -> None:
+    """Pass a ping through the chain into a map."""
+    occupancy.insert_scan(mapped_points(head, taken, hull), taken.odom_from_sonar[:3, 3], head.model.range_max_m)
 
 
 def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.bool_]:

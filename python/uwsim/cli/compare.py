@@ -66,9 +66,9 @@ def compare(
 
     from uwsim.flight.compare import compare as fly_all
     from uwsim.flight.mission_file import parsed_arguments
+    from uwsim.flight.terminal import Terminal
     from uwsim.missions.planners.area_missions import AREA_MISSIONS
     from uwsim.missions.planners.inspection_missions import INSPECTION_MISSIONS
-    from uwsim.survey.terminal import Terminal
 
     known = {**AREA_MISSIONS, **INSPECTION_MISSIONS}
     chosen: dict[str, Any] = {}

@@ -81,7 +81,7 @@ def fleet(
 
 
 def _print(flown: Fleet) -> None:
-    from uwsim.survey.summary import duration_text
+    from uwsim.flight.summary import duration_text
 
     of = flown.figures
     rows = [

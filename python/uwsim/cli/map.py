@@ -98,7 +98,7 @@ def from_recording(
     if recording.start.kind == SURVEY:
         if vehicle is not None:
             raise ValueError("--vehicle: a survey has one vehicle")
-        from uwsim.survey.from_recording import survey_from
+        from uwsim.flight.from_recording import survey_from
 
         count = survey_from(recording, out, report)
     else:

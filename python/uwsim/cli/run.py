@@ -3,16 +3,44 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from uwsim.cli.bounds import readable, within
-from uwsim.cli.choices import one_of
-from uwsim.cli.exit_codes import INCOMPLETE, INTERRUPTED, STUCK
-from uwsim.cli.options import Link, MissionTime, Record, Seed, SonarModel, Threads, Voxel, WithoutEffectError, need
+from uwsim.cli.bounds import readable
+from uwsim.cli.flights import (
+    Autosave,
+    CloseLoops,
+    Engine,
+    Estimate,
+    MapMemory,
+    MinCoverage,
+    Out,
+    OutlierFilter,
+    Report,
+    Resume,
+    TimeLimit,
+    VerifyMap,
+    exit_as,
+    require_consistent,
+)
+from uwsim.cli.options import (
+    Frequency,
+    Link,
+    MissionTime,
+    Record,
+    Seed,
+    SonarModel,
+    Threads,
+    Voxel,
+    WithoutEffectError,
+    need,
+)
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
+
+if TYPE_CHECKING:
+    from uwsim.flight.record import FlightRecord
 
 UNSAVED = "a remote vehicle cannot be put back to where it was, so its flight is neither saved nor resumed"
 
@@ -32,37 +60,21 @@ def run(
             autocompletion=scenarios,
         ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for log.jsonl, report.html, track-VEHICLE.csv and map.bt.")] = Path(
-        "out"
-    ),
+    out: Out = Path("out"),
     make_map: Annotated[bool, typer.Option("--map", help="Make an OctoMap of what the sonar sees.")] = False,
     voxel: Voxel = None,
+    engine: Engine = None,
+    verify_map: VerifyMap = False,
+    map_memory: MapMemory = None,
+    outlier_filter: OutlierFilter = None,
+    min_coverage: MinCoverage = None,
     vehicle: Annotated[
         list[str] | None,
         typer.Option(help="Vehicle that flies; may be given several times. Default: the first, or all for `vehicles`."),
     ] = None,
-    estimate: Annotated[
-        str | None,
-        typer.Option(
-            help="What vehicles know of their pose, and maps are made with: truth (default), or filter.",
-            **one_of("truth", "filter"),
-        ),
-    ] = None,
-    close_loops: Annotated[
-        bool,
-        typer.Option(
-            "--close-loops",
-            help="With --map --estimate filter: bend the track after the flight until what was seen twice fits, and "
-            "make the map again.",
-        ),
-    ] = False,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            help="End the flight after this simulated time [s]. Default: the battery's.",
-            callback=within(0.001, 1e9, "s"),
-        ),
-    ] = None,
+    estimate: Estimate = None,
+    close_loops: CloseLoops = False,
+    time_limit: TimeLimit = None,
     connect: Annotated[
         str | None,
         typer.Option(help="Fly a vehicle at a rosbridge, such as ws://127.0.0.1:9090 of `uwsim serve`, instead."),
@@ -79,6 +91,7 @@ def run(
     function: Annotated[str | None, typer.Option(help="Name of the mission's function. Default: mission.")] = None,
     seed: Seed = None,
     sonar_model: SonarModel = None,
+    frequency: Frequency = None,
     mission_time: MissionTime = None,
     link: Link = None,
     threads: Threads = None,
@@ -87,42 +100,32 @@ def run(
         list[str] | None,
         typer.Option(help="Channels to record, such as odom or 'camera/*'. Default: all but pictures and the map."),
     ] = None,
-    report: Annotated[
-        str,
-        typer.Option(
-            help="full: report.html, figures and summary.json; json: summary.json alone; none: neither.",
-            **one_of("full", "json", "none"),
-        ),
-    ] = "full",
-    autosave: Annotated[
-        float | None,
-        typer.Option(help="Wall time between saves [s]; 0 for none. Default: 30.", callback=within(0, 1e6, "s")),
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")] = False,
+    report: Report = "full",
+    autosave: Autosave = None,
+    resume: Resume = False,
 ) -> None:
     """Fly a mission from a Python file; log, map and report it.
 
     Ctrl-C ends it early and keeps what there is. If it is killed, --resume flies it again as far as it was, without
     its map, and then continues to the same results.
     """
-    from uwsim.flight.autosave import FlightAutosave
-    from uwsim.flight.fly import fly
-    from uwsim.flight.fly import resume as resume_flight
-    from uwsim.flight.terminal import print_flight
-    from uwsim.survey.terminal import Terminal
-
-    simulated = {
-        "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model,
-        "--mission-time": mission_time, "--link": link, "--threads": threads,
-        "--record": record, "--autosave": autosave, "--close-loops": close_loops or None,
+    of_map = {
+        "--voxel": voxel, "--engine": engine, "--verify-map": verify_map or None, "--map-memory": map_memory,
+        "--outlier-filter": outlier_filter, "--close-loops": close_loops or None, "--min-coverage": min_coverage,
     }  # fmt: skip
-    ours = {
-        "the mission": mission, "--connect": connect, "--map": make_map or None, "--voxel": voxel, "--vehicle": vehicle,
-        "--time-limit": time_limit, "--set": argument, "--function": function, "--scenario": scenario,
-        **simulated,
+    simulated = {
+        "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model, "--frequency": frequency,
+        "--mission-time": mission_time, "--link": link, "--threads": threads, "--record": record,
+        "--autosave": autosave, **{name: value for name, value in of_map.items() if name != "--voxel"},
     }  # fmt: skip
     if resume:
-        kept = {name: value for name, value in ours.items() if name not in ("--threads", "--autosave")}
+        kept = {
+            "the mission": mission, "--connect": connect, "--map": make_map or None, "--vehicle": vehicle,
+            "--time-limit": time_limit, "--set": argument, "--function": function, "--scenario": scenario,
+            **of_map, **simulated,
+        }  # fmt: skip
+        for name in ("--threads", "--autosave", "--map-memory", "--min-coverage"):
+            kept.pop(name)
         _refuse(kept, "--resume", "the saved flight has its own")
     elif mission is None:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
@@ -132,72 +135,57 @@ def run(
         _refuse({"--autosave": simulated.pop("--autosave")}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
     if not make_map and not resume:
-        need("--map", voxel=voxel, close_loops=close_loops)
+        need("--map", **{name[2:].replace("-", "_"): value for name, value in of_map.items()})
     if close_loops:
         need("--estimate filter", close_loops=estimate != "filter")
-        _refuse({"--autosave": autosave or None}, "--close-loops", "such a flight is not saved as it flies")
+    require_consistent(
+        resume=resume, record=record, close_loops=close_loops, estimate=estimate, autosave=autosave,
+        min_coverage=min_coverage, report=report,
+    )  # fmt: skip
     if record is None:
         need("--record", record_topic=record_topic)
-    estimate, odometry, function = estimate or "truth", odometry or "odom", function or "mission"
+    from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
+    from uwsim.flight.fly import fly
+    from uwsim.flight.fly import resume as resume_flight
+    from uwsim.flight.terminal import Terminal
+
     screen = Terminal()
-    saving = FlightAutosave(30.0 if autosave is None else autosave, screen.message, hears_signals=True)
+    interval_s = 0.0 if close_loops else AUTOSAVE_S if autosave is None else autosave
+    watched: dict[str, Any] = {
+        "report": report,
+        "autosave": FlightAutosave(interval_s, screen.message, hears_signals=True),
+        "screen": screen,
+    }
+    flown_by: dict[str, Any] = {
+        "function": function or "mission",
+        "arguments": _arguments(argument or []),
+        "vehicles": vehicle or (),
+        "map": make_map,
+        "voxel_m": voxel,
+        "time_limit_s": time_limit,
+        **watched,
+    }
+    flown: FlightRecord
     if resume:
-        flown = resume_flight(out, threads=threads, report=report, autosave=saving, show=screen.status)
+        flown = resume_flight(out, threads=threads, map_memory_mb=map_memory, **watched)
     elif connect is not None:
         from uwsim.flight.remote import fly_remote
 
         assert mission is not None
         flown = fly_remote(
-            mission,
-            connect,
-            out,
-            function=function,
-            arguments=_arguments(argument or []),
-            vehicles=vehicle or (),
-            odometry=odometry,
-            lockstep=lockstep,
-            map=make_map,
-            voxel_m=voxel,
-            time_limit_s=time_limit,
-            truth=scenario,
-            report=report,
-            autosave=saving,
-            show=screen.status,
+            mission, connect, out, odometry=odometry or "odom", lockstep=lockstep, truth=scenario, **flown_by
         )
     else:
-        assert mission is not None
         flown = fly(
-            mission,
-            scenario or "lake",
-            out,
-            function=function,
-            arguments=_arguments(argument or []),
-            vehicles=vehicle or (),
-            estimate=estimate,  # type: ignore[arg-type]  # checked there
-            map=make_map,
-            voxel_m=voxel,
-            close_loops=close_loops,
-            seed=seed,
-            sonar_model=parsed_sonar_model(sonar_model),
-            mission_time_s=mission_time,
-            link=link,
-            time_limit_s=time_limit,
-            threads=threads,
-            record=record,
-            record_topics=tuple(record_topic) if record_topic else None,
-            report=report,
-            autosave=saving,
-            show=screen.status,
-        )
-    print_flight(flown, out, screen)
-    if flown.interrupted:
-        if connect is None:
-            screen.message(f"interrupted; uwsim run --resume --out {out} continues")
-        raise typer.Exit(INTERRUPTED)
-    if flown.ended_because.startswith(("stuck", "capsized")):
-        raise typer.Exit(STUCK)
-    if flown.ended_early:
-        raise typer.Exit(INCOMPLETE)
+            mission, scenario or "lake", out,
+            estimate=estimate or "truth",  # type: ignore[arg-type]  # checked there
+            engine=engine,  # type: ignore[arg-type]  # checked by its option
+            verify_map=verify_map, map_memory_mb=map_memory, outlier_filter=outlier_filter, close_loops=close_loops,
+            seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
+            mission_time_s=mission_time, link=link, threads=threads, record=record,
+            record_topics=tuple(record_topic) if record_topic else None, **flown_by,
+        )  # fmt: skip
+    exit_as(flown, min_coverage)
 
 
 def _refuse(options: dict[str, Any], by: str, why: str) -> None:

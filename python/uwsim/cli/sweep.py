@@ -53,8 +53,8 @@ def sweep(
     the worst runs with their recordings. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
     run that fails is a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
     """
+    from uwsim.flight.terminal import Terminal
     from uwsim.stoppable import stop_on_signals
-    from uwsim.survey.terminal import Terminal
     from uwsim.sweeps import fly_again, run_sweep
     from uwsim.workers.job_progress import job_progress
 

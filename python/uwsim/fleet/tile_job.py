@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.fleet.tiles import Grid, Tile
+from uwsim.flight.flyable_lanes import SurveyAreaWarning, required_survey
+from uwsim.flight.summary import flight_values
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.voxel_keys import unpack_keys, voxel_centres_m
 from uwsim.scenario import Scenario, build_terrain, load
@@ -21,9 +24,6 @@ from uwsim.scenario.read.validated import validated
 from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import fly_survey, required_survey
-from uwsim.survey.flyable_lanes import SurveyAreaWarning
-from uwsim.survey.summary import flight_values
 from uwsim.workers.tidy import tidy
 
 MARGIN_M = 30.0

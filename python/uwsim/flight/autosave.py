@@ -9,14 +9,15 @@ from contextlib import AbstractContextManager, nullcontext
 
 from uwsim.stoppable import Stoppable, stop_on_signals
 
+AUTOSAVE_S = 30.0
 MAX_SHARE_OF_TIME = 0.5  # largest share of the wall time for saving, where a save takes longer than the interval
 
 
 class FlightAutosave(Stoppable):
     """Saves a flight every interval_s of wall time, 0 for never.
 
-    A save that fails is told through `report`, once; the flight goes on. hears_signals: whether Ctrl-C and SIGTERM end
-    it.
+    The first save is at the start, so that there is always a map. A save that fails is reported once, through `report`,
+    and so is the next that succeeds; meanwhile the flight goes on. hears_signals: whether Ctrl-C and SIGTERM end it.
     """
 
     def __init__(
@@ -25,30 +26,43 @@ class FlightAutosave(Stoppable):
         if not 0.0 <= interval_s < math.inf:
             raise ValueError(f"autosave_s = {interval_s} s: must be 0 (never) or more")
         self._interval_s, self._report, self._hears_signals = interval_s, report, hears_signals
-        self._next_s = time.monotonic() + interval_s
+        self._started_s = self._next_s = time.monotonic()
+        self._saves = 0
         self._reported = False
+        self.failure: str | None = None
+        """Why the last save failed; None if it succeeded."""
+
+    @property
+    def is_on(self) -> bool:
+        """Whether the flight is saved at all."""
+        return self._interval_s > 0.0
 
     def flying(self) -> AbstractContextManager[None]:
-        """Hear signals during the block, if they are to be heard."""
+        """Let signals stop the flight during the block, if they are to."""
         return stop_on_signals(self) if self._hears_signals else nullcontext()
 
     def due(self) -> bool:
         """Whether a save is due; after True, False until it is done."""
-        is_due = self._interval_s > 0.0 and time.monotonic() >= self._next_s
+        is_due = self.is_on and time.monotonic() >= self._next_s
         if is_due:
-            self._next_s = math.inf
+            self._started_s, self._next_s = time.monotonic(), math.inf
         return is_due
 
     def save(self, write: Callable[[], None]) -> None:
-        """Save by `write`."""
-        began_s = time.monotonic()
+        """Save by `write`; a failure is reported, not raised."""
         try:
             write()
         except (OSError, MemoryError) as error:
-            if not self._reported:
-                self._report(f"autosave failed: {error}; the flight continues")
-            self._reported = True
+            self.failure = str(error)
+            if self._saves > 0 and not self._reported:  # a flight that ends before its second save reports the end only
+                self._report(f"autosave failed: {error}; the flight continues with the map in memory")
+                self._reported = True
         else:
-            self._reported = False
-        now_s = time.monotonic()
-        self._next_s = now_s + max(self._interval_s, (now_s - began_s) / MAX_SHARE_OF_TIME)
+            self.failure = None
+            if self._reported:
+                self._report("autosave works again")
+                self._reported = False
+        self._saves += 1
+        took_s = time.monotonic() - self._started_s
+        # The saved flight must not be older than the interval when the next one replaces it.
+        self._next_s = self._started_s + max(self._interval_s - took_s, took_s / MAX_SHARE_OF_TIME)

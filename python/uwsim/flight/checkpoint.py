@@ -1,85 +1,38 @@
 """A flight saved in its output folder, from which it is resumed.
 
-OUT/map.bt                    readable at any time
-OUT/checkpoint/flight.json    what was asked for, how far it is, and which files belong to it: replaced last, atomically
-OUT/checkpoint/map-N.ot       the map at tick N with its log-odds; path-N.npz: where the sonars pinged
+OUT/map.bt                     readable at any time
+OUT/checkpoint/flight.json     the request, how far it is, and which files belong to it: replaced last, atomically
+OUT/checkpoint/flight-N.npz    at tick N: where the sonars pinged; samples and simulator, if the mission is saved
+OUT/checkpoint/map-N.ot        the map with its log-odds; reference-N.ot if there is a reference
 
-A mission is a running Python function, which cannot be saved. So a resumed mission is flown again from its start,
-without the map, as far as it was; there the simulator's state must be what it was to the last bit, unless another
-build saved it. From there on the saved map grows. This takes the time of the physics alone, and gives the same map.
+A mission with `save` and `restore` goes on from its saved state. Any other is a running Python function, which cannot
+be saved: resumed, it is flown again from its start, without the map, as far as it was; there the simulator's state must
+be what it was to the last bit, unless another build saved it. From there on the saved map grows. This takes the time of
+the physics alone. Both give the same map.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
-import json
+import os
+import re
 import shutil
-from dataclasses import dataclass
+from collections.abc import Collection
 from pathlib import Path
-from typing import Annotated, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from uwsim.atomic_file import write_atomically
-from uwsim.flight.map_growth import GrowthRow
-from uwsim.flight.mission_file import MissionError
-from uwsim.flight.request import FlightRequest
-from uwsim.mapping import OccupancyMap
+from uwsim.flight.saved_flight import SavedFlight, read_state
+from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.npz import read_npz
-from uwsim.scenario.fingerprint import build_fingerprint
 
-MAP, FOLDER, STATE = "map.bt", "checkpoint", "flight.json"
-VERSION: Final = 1
-
-
-class _StateFile(BaseModel):
-    """To raise the version makes the flights that users have saved unreadable: give new fields defaults instead."""
-
-    model_config = ConfigDict(extra="forbid")
-    version: Literal[1] = VERSION
-    build: str = ""
-    request: FlightRequest
-    tick: Annotated[int, Field(ge=0)]
-    state_digest: str
-    echo_count: int
-    files: dict[str, str]
-    growth: tuple[GrowthRow, ...] = ()
-
-
-@dataclass(frozen=True)
-class SavedFlight:
-    """A flight to be resumed: it must come by `tick` in the state of state_digest."""
-
-    request: FlightRequest
-    tick: int
-    state_digest: str
-    occupancy: OccupancyMap | None = None
-    paths_world_m: dict[str, NDArray[np.float64]] | None = None
-    echo_count: int = 0
-    growth: tuple[GrowthRow, ...] = ()
-    build: str = ""
-
-    def is_state(self, state: bytes) -> bool:
-        """Whether it was saved in this state of the simulator; that of another build cannot be compared."""
-        return self.build != build_fingerprint() or state_digest(state) == self.state_digest
-
-    def another_flight(self, step_s: float) -> MissionError:
-        """Return what is wrong with a flight that does not come by the saved state."""
-        at = f"at {self.tick * step_s:g} s it is in another state"
-        if self.build != build_fingerprint():
-            return MissionError(f"--resume: another build of uwsim saved this flight, and {at}")
-        return MissionError(
-            f"--resume: the mission does not fly as it did: {at}; "
-            "a mission must not depend on random numbers of its own, on files or on the wall clock"
-        )
-
-
-def state_digest(state: bytes) -> str:
-    """Return what equal states of a simulator have in common."""
-    return hashlib.blake2b(state, digest_size=16).hexdigest()
+MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
+BEFORE_ONE_ENGINE = "survey.state"
+"""The state of a survey that was saved before surveys were flights."""
+LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
 
 class FlightCheckpoint:
@@ -95,66 +48,120 @@ class FlightCheckpoint:
 
     def write(self, saved: SavedFlight) -> None:
         """Replace the saved flight, as a whole or not at all. Raises OSError."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        files = {}
+        maps = {f"map-{saved.tick}.ot": saved.occupancy, f"reference-{saved.tick}.ot": saved.reference}
+        arrays_name = f"flight-{saved.tick}.npz"
+        files = [*(name for name, occupancy in maps.items() if occupancy is not None), arrays_name]
         if saved.occupancy is not None:
             saved.occupancy.write(self.out / MAP)
-            map_name, path_name = f"map-{saved.tick}.ot", f"path-{saved.tick}.npz"
-            saved.occupancy.write(self.folder / map_name)
+        try:
+            self.folder.mkdir(exist_ok=True)
+            for name, occupancy in maps.items():
+                if occupancy is not None:
+                    occupancy.write(self.folder / name)
             buffer = io.BytesIO()
-            np.savez(buffer, allow_pickle=False, **(saved.paths_world_m or {}))
-            write_atomically(self.folder / path_name, buffer.getvalue())
-            files = {name: _digest(self.folder / name) for name in (map_name, path_name)}
-        state = _StateFile(
-            build=build_fingerprint(),
-            request=saved.request,
-            tick=saved.tick,
-            state_digest=saved.state_digest,
-            echo_count=saved.echo_count,
-            files=files,
-            growth=saved.growth,
-        )
-        write_atomically(self.folder / STATE, state.model_dump_json().encode())
-        for path in self.folder.iterdir():
-            if path.name not in {STATE, *files}:
-                path.unlink(missing_ok=True)
+            np.savez(buffer, allow_pickle=False, **saved.arrays())
+            write_atomically(self.folder / arrays_name, buffer.getvalue())
+            state = saved.state_file({name: _digest(self.folder / name) for name in files})
+            write_atomically(self.folder / STATE, state.sealed())
+        except BaseException:
+            self._remove_other_files(self._files_of_state())
+            raise
+        self._remove_other_files(files)
 
-    def require_one(self) -> None:
-        """Raise ValueError if there is no flight to resume."""
-        if not self.exists:
-            raise ValueError(f"--resume: no unfinished flight is saved in '{self.out}'")
+    def read(self, memory_limit_mb: float | None = None) -> SavedFlight:
+        """Return the saved flight. memory_limit_mb: limit of its map's memory.
 
-    def read(self) -> SavedFlight:
-        """Return the saved flight. Raises ValueError if there is none or it is damaged, OSError."""
+        Raises ValueError if there is none or it is damaged, OSError.
+        """
         self.require_one()
         path = self.folder / STATE
         try:
-            state = _StateFile.model_validate(json.loads(path.read_bytes()))
-        except json.JSONDecodeError as error:
-            raise ValueError(f"--resume: '{path}': is damaged: {error}") from None
-        except ValidationError as error:
-            first = error.errors()[0]
-            if first["loc"] == ("version",):
-                rule = f"is of version {first['input']!s:.20}: this uwsim reads {VERSION}"
-                raise ValueError(f"--resume: '{path}': {rule}") from None
-            where = ".".join(str(part) for part in first["loc"])
-            raise ValueError(f"--resume: '{path}': is damaged: {where}: {first['msg']}") from None
-        occupancy, paths = None, None
+            state = read_state(path.read_bytes())
+        except ValueError as error:
+            raise ValueError(f"--resume: '{path}': {error}") from None
+        maps, arrays = {}, {}
+        engines: dict[str, MapEngine] = {"map": state.request.engine, "reference": "octomap"}
         for name, digest in state.files.items():
-            file = self.folder / Path(name).name
-            if not file.is_file() or _digest(file) != digest:
-                raise ValueError(f"--resume: '{file}': is missing or damaged")
-            if file.suffix == ".ot":
-                occupancy = OccupancyMap.read(file, engine="bricks")
-            else:
-                paths = {name: np.asarray(array, np.float64) for name, array in read_npz(file).items()}
-        return SavedFlight(
-            state.request, state.tick, state.state_digest, occupancy, paths, state.echo_count, state.growth, state.build
-        )
+            file, kind = self.folder / Path(name).name, name.partition("-")[0]
+            if not file.is_file():
+                raise ValueError(f"--resume: '{file}': is missing")
+            if _digest(file) != digest:
+                raise ValueError(f"--resume: '{file}': is damaged: its checksum differs from the one that was saved")
+            if file.suffix == ".npz":
+                arrays = read_npz(file)
+            elif kind in engines:
+                limit_mb = memory_limit_mb if kind == "map" else None
+                maps[kind] = OccupancyMap.read(file, engine=engines[kind], memory_limit_mb=limit_mb)
+        if ("map" in maps) != state.request.map or ("reference" in maps) != state.request.verify_map:
+            raise ValueError(f"--resume: '{path}': its maps, {sorted(maps)}, are not those of its request")
+        try:
+            return SavedFlight.of(state, arrays, maps.get("map"), maps.get("reference"))
+        except (KeyError, ValueError) as error:
+            raise ValueError(f"--resume: '{path}': {error}") from None
+
+    def require_one(self) -> None:
+        """Raise ValueError if there is no flight to resume."""
+        if (old := self.folder / BEFORE_ONE_ENGINE).exists() and not self.exists:
+            rule = "was saved by an earlier uwsim, in a format that this one does not read: fly it again"
+            raise ValueError(f"--resume: '{old}': {rule}")
+        if not self.exists:
+            ended = (self.out / MAP).exists()
+            why = f"its {MAP} belongs to a flight that has ended" if ended else "the folder holds no flight"
+            raise ValueError(f"--resume: no unfinished flight is saved in '{self.out}': {why}")
+
+    def remove_leftovers(self) -> None:
+        """Remove the temporary files of a flight that was killed while it wrote."""
+        for folder in (self.out, self.folder):
+            _remove_leftovers(folder)
 
     def remove(self) -> None:
         """Remove the saved flight, because it has ended."""
         shutil.rmtree(self.folder, ignore_errors=True)
+
+    def set_aside(self) -> Path | None:
+        """Rename the saved flight to make room for another; return its new path, None when there was none.
+
+        Raises OSError.
+        """
+        if not self.folder.exists():
+            return None
+        aside = self.out / EARLIER
+        shutil.rmtree(aside, ignore_errors=True)
+        return self.folder.rename(aside)
+
+    def _files_of_state(self) -> Collection[str]:
+        """Return the names of the files that belong to the present state; none if it cannot be read."""
+        try:
+            return read_state((self.folder / STATE).read_bytes()).files
+        except (OSError, ValueError):
+            return ()
+
+    def _remove_other_files(self, keep: Collection[str]) -> None:
+        """Remove files that belong to no state, and the folder if nothing is kept."""
+        with contextlib.suppress(OSError):
+            for path in self.folder.iterdir():
+                if path.suffix in (".ot", ".npz") and path.name not in keep:
+                    path.unlink()
+            if not keep:
+                self.folder.rmdir()
+
+
+def _remove_leftovers(folder: Path) -> None:
+    with contextlib.suppress(OSError):
+        for path in folder.iterdir():
+            found = LEFTOVER.fullmatch(path.name)
+            if found and not (found[1] and _is_running(int(found[1]))):
+                path.unlink()
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def _digest(path: Path) -> str:

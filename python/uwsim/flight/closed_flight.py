@@ -1,4 +1,4 @@
-"""The map of a flight made anew from the tracks that loop closure has bent, and these tracks."""
+"""The map of a flight made again from the tracks that loop closure has bent, and these tracks."""
 
 from __future__ import annotations
 
@@ -8,14 +8,43 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.closure import PingTrack, close_loops
-from uwsim.flight.map_maker import chain_of
+from uwsim import _core
+from uwsim.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.flight.record import FlightRecord
+from uwsim.flight.vehicle_chain import chain_of
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.scenario import ScenarioError
 from uwsim.simulator import Simulator
-from uwsim.survey.closed_map import insert_closed
+from uwsim.vehicle import Vehicle
 
 Array = NDArray[np.float64]
+
+
+class PingKeeper:
+    """Keeps a vehicle's pings with the estimated poses that they were mapped by: a TakePing.
+
+    track: what was kept. true_path_m: the vehicle's true position at each. vehicle: by default the simulator's first.
+    """
+
+    def __init__(self, sim: Simulator, vehicle: Vehicle | None = None) -> None:
+        self._vehicle = sim.rov if vehicle is None else vehicle
+        if not self._vehicle.sensors:
+            raise ScenarioError(f"vehicle '{self._vehicle.name}': has no sensors to navigate by")
+        self._sim = sim
+        self.track = PingTrack()
+        self.true_path_m: list[Array] = []
+
+    def __call__(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Array) -> None:
+        """Keep one ping of now."""
+        true_body = self._vehicle.pose.world_from_body
+        body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
+        std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
+        deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
+        points = np.where(ping.valid[:, None], ping.points_sonar_m, np.nan)
+        self.track.add(self._sim.time_s, world_from_body, body_from_sonar, ping.ranges_m, points, std_m, deviation_m)
+        self.true_path_m.append(true_body[:3, 3])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,10 +78,20 @@ def closed_flight(
     pings_m, paths = {}, {}
     for name, track in tracks.items():
         closed = close_loops(track)
-        with chain_of(sim, name, occupancy, sim.threads) as chain:
-            pings_m[name] = insert_closed(chain, track, closed)
+        with MapFiller(occupancy, sim.vehicles[name].sonar.model.range_max_m, threads=sim.threads) as filler:
+            pings_m[name] = _insert_closed(chain_of(sim, name, filler, flown.outlier_filter), track, closed)
         path_m = np.array([body[:3, 3] for body in closed.world_from_body]).reshape(-1, 3)
         errors_m = np.linalg.norm(path_m - true_paths_m[name], axis=1)
         matched = len(closed.matches)
         paths[name] = ClosedPath(np.array(track.times_s), path_m, errors_m, len(closed.submaps), matched, closed.tried)
     return replace(flown, occupancy=occupancy, pings_world_m=pings_m, closed=paths)
+
+
+def _insert_closed(chain: PingToMap, track: PingTrack, closed: ClosedTrack) -> Array:
+    """Pass all pings on, each from where it belongs; return the sonar's positions (n, 3)."""
+    sonar_m = np.empty((len(track), 3))
+    for k, body in enumerate(closed.world_from_body):
+        sonar = body @ track.body_from_sonar[k]
+        sonar_m[k] = sonar[:3, 3]
+        chain.insert(track.ranges_m[k], body, sonar, track.times_s[k], track.deviation_m[k])
+    return sonar_m

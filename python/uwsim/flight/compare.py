@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from uwsim.atomic_file import write_atomically
-from uwsim.flight.fly import fly
-from uwsim.flight.folder import made_folder
+from uwsim.flight.fly import fly, made_folder
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind
 from uwsim.flight.seen_bed import CELL_M, SeenBed
@@ -35,7 +34,7 @@ class Row:
     seen_m2: columns of 1 m in which the sonar has had an echo; seen_share: of those that any of the compared flights
     saw. half_seen_s: when half of seen_m2 had been seen. effort_s: the commands' mean absolute value, summed over time:
     seconds of full thrust. estimate_rms_m: how far the vehicle was from where it believed it was; 0 for the truth.
-    map_coverage, map_error_m: of the map, within 5 m of this flight's own hull; map_error_m is
+    map_coverage, map_error_m: of the map, see scored_area_m; map_error_m is
     the mean distance of its occupied voxels from the true surface. NaN where there is none.
     """
 

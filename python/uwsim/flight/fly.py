@@ -3,44 +3,37 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+import tempfile
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.checkpoint import FlightCheckpoint, SavedFlight, state_digest
-from uwsim.flight.clock import FlightClock, FlightOverError
-from uwsim.flight.folder import made_folder
-from uwsim.flight.map_maker import MapMaker, default_voxel_m, require_sonar
-from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
-from uwsim.flight.mission_log import MissionLog
-from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
-from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest
-from uwsim.flight.results import RESULT_FILES, require_report, write_results
-from uwsim.flight.samples import Sampler
+from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
+from uwsim.flight.checkpoint import MAP, FlightCheckpoint
+from uwsim.flight.engine import Flight
+from uwsim.flight.mission_file import FUNCTION
+from uwsim.flight.missions import AnyMission, FlownMission, found_mission
+from uwsim.flight.pinging import MapSetup
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest, resolved_path
+from uwsim.flight.results import REPORT, SUMMARY, require_report
+from uwsim.flight.saved_flight import SavedFlight
+from uwsim.flight.setup import Setup
+from uwsim.flight.terminal import Silent
+from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
 from uwsim.folder_lock import alone_in, require_free
-from uwsim.mapping import OccupancyMap
-from uwsim.missions.own_vehicle import Event, OwnVehicle
-from uwsim.missions.run import MissionFunction, begin, first_parameter
-from uwsim.missions.steps import drive
-from uwsim.missions.stopped import StoppedError
-from uwsim.scenario import Scenario
+from uwsim.mapping import MapEngine, OccupancyMap
+from uwsim.scenario import Scenario, Survey
 from uwsim.scenario.fingerprint import warn_of_other_build
+from uwsim.scenario.read.validated import validated
+from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
-
-if TYPE_CHECKING:
-    from uwsim.channels import Table
-    from uwsim.link import Carrier
-
-AUTOSAVE_S = 30.0
-Show = Callable[[str], AbstractContextManager[object]]
 
 
 def fly(
-    mission: MissionFunction | str | Path,
+    mission: AnyMission,
     scenario: str | Path | Scenario | Simulator = "lake",
     out: str | Path | None = None,
     *,
@@ -50,11 +43,18 @@ def fly(
     estimate: EstimateKind = "truth",
     map: bool = False,  # noqa: A002  # as the option is called
     voxel_m: float | None = None,
+    engine: MapEngine | None = None,
+    verify_map: bool = False,
+    map_memory_mb: float | None = None,
+    map_growth: bool = True,
+    outlier_filter: bool | None = None,
     close_loops: bool = False,
     seed: int | None = None,
     sonar_model: int | str | None = None,
+    sonar_frequency_khz: float | None = None,
     mission_time_s: float | None = None,
     link: str | Path | None = None,
+    carried: tuple[str, ...] | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
     record: Path | None = None,
@@ -62,332 +62,235 @@ def fly(
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
-    show: Show = lambda activity: nullcontext(),
+    screen: Silent | None = None,
 ) -> FlightRecord:
     """Fly a mission; return its record.
 
         record = fly(mission, scenario="pool")                       # a function, as in a notebook
         record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
 
-    scenario: a name, a path, a Scenario, or a Simulator, which flies on from where it is. out: a folder for log.jsonl,
-    track-VEHICLE.csv, map.bt and, by report, report.html ("full"), summary.json ("json") or neither ("none").
-    arguments: for the mission's other parameters. vehicles: names; by default all if the mission takes `vehicles`, else
-    the first. estimate: what vehicles know of their pose, and what the map is made with: the "truth", or that of their
-    "filter" (Vehicle.estimate). close_loops: bend the filter's track after the flight until what it saw twice fits, and
-    make the map again; such a flight is not saved as it flies. link: a modem, by name or file, that replaces the
-    scenario's. time_limit_s: simulated; by default the scenario's mission time. record: a new recording (.mcap), of
-    record_topics; by default all but pictures. show: shows an activity while a block runs.
+    mission: see found_mission; None: the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator, which
+    flies on from where it is. out: a folder for log.jsonl, track-VEHICLE.csv, map.bt and, by report, report.html
+    ("full"), summary.json ("json") or neither ("none"). arguments: for the mission's other parameters. vehicles: names;
+    by default all if the mission takes `vehicles`, else the first. estimate: what vehicles know of their pose, and what
+    the map is made with: the "truth", or that of their "filter" (Vehicle.estimate). mission_time_s: of the battery;
+    time_limit_s: simulated; by default the battery's. link: a modem, by name or file, that replaces the scenario's; the
+    map that the station makes of the pings that arrive is written as map_ashore.bt. carried: how the names end of what
+    vehicles say over it; by default all that goes over a link. record: a new recording (.mcap), of record_topics; by
+    default all but pictures. autosave_s: wall time between saves, from which `resume` continues; 0 for none. screen:
+    shows what happens; by default nothing.
+
+    Of the map: engine "bricks" by default; verify_map inserts every scan into a stock OctoMap map, too, and compares
+    the bytes; map_memory_mb limits its memory, the rest goes to disk; map_growth measures it as it grows;
+    outlier_filter replaces the scenario's; close_loops bends the filter's track after the flight until what it saw
+    twice fits, and makes the map again: such a flight is not saved as it flies.
 
     Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and what the mission
     raises, for a file as MissionError, after the results of the flight until then have been written.
     """
-    file = Path(mission) if isinstance(mission, str | Path) else None
-    fly_it = load_mission(file, function) if file is not None else mission
-    assert callable(fly_it)
-    fly_it = with_arguments(fly_it, arguments or {})
-    takes = first_parameter(fly_it)
-    if estimate not in ESTIMATES:
-        raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
-    require_report(report)
-    if voxel_m is not None and not map:
-        raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
-    if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
-        raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
-    if close_loops and not (map and estimate == "filter"):
-        raise ValueError("close_loops: needs map=True and estimate='filter': what is true or not mapped has no loops")
-    saving = autosave or FlightAutosave(autosave_s)
+    of_map = {
+        "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
+        "outlier_filter": outlier_filter,
+    }  # fmt: skip
+    _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
+    screen = screen or Silent()
+    saving = autosave or FlightAutosave(0.0 if close_loops else autosave_s, screen.message)
+    found = found_mission(mission, function, arguments)
     if out is not None:
         require_free(Path(out))
-    if isinstance(scenario, Simulator):
-        given = {
-            "seed": seed, "sonar_model": sonar_model, "mission_time_s": mission_time_s, "link": link,
-            "threads": threads,
-        }  # fmt: skip
-        if ignored := [name for name, value in given.items() if value is not None]:
-            raise ValueError(f"{ignored[0]}: the simulator is made already")
-        sim = scenario
-    else:
-        with show(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
-            sim = Simulator(
-                scenario,
-                seed=seed,
-                sonar_model=sonar_model,
-                mission_time_s=mission_time_s,
-                link=link,
-                threads=threads,
-            )
-    names = tuple(vehicles) or (tuple(sim.vehicles) if takes == "vehicles" else (sim.rov.name,))
-    for name in names:
-        vehicle = sim.vehicles[name]  # raises ValueError for an unknown one
-        if map:
-            require_sonar(sim, name)
-        if estimate == "filter":
-            _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
-    request = None
-    if file is not None and isinstance(scenario, str | Path) and not close_loops:
-        request = FlightRequest(
-            mission=str(file.resolve()),
-            function=function,
-            mission_digest=file_digest(file),
-            arguments=dict(arguments or {}),
-            scenario=_name_or_file(scenario),
-            seed=sim.seed,
-            sonar_model=sonar_model,
-            mission_time_s=mission_time_s,
-            link=None if link is None else _name_or_file(link),
-            vehicles=names,
-            estimate=estimate,
-            map=map,
-            voxel_m=voxel_m,
-            time_limit_s=time_limit_s,
-        )
-    folder = None if out is None else made_folder(Path(out))
-    flight = _Flight(
-        sim=sim, mission=fly_it, file=file, names=names, estimate=estimate, out=folder, request=request, report=report,
-        autosave=saving, time_limit_s=time_limit_s, show=show, close_loops=close_loops,
+    of_simulator = {
+        "seed": seed, "sonar_model": sonar_model, "sonar_frequency_khz": sonar_frequency_khz,
+        "mission_time_s": mission_time_s, "link": link, "threads": threads,
+    }  # fmt: skip
+    sim = _simulator(scenario, of_simulator, screen)
+    names = tuple(vehicles) or (tuple(sim.vehicles) if found.takes_all else (sim.rov.name,))
+    _require_able(sim, found, names, estimate, map, outlier_filter)
+    request = FlightRequest(
+        mission=None if found.file is None else str(found.file.resolve()),
+        function=function,
+        mission_digest=None if found.file is None else file_digest(found.file),
+        arguments=dict(arguments or {}),
+        scenario=str(resolved_path(scenario)) if isinstance(scenario, str | Path) else "",
+        seed=sim.seed,
+        sonar_model=resolved_path(sonar_model),
+        sonar_frequency_khz=sonar_frequency_khz,
+        mission_time_s=mission_time_s,
+        link=None if link is None else resolved_path(link),
+        carried=carried,
+        vehicles=names,
+        estimate=estimate,
+        map=map,
+        voxel_m=_checked_voxel_m(sim, voxel_m) if map else None,
+        engine=engine or "bricks",
+        verify_map=verify_map,
+        outlier_filter=outlier_filter,
+        map_growth=map_growth,
+        time_limit_s=time_limit_s,
+    )
+    if found.file is None:
+        request = replace(request, mission=found.name)
+    can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
+    setup = Setup(
+        sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
+        carried=carried, out=None if out is None else _made_folder(Path(out)),
+        request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
-        flight.occupancy = OccupancyMap(resolution_m=voxel_m or default_voxel_m(sim))
-    if folder is None:
-        return flight.run(record, record_topics)
-    with alone_in(folder):
-        FlightCheckpoint(folder).remove()
-        return flight.run(record, record_topics)
-
-
-def _name_or_file(given: str | Path) -> str:
-    return str(Path(given).resolve()) if Path(given).is_file() else str(given)
+        occupancy = OccupancyMap(
+            resolution_m=request.voxel_m or 1.0, engine=request.engine, memory_limit_mb=map_memory_mb
+        )
+        setup.mapping = _map_setup(sim, request, occupancy, request.new_reference(), report, keep=close_loops)
+    if setup.out is None:
+        return _recorded(setup, request, record, record_topics)
+    with alone_in(setup.out):
+        checkpoint = FlightCheckpoint(setup.out)
+        checkpoint.remove_leftovers()
+        if (earlier := checkpoint.set_aside()) is not None:
+            screen.message(f"an unfinished flight was in {setup.out}; it is kept in {earlier}")
+        return _recorded(setup, request, record, record_topics)
 
 
 def resume(
     out: str | Path,
     *,
     threads: int | None = None,
+    map_memory_mb: float | None = None,
     report: str = "full",
     autosave_s: float = AUTOSAVE_S,
     autosave: FlightAutosave | None = None,
-    show: Show = lambda activity: nullcontext(),
+    screen: Silent | None = None,
+    **arguments: Any,
 ) -> FlightRecord:
-    """Continue the flight of a mission's file that was last saved in `out`, to the same results; see checkpoint.py.
+    """Continue the flight that was last saved in `out`, to the same results; see checkpoint.py.
 
-    Raises ValueError if there is none, if the mission's file has changed, or if it does not fly as it did; OSError.
+    arguments: other arguments of `fly`; those that are not None must equal those of the saved flight. Raises ValueError
+    if there is none, if an argument differs, if the mission's file has changed, or if it does not fly as it did;
+    OSError.
     """
-    folder = Path(out)
     require_report(report)
-    FlightCheckpoint(folder).require_one()
-    with alone_in(folder):
-        saved = FlightCheckpoint(folder).read()
-        saved.request.require_same_file()
-        return _resumed(saved, folder, threads, report, autosave or FlightAutosave(autosave_s), show).run()
+    screen, checkpoint = screen or Silent(), FlightCheckpoint(Path(out))
+    saving = autosave or FlightAutosave(autosave_s, screen.message)
+    checkpoint.require_one()
+    with alone_in(checkpoint.out):
+        with screen.status(f"resuming {out}"):
+            saved = checkpoint.read(map_memory_mb)
+            saved.request.require_same(arguments)
+            saved.request.require_same_file()
+            warn_of_other_build("the saved flight", saved.build)
+            setup = _resumed(saved, threads, report)
+        setup.out, setup.autosave, setup.screen = _made_folder(checkpoint.out), saving, screen
+        checkpoint.remove_leftovers()
+        return Flight(setup).run()
 
 
-def _resumed(
-    saved: SavedFlight, folder: Path, threads: int | None, report: str, autosave: FlightAutosave, show: Show
-) -> _Flight:
-    request, file = saved.request, Path(saved.request.mission)
-    warn_of_other_build("the saved flight", saved.build)
-    with show(f"resuming {folder}"):
-        sim = request.new_simulator(threads)
-    mission = with_arguments(load_mission(file, request.function), request.arguments)
-    flight = _Flight(
-        sim=sim, mission=mission, file=file, names=request.vehicles, estimate=request.estimate, out=folder,
-        request=request, report=report, autosave=autosave,
-        time_limit_s=request.time_limit_s, show=show,
+def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
+    request = saved.request
+    mission = found_mission(request.mission, request.function, request.arguments)
+    sim = request.new_simulator(threads)
+    mapping = None
+    if saved.occupancy is not None:
+        mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
+    return Setup(
+        sim=sim, mission=mission, names=request.vehicles or (sim.rov.name,), estimate=request.estimate,
+        mapping=mapping, time_limit_s=request.time_limit_s, carried=request.carried, request=request,
+        report=report, saved=saved,
     )  # fmt: skip
-    if request.map:
-        flight.occupancy = saved.occupancy or OccupancyMap(resolution_m=request.voxel_m or default_voxel_m(sim))
-    flight.saved = saved
-    return flight
 
 
-class _Flight:
-    """A flight that is ready to begin. saved: what it continues."""
+def _map_setup(
+    sim: Simulator, request: FlightRequest, occupancy: OccupancyMap, reference: OccupancyMap | None, report: str,
+    *, keep: bool = False,
+) -> MapSetup:  # fmt: skip
+    area_m = survey_area_m(sim)
+    ahead = None
+    if report != "none" and area_m is not None:
+        ahead = SurfaceAhead(sim.world, sim.scene, occupancy.resolution_m, area_m)
+    return MapSetup(
+        occupancy, reference, outlier_filter=request.outlier_filter, growth=request.map_growth, keep=keep, ahead=ahead
+    )
 
-    def __init__(
-        self,
-        *,
-        sim: Simulator,
-        mission: MissionFunction,
-        file: Path | None,
-        names: tuple[str, ...],
-        estimate: EstimateKind,
-        out: Path | None,
-        request: FlightRequest | None,
-        report: str,
-        autosave: FlightAutosave,
-        time_limit_s: float | None,
-        show: Show,
-        close_loops: bool = False,
-    ) -> None:
-        self._sim, self._mission, self._file, self._names = sim, mission, file, names
-        self._title = mission_name(mission, file)
-        self._estimate, self._out, self._request, self._report = estimate, out, request, report
-        self._autosave, self._show, self._close_loops = autosave, show, close_loops
-        self._limited = time_limit_s is not None
-        self._limit_s = sim.scenario.mission_time_s if time_limit_s is None else time_limit_s
-        self.occupancy: OccupancyMap | None = None
-        self.saved: SavedFlight | None = None
-        self._repeating = False
-        self._maker: MapMaker | None = None
-        self._table: Table | None = None
 
-    def run(self, record: Path | None = None, topics: tuple[str, ...] | None = None) -> FlightRecord:
-        """Fly, write the results whatever happened, and raise what the mission raised."""
-        if self._out is not None:
-            for stale in RESULT_FILES:
-                (self._out / stale).unlink(missing_ok=True)
-        self._log = MissionLog(self._out)
-        self._begun_s, began_s = self._sim.time_s, time.perf_counter()
-        recorder = self._recorder(record, topics)
-        carrier = self._carrier()
-        try:
-            with self._show(f"flying {self._title}"), self._autosave.flying():
-                flown = self._flown(began_s)
-        finally:
-            self._log.close()
-            if carrier is not None:
-                carrier.close()
-            unwritten = None if recorder is None else recorder.try_close()
-        if self._close_loops and self._maker is not None:
-            from uwsim.flight.closed_flight import closed_flight  # here, since scipy takes long to import
+def _recorded(
+    setup: Setup, request: FlightRequest, record: Path | None, topics: tuple[str, ...] | None
+) -> FlightRecord:
+    """Fly, with a recording if one is asked for."""
+    if record is not None:
+        from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats take long to import
 
-            with self._show("closing loops"):
-                flown = closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_paths_m)
-        if self._out is not None:
-            report = "none" if self._autosave.in_haste else self._report
-            flown = write_results(flown, self._sim, self._out, report, self._show)
-            if not flown.interrupted:
-                FlightCheckpoint(self._out).remove()
-        if flown.error is not None:
-            raise flown.error
-        if unwritten is not None:
-            raise unwritten
-        return flown
+        setup.recorder = flight_recorder(setup.sim, record, topics, request if setup.mission.make is not None else None)
+        if setup.mapping is not None and setup.recorder.take_ping is not None:
+            setup.mapping = replace(setup.mapping, on_ping=(setup.recorder.take_ping,))
+    return Flight(setup).run()
 
-    def _table_of_channels(self) -> Table:
-        """Return the simulator's channels, the same for recorder and link."""
-        from uwsim.channels import Table
 
-        if self._table is None:
-            self._table = Table(self._sim)
-        return self._table
+def _require_consistent(
+    estimate: str, report: str, makes_map: bool, of_map: Mapping[str, Any], close_loops: bool,
+    time_limit_s: float | None,
+) -> None:  # fmt: skip
+    """Raise ValueError for arguments that contradict each other, or would be without effect."""
+    if estimate not in ESTIMATES:
+        raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
+    require_report(report)
+    if not makes_map and (given := [name for name, value in of_map.items() if value is not None]):
+        raise ValueError(f"{given[0]} = {of_map[given[0]]}: is without effect unless map=True")
+    if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
+        raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
+    if close_loops and not (makes_map and estimate == "filter"):
+        raise ValueError("close_loops: needs map=True and estimate='filter': what is true or not mapped has no loops")
+    if close_loops and (of_map["verify_map"] or of_map["map_memory_mb"] is not None):
+        raise ValueError("close_loops: cannot be combined with verify_map or map_memory_mb")
 
-    def _carrier(self) -> Carrier | None:
-        """Begin to tell the station what the vehicles say, if the scenario has a link."""
-        if self._sim.link is None:
-            return None
-        from uwsim.link import Carrier
 
-        return Carrier(self._sim, self._table_of_channels()).start()
+def _simulator(scenario: str | Path | Scenario | Simulator, given: Mapping[str, Any], screen: Silent) -> Simulator:
+    if isinstance(scenario, Simulator):
+        if ignored := [name for name, value in given.items() if value is not None]:
+            raise ValueError(f"{ignored[0]}: the simulator is made already")
+        return scenario
+    with screen.status(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
+        return Simulator(scenario, **given)
 
-    def _recorder(self, record: Path | None, topics: tuple[str, ...] | None) -> Any:
-        if record is None:
-            return None
-        from uwsim.recording.recorder import MAP_TYPE, Recorder  # here, since recording formats take long to import
 
-        table = self._table_of_channels()
-        costly = [c.name for c in table.channels if c.late or c.type == MAP_TYPE] if topics is None else []
-        return Recorder(self._sim, record, topics=topics, without=costly, shared=table).start()
+def _require_able(
+    sim: Simulator, mission: FlownMission, names: tuple[str, ...], estimate: EstimateKind, makes_map: bool,
+    outlier_filter: bool | None,
+) -> None:  # fmt: skip
+    """Raise ValueError unless the vehicles can fly this: before anything is written."""
+    if mission.make is not None and len(names) > 1:
+        raise ValueError(f"vehicles = {', '.join(names)}: {mission.title} flies one vehicle")
+    for name in names:
+        vehicle = sim.vehicles[name]  # raises ValueError for an unknown one
+        if makes_map:
+            require_sonar(sim, name)
+            filters_outliers(sim, name, outlier_filter)
+        if estimate == "filter":
+            _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
+    mission.planned(sim)
 
-    def _flown(self, began_s: float) -> FlightRecord:
-        sim = self._sim
-        end_tick = sim.tick + max(1, math.ceil(self._limit_s / sim.step_s - 1e-6))
-        limit = f"the {'time limit' if self._limited else 'mission time'} of {self._limit_s:g} s is over"
-        clock = FlightClock(sim, end_tick, limit, self._on_pause)
-        own = {name: self._own_vehicle(name, clock) for name in self._names}
-        self._hear("", "begun", {"mission": self._title, "scenario": sim.scenario.name, "seed": sim.seed})
-        sampler = Sampler(sim, own, self._hear)
-        self._repeating = self.saved is not None
-        result, error, because = None, None, DONE
-        with ExitStack() as stack:
-            sim.journal.attach(sampler)
-            stack.callback(sim.journal.detach, sampler)
-            if self.occupancy is not None:
-                self._maker = stack.enter_context(self._map_maker(own))
-            try:
-                result = drive(begin(self._mission, own), clock)
-            except FlightOverError as over:
-                because = str(over)
-            except StoppedError as stop:
-                because = str(stop)
-            except KeyboardInterrupt:
-                because = INTERRUPTED
-            except Exception as raised:
-                error = raised if self._file is None else mission_error(raised, self._file)
-                because = f"the mission raised {type(raised).__name__}: {error}"
-            if self._repeating and error is None and self.saved is not None:
-                raise self.saved.another_flight(sim.step_s)
-            for name in self._names:
-                sim.vehicles[name].set_effort()
-        self._hear("", "ended", {"because": because})
-        maker = self._maker
-        from uwsim.link.table import link_rows  # here, since channels take long to import
 
-        return FlightRecord(
-            mission=self._title,
-            scenario=sim.scenario.name,
-            seed=sim.seed,
-            estimate=self._estimate,
-            step_s=sim.step_s,
-            ended_because=because,
-            ended_early=because != DONE and not (self._limited and because == limit),
-            simulated_s=sim.time_s - self._begun_s,
-            wall_s=time.perf_counter() - began_s,
-            events=self._log.events,
-            samples=sampler.samples(),
-            result=result,
-            error=error,
-            occupancy=self.occupancy,
-            pings_world_m={} if maker is None else maker.paths_world_m,
-            echo_count=0 if maker is None else maker.echo_count,
-            range_max_m=0.0 if maker is None else maker.range_max_m,
-            map_growth=() if maker is None else maker.growth,
-            link=link_rows(sim),
-        )
+def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
+    """Return the edge of the map's voxels. Raises ScenarioError for one that a scenario could not have either."""
+    if voxel_m is None:
+        return default_voxel_m(sim)
+    if sim.scenario.survey is None:
+        return voxel_m
+    return validated(Survey, {**dict(sim.scenario.survey), "voxel_m": voxel_m}).voxel_m
 
-    def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
-        hull = self._sim.vehicles[name]
-        estimate = hull.estimate if self._estimate == "filter" else None
-        return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
-    def _map_maker(self, own: Mapping[str, OwnVehicle]) -> MapMaker:
-        assert self.occupancy is not None
-        saved = self.saved
-        return MapMaker(
-            self._sim,
-            own,
-            self.occupancy,
-            first_tick=-1 if saved is None else saved.tick,
-            flown_before={} if saved is None else saved.paths_world_m or {},
-            echoes_before=0 if saved is None else saved.echo_count,
-            keep=self._close_loops,
-            growth_before=() if saved is None else saved.growth,
-        )
+def _made_folder(folder: Path) -> Path:
+    """Make the output folder. Raises OSError, before a long flight, if the results could not be written there."""
+    made_folder(folder)
+    for name in (MAP, REPORT, TRACK, SUMMARY):
+        if (folder / name).exists() and not (folder / name).is_file():
+            raise OSError(f"--out {folder}: '{name}' in it is not a file")
+    return folder
 
-    def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
-        self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
-    def _on_pause(self) -> None:
-        """Save the flight when that is due, and end it on Ctrl-C."""
-        saved = self.saved
-        if self._repeating and saved is not None:
-            if self._sim.tick >= saved.tick:
-                if self._sim.tick > saved.tick or not saved.is_state(self._sim.save_state()):
-                    raise saved.another_flight(self._sim.step_s)
-                self._repeating = False
-            elif self._autosave.stop_requested():
-                raise FlightOverError(INTERRUPTED)
-            return
-        stop = self._autosave.stop_requested()
-        if self._out is not None and self._request is not None and (stop or self._autosave.due()):
-            self._save(self._request, FlightCheckpoint(self._out))
-        if stop:
-            raise FlightOverError(INTERRUPTED)
-
-    def _save(self, request: FlightRequest, checkpoint: FlightCheckpoint) -> None:
-        now = SavedFlight(request, self._sim.tick, state_digest(self._sim.save_state()))
-        if (maker := self._maker) is None:
-            self._autosave.save(lambda: checkpoint.write(now))
-            return
-        now = replace(now, occupancy=maker.occupancy, paths_world_m=maker.paths_world_m, echo_count=maker.echo_count)
-        maker.when_mapped(lambda: self._autosave.save(lambda: checkpoint.write(replace(now, growth=maker.growth))))
+def made_folder(out: Path) -> Path:
+    """Make a folder. Raises OSError if nothing could be written there."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
+    return out

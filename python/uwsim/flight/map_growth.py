@@ -44,7 +44,8 @@ def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> Growth
 class GrowthWatch:
     """Measures the map when it is time: an Observer of the simulator's journal.
 
-    when_mapped: runs a job when the map holds all pings so far. first_tick: rows until then are there already.
+    when_mapped: runs a job when the map holds all pings so far. begun_tick: of the flight. first_tick: rows until then
+    are there already.
     """
 
     def __init__(
@@ -53,11 +54,12 @@ class GrowthWatch:
         occupancy: OccupancyMap,
         when_mapped: Callable[[Callable[[], None]], None],
         *,
+        begun_tick: int,
         first_tick: int,
         rows: tuple[GrowthRow, ...],
     ) -> None:
         self._sim, self._occupancy, self._when_mapped = sim, occupancy, when_mapped
-        self._begun_tick, self._next_s = sim.tick, FIRST_S
+        self._begun_tick, self._next_s = begun_tick, FIRST_S
         self.rows = list(rows)
         self.due_tick = self._tick_of_next()
         while self.due_tick <= first_tick:

@@ -15,26 +15,38 @@ LOG = "log.jsonl"
 
 
 class MissionLog:
-    """The events of a flight, in order; written into a new file as they come, if there is a folder for it."""
+    """The events of a flight, in order; written into a new file as they come, if there is a folder for it.
 
-    def __init__(self, out: Path | None) -> None:
+    events: of the flight that is resumed. If the disk is full, the flight goes on with the events in memory.
+    """
+
+    def __init__(self, out: Path | None, events: Iterable[Event] = ()) -> None:
         self.events: list[Event] = []
-        self._file: IO[bytes] | None = None if out is None else (out / LOG).open("wb", buffering=0)
+        self._path = None if out is None else out / LOG
+        self._file: IO[bytes] | None = None if self._path is None else self._path.open("wb", buffering=0)
+        for event in events:
+            self.add(event)
 
     def add(self, event: Event) -> None:
-        """Add an event. Raises OSError if the disk is full."""
+        """Add an event."""
         self.events.append(event)
-        if self._file is not None:
+        if self._file is None or self._path is None:
+            return
+        try:
             self._file.write(_line(event))
+        except OSError:
+            self.close()
+            self._path.unlink(missing_ok=True)  # nothing half-written; see rewrite_if_lost
 
     def close(self) -> None:
         """Close the file."""
         if self._file is not None:
             self._file.close()
+            self._file = None
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
-    """Write the events again if their file is not there: the folder was deleted or moved in flight. Raises OSError."""
+    """Write the events again if their file is not there: the folder was deleted in flight, or full. Raises OSError."""
     if not (out / LOG).exists():
         write_atomically(out / LOG, b"".join(map(_line, events)))
 

@@ -1,4 +1,4 @@
-"""The result of a flight."""
+"""The result of a flight, whether it finished or was interrupted."""
 
 from __future__ import annotations
 
@@ -8,18 +8,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.flight.ping_log import PingSample
 from uwsim.flight.samples import Samples
+from uwsim.flight.stages import MAP_THREAD_STAGES
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.survey_track import SurveyTrack
 
 if TYPE_CHECKING:
+    from uwsim.flight.ashore import Ashore
     from uwsim.flight.closed_flight import ClosedPath
     from uwsim.flight.map_growth import GrowthRow
     from uwsim.link.table import LinkRow
 
-INTERRUPTED = "interrupted (Ctrl-C)"
 DONE = "the mission is complete"
+BATTERY_EMPTY = "the battery is used up"  # as missions that look at it end, too
+INTERRUPTED = "interrupted (Ctrl-C)"
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +34,17 @@ class FlightRecord:
 
     scenario, seed, step_s: of the simulator; of a remote vehicle its URL and None. estimate: what its poses are of.
     result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
-    something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. occupancy: the
-    map; pings_world_m: the sonars' estimated positions at each ping, by vehicle; score: of the map, None without one.
-    link: what it carried, by topic. closed: by vehicle, the tracks with loops closed, which the map is made of then.
-    map_growth: the map against the true surface while it was made.
+    something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. stage_wall_s:
+    wall seconds by stage. link: what it carried, by topic. ashore: what the station has of it, where there is a link.
+
+    Of the map, if one was made: occupancy; pings_world_m: the sonars' estimated positions at each ping, by vehicle, and
+    true_pings_world_m the true ones; area_world_m: (k, 2), the polygon in which it is scored; score: None before;
+    verified: whether it equals stock OctoMap's byte for byte, None when it was not compared; ping_interval_s: longer
+    than requested where sound takes longer to the maximum range and back; pings_with_warning: number of pings during
+    which each of the panel's warnings was lit, warning_limits_m the distances from which they are; sample_ping: one of
+    them; closed: by vehicle, the tracks with loops closed, which the map is made of then; map_growth: the map against
+    the true surface while it was made; planned: whether the mission has flown the plan of the scenario's
+    survey, lanes_left_out: a sentence on its lanes that cannot be flown.
     """
 
     mission: str
@@ -43,24 +56,44 @@ class FlightRecord:
     ended_early: bool
     simulated_s: float
     wall_s: float
-    events: list[Event]
-    samples: dict[str, Samples]
+    events: list[Event] = field(default_factory=list)
+    samples: dict[str, Samples] = field(default_factory=dict)
     result: Any = None
     error: Exception | None = None
+    sonar_model: str | None = None
+    threads: int = 1
+    stage_wall_s: dict[str, float] = field(default_factory=dict)
     occupancy: OccupancyMap | None = None
-    pings_world_m: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    pings_world_m: dict[str, Array] = field(default_factory=dict)
+    true_pings_world_m: dict[str, Array] = field(default_factory=dict)
     echo_count: int = 0
     range_max_m: float = 0.0
+    voxel_m: float = 0.0
+    free_voxels: int = 0
+    outlier_filter: bool = False
+    ping_interval_s: float = 0.0
+    ping_interval_requested_s: float = 0.0
+    pings_with_warning: dict[str, int] = field(default_factory=dict)
+    warning_limits_m: dict[str, float] = field(default_factory=dict)
+    sample_ping: PingSample | None = None
+    area_world_m: Array | None = None
     score: MapScore | None = None
+    verified: bool | None = None
     link: list[LinkRow] = field(default_factory=list)
+    ashore: Ashore | None = None
+    ashore_score: MapScore | None = None
     closed: dict[str, ClosedPath] = field(default_factory=dict)
     map_growth: tuple[GrowthRow, ...] = ()
+    lanes_left_out: str | None = None
+    planned: bool = False
 
     def __repr__(self) -> str:
         """Which mission, where, how long and why it ended."""
+        pings = f", {self.ping_count} pings" if self.ping_count else ""
+        coverage = "" if self.coverage is None else f", coverage {100 * self.coverage:.1f} %"
         return (
             f"<FlightRecord of {self.mission} in '{self.scenario}': {self.simulated_s:.1f} s simulated in "
-            f"{self.wall_s:.1f} s, {len(self.events)} events; ended because {self.ended_because}>"
+            f"{self.wall_s:.1f} s, {len(self.events)} events{pings}{coverage}; ended because {self.ended_because}>"
         )
 
     @property
@@ -75,10 +108,66 @@ class FlightRecord:
 
     @property
     def real_time_factor(self) -> float:
-        """Simulated seconds per second of wall time."""
+        """Simulated seconds per second of wall time; 0 before anything ran."""
         return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
 
     @property
-    def all_pings_world_m(self) -> NDArray[np.float64]:
-        """(n, 3), of all vehicles, one after the other."""
+    def rest_wall_s(self) -> float:
+        """Wall time of the flying thread that belongs to no stage. With several threads the map has its own."""
+        flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
+        return max(self.wall_s - sum(flying), 0.0)
+
+    @property
+    def all_pings_world_m(self) -> Array:
+        """The sonars' estimated positions (n, 3) of all vehicles, one after the other."""
         return np.concatenate([*self.pings_world_m.values(), np.empty((0, 3))])
+
+    @property
+    def path_world_m(self) -> Array:
+        """The sonars' true positions (n, 3) at each ping, vehicle after vehicle; estimated if they are unknown."""
+        return np.concatenate([*(self.true_pings_world_m or self.pings_world_m).values(), np.empty((0, 3))])
+
+    @property
+    def position_error_m(self) -> Array:
+        """How far (n,) the sonar was at each ping from where the map was given it."""
+        return np.asarray(np.linalg.norm(self.all_pings_world_m - self.path_world_m, axis=1), np.float64)
+
+    @property
+    def ping_count(self) -> int:
+        """Pings in the map."""
+        return sum(map(len, self.pings_world_m.values()))
+
+    @property
+    def path_length_m(self) -> float:
+        """Length of the lines through the pings' true positions, of all vehicles."""
+        paths = (self.true_pings_world_m or self.pings_world_m).values()
+        return sum(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in paths)
+
+    @property
+    def coverage(self) -> float | None:
+        """Share of the visible surface that is in the map, 0..1; None when the map was not scored."""
+        return None if self.score is None else self.score.coverage
+
+    @property
+    def track(self) -> SurveyTrack | None:
+        """The part of the record that the score of the map depends on; None without an area."""
+        if self.area_world_m is None:
+            return None
+        return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)
+
+    # The names of a survey's record, for one version.
+
+    @property
+    def stopped_because(self) -> str:
+        """ended_because."""
+        return self.ended_because
+
+    @property
+    def scenario_name(self) -> str:
+        """The scenario."""
+        return self.scenario
+
+    @property
+    def collision_count(self) -> int:
+        """The collisions."""
+        return self.collisions

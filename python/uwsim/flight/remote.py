@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,13 +17,17 @@ from uwsim.axes import AXES
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
 from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.checkpoint import MAP
 from uwsim.flight.clock import FlightOverError
-from uwsim.flight.folder import made_folder
+from uwsim.flight.fly import made_folder
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.results import RESULT_FILES, require_report, write_results
 from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
+from uwsim.flight.scored_area import scored_area_m
+from uwsim.flight.terminal import Silent
+from uwsim.flight.vehicle_chain import survey_area_m
 from uwsim.folder_lock import alone_in
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
@@ -52,7 +56,7 @@ def fly_remote(
     truth: str | Path | None = None,
     report: str = "full",
     autosave: FlightAutosave | None = None,
-    show: Callable[[str], AbstractContextManager[object]] = lambda activity: nullcontext(),
+    screen: Silent | None = None,
 ) -> FlightRecord:
     """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
 
@@ -74,7 +78,7 @@ def fly_remote(
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     if truth is not None and out is None:
         raise ValueError(f"truth = '{truth}': is without effect without out, where report and score go")
-    world = None if truth is None else Simulator(truth)
+    world, screen = None if truth is None else Simulator(truth), screen or Silent()
     with ExitStack() as locked:
         with ExitStack() as stack:
             connection = stack.enter_context(RemoteConnection(url))
@@ -91,7 +95,7 @@ def fly_remote(
             folder = None if out is None else made_folder(Path(out))
             if folder is not None:
                 locked.enter_context(alone_in(folder))
-                for stale in RESULT_FILES:
+                for stale in (MAP, *RESULT_FILES):
                     (folder / stale).unlink(missing_ok=True)
             log = MissionLog(folder)
             stack.callback(log.close)
@@ -99,13 +103,14 @@ def fly_remote(
             own = {hull.name: OwnVehicle(hull, inner, hear=log.add) for hull in hulls}
             saving = autosave or FlightAutosave(0.0)
             flight = _RemoteFlight(inner, log, occupancy, time_limit_s, saving)
-            with show(f"flying {mission_name(fly_it, file)} at {url}"), saving.flying():
+            with screen.status(f"flying {mission_name(fly_it, file)} at {url}"), saving.flying():
                 flown = flight.fly(fly_it, own, file, url)
         if folder is not None:
             if world is not None:
+                flown = replace(flown, area_world_m=scored_area_m(survey_area_m(world), flown.path_world_m))
                 sonars = [sonar for hull in world.vehicles.values() for sonar in hull.sonars.values()]
                 flown = replace(flown, range_max_m=max((float(s.model.range_limit_m) for s in sonars), default=0.0))
-            flown = write_results(flown, world, folder, "none" if saving.in_haste else report, show)
+            flown = write_results(flown, world, folder, "none" if saving.in_haste else report, screen)
     if flown.error is not None:
         raise flown.error
     return flown
@@ -186,6 +191,7 @@ class _RemoteFlight:
             result=result,
             error=error,
             occupancy=self._occupancy,
+            voxel_m=0.0 if self._occupancy is None else self._occupancy.resolution_m,
             pings_world_m={name: np.array(path).reshape(-1, 3) for name, path in self._paths.items()},
             echo_count=self._echoes,
         )
@@ -221,7 +227,7 @@ _NAMES = (*COLUMNS, *(f"effort {axis}" for axis in AXES))
 def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
     pose, panel = vehicle.pose, vehicle.telemetry()
     rotation, position = pose.world_from_body, np.asarray(pose.position_world_m).tolist()
-    told = {
+    shown = {
         name: float(getattr(panel, name, NAN))
         for name in ("battery_percent", "distance_to_seabed_m", "distance_to_station_m", "speed_m_s")
     }
@@ -234,10 +240,10 @@ def _row(time_s: float, vehicle: OwnVehicle) -> list[float]:
         *position,
         float(pose.yaw_rad),
         -position[2],
-        told["distance_to_seabed_m"],
+        shown["distance_to_seabed_m"],
         float(np.linalg.norm(vehicle.velocity.linear_body_m_s)),
-        told["battery_percent"],
-        told["distance_to_station_m"],
+        shown["battery_percent"],
+        shown["distance_to_station_m"],
         vehicle.released,
         *(float(getattr(panel, f"{name}_warning", False)) for name in ("range", "proximity", "collision")),
         0.0,

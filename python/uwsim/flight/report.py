@@ -2,54 +2,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from concurrent.futures import Future
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uwsim.atomic_file import write_atomically
-from uwsim.figures.flight import draw_depth, draw_estimate, draw_power, draw_track
-from uwsim.figures.growth import draw_growth
-from uwsim.figures.map_errors import draw_map_errors
-from uwsim.figures.map_from_above import draw_map_from_above
-from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
+from uwsim.figures.html_page import data_uri, filled_page
+from uwsim.figures.truth_and_map import TruthAndMap
 from uwsim.flight.record import FlightRecord
+from uwsim.flight.report_figures import ReportFigure, flight_figures, map_figures
 from uwsim.flight.samples import Samples
-from uwsim.flight.summary import key_figures, vehicle_figures, warnings
+from uwsim.flight.summary import ashore_text, duration_text, key_figures, vehicle_figures, warnings
 from uwsim.link.table import HEADINGS
 from uwsim.missions.own_vehicle import Event
+from uwsim.scoring.map_score import MapScore
+from uwsim.scoring.score_text import coverage_text, distance_text, order_met, order_rows
 from uwsim.simulator import Simulator
-from uwsim.survey.report import data_uri, filled_page
-from uwsim.survey.summary import duration_text
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
-REPORT = "report.html"
 EVENTS_SHOWN = 300
-POSE_BY = {"truth": "the truth", "filter": "the vehicle's own filter", "odometry": "the odometry that it tells"}
-MOVED_M = 1e-6  # an estimate that differs less is the truth
-
-
-class Figure(NamedTuple):
-    """A picture of the report. wide: too wide for a phone, to be pushed aside with a finger."""
-
-    path: Path
-    title: str
-    caption: str
-    wide: bool = False
+POSE_BY = {"truth": "the truth", "filter": "the vehicle's own filter", "odometry": "the odometry that it sends"}
 
 
 def write_report(
-    out: Path,
-    flown: FlightRecord,
-    sim: Simulator | None,
-    area_m: NDArray[np.float64] | None,
-    occupied_m: NDArray[np.floating] | None,
+    path: Path, flown: FlightRecord, sim: Simulator | None, rendered: Future[TruthAndMap] | None = None
 ) -> None:
-    """Draw the figures and write the report. Raises OSError."""
-    figures = _flight_figures(out, flown, sim)
-    if sim is not None and flown.score is not None and area_m is not None and occupied_m is not None:
-        figures += _map_figures(out, flown, sim, area_m, occupied_m)
+    """Draw the figures beside the report and write it atomically. Raises OSError.
+
+    rendered: the 3D pictures, if they are under way already.
+    """
+    figures = map_figures(path.parent, flown, sim.world, sim.scene, rendered) if sim is not None else []
+    figures += flight_figures(path.parent, flown, None if sim is None else sim.world)
+    write_page(path, flown, figures)
+
+
+def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure]) -> None:
+    """Write the report atomically, with figures inside it as data URIs. Raises OSError."""
+    score, ashore = flown.score, flown.ashore_score
     page = filled_page(
         TEMPLATE,
         flown=flown,
@@ -64,92 +56,62 @@ def write_report(
         events=[_event_row(event) for event in flown.events[:EVENTS_SHOWN]],
         events_left=max(0, len(flown.events) - EVENTS_SHOWN),
         thrusters={name: _thruster_rows(samples) for name, samples in flown.samples.items()},
+        orders=[] if score is None else order_rows(score),
+        order_met="-" if score is None else order_met(score),
+        judged="" if score is None else _judged_cells(score),
+        setup=_setup(flown),
+        stages=_stages(flown),
+        ashore=None if ashore is None else ashore_text(flown, ashore),
     )
-    write_atomically(out / REPORT, page.encode())
+    write_atomically(path, page.encode("utf-8"))
+
+
+def _judged_cells(score: MapScore) -> str:
+    """Return a sentence on how many cells of the seabed were judged, and how many were not."""
+    if score.seabed is None:
+        return "The map is empty."
+    judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
+    cell = f"{score.resolution_m:g} x {score.resolution_m:g} m"
+    return f"{judged:,} cells of {cell} were judged; {obstructed:,} lie under an obstacle and were not."
 
 
 def _highlights(flown: FlightRecord) -> list[tuple[str, str]]:
     tiles = [(duration_text(flown.simulated_s), "simulated"), (f"{flown.real_time_factor:.1f} x", "real time")]
     path_m = sum(float(np.linalg.norm(np.diff(s.path_world_m, axis=0), axis=1).sum()) for s in flown.samples.values())
-    tiles.append((f"{path_m:,.0f} m", "flown"))
-    tiles.append((str(flown.collisions), "collisions"))
-    if flown.score is not None:
-        tiles.append((f"{100.0 * flown.score.coverage:.1f} %", "of the visible surface mapped"))
-        tiles.append((f"{flown.score.distance_mean_m:.2f} m", "mean distance of the map to the truth"))
-    return tiles
-
-
-def _flight_figures(out: Path, flown: FlightRecord, sim: Simulator | None) -> list[Figure]:
-    tracks = {name: samples.path_world_m for name, samples in flown.samples.items()}
-    errors = {
-        name: np.linalg.norm(samples.estimated_path_world_m - samples.path_world_m, axis=1)
-        for name, samples in flown.samples.items()
-    }
-    errors = {name: error for name, error in errors.items() if error.max(initial=0.0) > MOVED_M}
-    estimates = {name: flown.samples[name].estimated_path_world_m for name in errors}
-    figures = [Figure(out / "track.png", "Where it went", "From the circle to the square.")]
-    closed = {name: path.path_world_m for name, path in flown.closed.items()}
-    draw_track(figures[0].path, None if sim is None else sim.world, tracks, estimates, closed)
-    for name, samples in flown.samples.items():
-        of = f" of {name}" if len(flown.samples) > 1 else ""
-        tag = f"_{name}" if len(flown.samples) > 1 else ""
-        z_m = samples["z_m"]
-        depth = Figure(
-            out / f"depth{tag}.png", f"Depth and altitude{of}", "Its height, and that of what lies below it."
-        )
-        draw_depth(depth.path, samples["time_s"], z_m, z_m - samples["altitude_m"], samples["collision_warning"] > 0)
-        power = Figure(
-            out / f"power{tag}.png",
-            f"Commands and battery{of}",
-            "Each command, from -1 to 1, and what is left of the battery.",
-        )
-        draw_power(power.path, samples["time_s"], samples.commands, samples.command_names, samples["battery_percent"])
-        figures += [depth, power]
-    if errors:
-        text = "How far the vehicle was from where it thought it was"
-        text += ", and from where it is taken to have been once loops were closed." if flown.closed else "."
-        figures.append(Figure(out / "estimate.png", "Estimate against truth", text))
-        curves = {name: (flown.samples[name]["time_s"], error) for name, error in errors.items()}
-        for name, path in flown.closed.items():
-            curves[f"{name}, loops closed"] = (path.times_s, path.errors_m)
-        draw_estimate(figures[-1].path, curves)
-    return figures
-
-
-def _map_figures(
-    out: Path, flown: FlightRecord, sim: Simulator, area_m: NDArray[np.float64], occupied_m: NDArray[np.floating]
-) -> list[Figure]:
-    score = flown.score
-    assert score is not None
-    first, path_m = next(iter(flown.pings_world_m.items()))
-    whose = f" The line is the way of {first}." if len(flown.pings_world_m) > 1 else ""
-    figures = [
-        Figure(
-            out / "truth_and_map.png", "Truth and map",
-            f"The area flown over, cut out of the true world, and the occupied voxels of the map.{whose}", wide=True,
-        ),
-        Figure(
-            out / "map_from_above.png", "The map from above",
-            f"The highest occupied voxel of each column. What was in sight but is missing is pink.{whose}", wide=True,
-        ),
-        Figure(
-            out / "where_it_is_wrong.png", "Where the map is wrong",
-            "The depth of each cell's voxels compared with the true terrain.", wide=True,
-        ),
+    if flown.samples:
+        tiles += [(f"{path_m:,.0f} m", "flown"), (str(flown.collisions), "collisions")]
+    if (score := flown.score) is None:
+        return tiles
+    share = coverage_text(score).split(" of ")[0] if score.visible_truth_voxels else "-"
+    mapped = [
+        (share, "of the visible surface mapped"), (distance_text(score.distance_mean_m), "mean distance to the truth"),
     ]  # fmt: skip
-    if flown.map_growth:
-        figures.append(
-            Figure(
-                out / "map_growth.png", "The map as it grew",
-                "The area in which it holds something, and how far its voxels are from the true surface.",
-            )
-        )  # fmt: skip
-        draw_growth(figures[-1].path, [row._asdict() for row in flown.map_growth])
-    rendered = render_truth_and_map(sim.world, sim.scene, area_m, occupied_m, score.resolution_m)
-    draw_truth_and_map(figures[0].path, rendered, path_m)
-    draw_map_from_above(figures[1].path, area_m, path_m, score, occupied_m, "area flown over")
-    draw_map_errors(figures[2].path, score, area_m)
-    return figures
+    return [*mapped, *tiles]
+
+
+def _setup(flown: FlightRecord) -> list[tuple[str, str]]:
+    rows = [("scenario", flown.scenario), ("mission", flown.mission)]
+    if flown.seed is not None:
+        rows.append(("seed", str(flown.seed)))
+    if flown.sonar_model is not None:
+        ping = flown.sample_ping
+        beams = f"{len(ping.ranges_m):,} beams, " if ping is not None else ""
+        rows.append(("sonar model", f"{flown.sonar_model} ({beams}range {flown.range_max_m:g} m)"))
+    if flown.step_s is not None:
+        rows.append(("time step", f"{flown.step_s * 1000.0:g} ms"))
+    if flown.occupancy is not None:
+        rows += [("voxel", f"{flown.voxel_m:g} m"), ("outlier filter", "on" if flown.outlier_filter else "off")]
+    return [*rows, ("threads", str(flown.threads)), ("ended because", flown.ended_because)]
+
+
+def _stages(flown: FlightRecord) -> list[tuple[str, str, float]]:
+    """Return rows of (stage, wall time, per cent of the flight's wall time)."""
+    if not flown.stage_wall_s:
+        return []
+    stages = {**flown.stage_wall_s, "the rest": flown.rest_wall_s}
+    if flown.threads > 1 and "map" in stages:
+        stages = {("map (in parallel)" if name == "map" else name): wall_s for name, wall_s in stages.items()}
+    return [(name, duration_text(wall_s), 100.0 * wall_s / max(flown.wall_s, 1e-9)) for name, wall_s in stages.items()]
 
 
 def _thruster_rows(samples: Samples) -> list[tuple[str, float]]:

@@ -1,4 +1,4 @@
-"""A flight as requested: enough to fly it again."""
+"""A flight as requested, with every default resolved: enough to build its simulator and its maps again."""
 
 from __future__ import annotations
 
@@ -9,36 +9,46 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict
 
+from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
+PATHS = ("scenario", "sonar_model", "link")
+"""The arguments that may be paths."""
 
 
 @dataclass(frozen=True)
 class FlightRequest:
     """The arguments that determine a flight.
 
-    mission: the path of its file; mission_digest: of the file's content. vehicles: by default the scenario's first, or
-    all if the mission flies `vehicles`. link: a modem, instead of the scenario's. time_limit_s: simulated time, by
-    default the scenario's mission time.
+    mission: the path of its file, or `module:name`; None: the scenario's survey. mission_digest: of the file's content.
+    vehicles: by default the scenario's first, or all if the mission flies `vehicles`. link: a modem, instead of the
+    scenario's; carried: how the names end of what vehicles say over it. time_limit_s: simulated time, by default the
+    battery's. voxel_m, engine, verify_map, outlier_filter, map_growth: of the map, if there is one.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
-    mission: str
-    function: str
-    mission_digest: str
+    mission: str | None = None
+    function: str = "mission"
+    mission_digest: str | None = None
     arguments: dict[str, Any] = field(default_factory=dict)
     scenario: str = "lake"
     seed: int | None = None
     sonar_model: int | str | None = None
+    sonar_frequency_khz: float | None = None
     mission_time_s: float | None = None
     link: str | None = None
+    carried: tuple[str, ...] | None = None
     vehicles: tuple[str, ...] = ()
     estimate: EstimateKind = "truth"
     map: bool = False
     voxel_m: float | None = None
+    engine: MapEngine = "bricks"
+    verify_map: bool = False
+    outlier_filter: bool | None = None
+    map_growth: bool = True
     time_limit_s: float | None = None
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
@@ -47,16 +57,39 @@ class FlightRequest:
             self.scenario,
             seed=self.seed,
             sonar_model=self.sonar_model,
+            sonar_frequency_khz=self.sonar_frequency_khz,
             mission_time_s=self.mission_time_s,
             link=self.link,
             threads=threads,
         )
 
+    def new_reference(self) -> OccupancyMap | None:
+        """Return an empty stock OctoMap map if the map is to be verified against one, else None."""
+        assert self.voxel_m is not None or not self.verify_map
+        return OccupancyMap(resolution_m=self.voxel_m or 1.0, engine="octomap") if self.verify_map else None
+
     def require_same_file(self) -> None:
         """Raise ValueError if the mission's file is not what it was."""
+        if self.mission is None or self.mission_digest is None:
+            return
         path = Path(self.mission)
         if not path.is_file() or file_digest(path) != self.mission_digest:
             raise ValueError(f"--resume: '{path}' is missing or has changed since: the flight cannot be repeated")
+
+    def require_same(self, arguments: dict[str, Any]) -> None:
+        """Raise ValueError if an argument that is not None differs from this request."""
+        for name, value in arguments.items():
+            requested = resolved_path(value) if name in PATHS else value
+            begun_with = getattr(self, name)
+            if requested is not None and requested != begun_with:
+                raise ValueError(f"--resume: {name} = {requested}: the flight was begun with {begun_with}")
+
+
+def resolved_path(name: Any) -> Any:
+    """Return the absolute path of a file; anything else, such as a packaged scenario's name, as it is."""
+    if isinstance(name, str | Path):
+        return str(Path(name).resolve()) if Path(name).is_file() else str(name)
+    return name
 
 
 def file_digest(path: Path) -> str:

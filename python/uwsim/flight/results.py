@@ -1,31 +1,39 @@
-"""Scores the map of a flight, and writes its results into the output folder."""
+"""Scores the map of a flight, prints the summary, and writes the results into the output folder."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
+import tempfile
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.mission_log import rewrite_if_lost
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.summary import flight_values
-from uwsim.scoring.map_score import score_map
-from uwsim.scoring.score_json import score_values, write_json
-from uwsim.scoring.survey_track import TRACK, SurveyTrack
+from uwsim.flight.summary import ashore_text, flight_values, summary_table
+from uwsim.flight.terminal import Silent
+from uwsim.mapping import OccupancyMap
+from uwsim.scoring.map_score import MapScore, score_map
+from uwsim.scoring.score_json import write_json
+from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 
+if TYPE_CHECKING:
+    from uwsim.figures.truth_and_map import TruthAndMap
+    from uwsim.flight.ashore import Ashore
+
 REPORTS = ("full", "json", "none")
-REPORT, SUMMARY = "report.html", "summary.json"
-RESULT_FILES = (REPORT, SUMMARY, TRACK, MAP)
-AREA_MARGIN_M = 5.0
-"""The map is scored within this distance of the convex hull of the pings' positions."""
+REPORT, SUMMARY, MAP_ASHORE = "report.html", "summary.json", "map_ashore.bt"
+FIGURE_FILES = (
+    "truth_and_map.png", "map_from_above.png", "where_it_is_wrong.png", "sonar_fan.png", "depth_profile.png",
+    "map_growth.png", "track.png", "estimate.png",
+)  # fmt: skip
+RESULT_FILES = (TRACK, REPORT, SUMMARY, MAP_ASHORE, *FIGURE_FILES)
 
 
 def require_report(report: str) -> None:
@@ -39,50 +47,64 @@ def write_results(
     sim: Simulator | None,
     out: Path,
     report: str,
-    show: Callable[[str], AbstractContextManager[object]],
+    screen: Silent,
+    *,
+    ahead: SurfaceAhead | None = None,
+    is_saved: bool = False,
 ) -> FlightRecord:
-    """Write map, tracks, and report or summary; return the record with the map's score. Raises OSError.
+    """Write map, track, samples, and report or summary; return the record with the map's score. Raises OSError.
 
-    sim: where the flight was flown, or a simulator of the same world; None if its world is not known.
+    sim: where the flight was flown, or a simulator of the same world; None if its world is not known. ahead: what has
+    been looked at of the true surface. is_saved: whether --resume can make a report that fails. The map is written
+    while it is scored, and the key values are printed before anything that may fail on a full disk.
     """
-    out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
-    for name, samples in flown.samples.items():
-        samples.write(out / f"track-{name}.csv")
-    rewrite_if_lost(out, flown.events)
-    area_m = flown_area_m(flown.all_pings_world_m)
-    if flown.occupancy is not None:
-        flown.occupancy.write(out / MAP)
-        if area_m is not None and sim is not None:
-            SurveyTrack(flown.all_pings_world_m, area_m, flown.range_max_m, sim.scenario.name).write(out / TRACK)
-    if report == "none":
-        return flown
-    if sim is not None:
-        with show("scoring the map"):
-            flown = scored(flown, sim)
-    occupied = None if flown.occupancy is None or flown.score is None else flown.occupancy.occupied_voxels()
-    values: dict[str, Any] = flight_values(flown)
-    if flown.score is not None:
-        values["map"] = score_values(flown.score, path_known=True)
-    write_json(out / SUMMARY, values)
-    if report == "full":
-        with show("drawing the report"):
-            from uwsim.flight.report import write_report  # here, since matplotlib takes a second to import
-
-            write_report(out, flown, sim, area_m, occupied)
+    with suppress(OSError):
+        out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
+    wants_score = report != "none" and sim is not None and flown.occupancy is not None
+    rendered = _render_ahead(flown, sim) if wants_score and report == "full" else None
+    ashore = None if flown.ashore is None or flown.occupancy is None else _map_ashore(flown.ashore, flown.occupancy)
+    with ThreadPoolExecutor(1, "scoring") as pool:
+        score = pool.submit(scored, flown, sim, ahead, ashore) if wants_score and sim is not None else None
+        if flown.occupancy is not None:
+            _write_map(flown.occupancy, out / MAP, is_saved)
+        if score is not None:
+            with screen.status("scoring the map"):
+                flown = score.result()
+    try:
+        _print(flown, screen, report, out)
+        if ashore is not None:
+            ashore.write(out / MAP_ASHORE)
+        _write_files(flown, sim, out, report, screen, rendered)
+    except OSError as error:
+        hint = "; --resume makes the report" if is_saved else ""
+        whole = f" ({out / MAP} is complete{hint})" if flown.occupancy is not None else ""
+        raise OSError(f"{error}{whole}") from error
+    screen.result("  ".join(str(out / name) for name in (MAP, REPORT, SUMMARY) if (out / name).exists()))
     return flown
 
 
-def scored(flown: FlightRecord, sim: Simulator) -> FlightRecord:
-    """Return the record with the score of its map against the simulator's world, if it has a map and pings."""
-    area_m = flown_area_m(flown.all_pings_world_m)
-    if flown.occupancy is None or area_m is None:
+def scored(
+    flown: FlightRecord, sim: Simulator, ahead: SurfaceAhead | None = None, ashore: OccupancyMap | None = None
+) -> FlightRecord:
+    """Return the record with the score of its map, and of the station's, against the simulator's world."""
+    if flown.occupancy is None or flown.area_world_m is None:
         return flown
-    occupied, path_m = flown.occupancy.occupied_voxels(), flown.all_pings_world_m
-    edge_m, range_m = flown.occupancy.resolution_m, flown.range_max_m
-    score = score_map(
-        sim.world, occupied, edge_m, path_m, area_m, range_m, rays=sim.scene, occupied_were_seen=_is_exact(flown, sim)
-    )
-    return replace(flown, score=score)
+    survey = sim.scenario.survey
+    if survey is None or not np.array_equal(flown.area_world_m, survey.area_m):
+        ahead = None  # it has looked at the survey's area
+    score = _score(flown.occupancy, flown, sim, ahead, is_exact=_is_exact(flown, sim))
+    ashore_score = None if ashore is None else _score(ashore, flown, sim, ahead, is_exact=False)
+    return replace(flown, score=score, ashore_score=ashore_score, free_voxels=flown.occupancy.count().free)
+
+
+def _score(
+    occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator, ahead: SurfaceAhead | None, *, is_exact: bool
+) -> MapScore:
+    assert flown.area_world_m is not None
+    return score_map(
+        sim.world, occupancy.occupied_voxels(), occupancy.resolution_m, flown.path_world_m, flown.area_world_m,
+        flown.range_max_m, rays=sim.scene, ahead=ahead, occupied_were_seen=is_exact,
+    )  # fmt: skip
 
 
 def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
@@ -91,14 +113,74 @@ def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
     return is_true and all(sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m)
 
 
-def flown_area_m(path_world_m: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Return the polygon (k, 2) within AREA_MARGIN_M of the convex hull of positions (n, 3); None without any."""
-    if not len(path_world_m):
+def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:
+    """Return the station's map, in the voxels of that aboard."""
+    return ashore.made_map(aboard.resolution_m, aboard.engine)
+
+
+def _render_ahead(flown: FlightRecord, sim: Simulator | None) -> Future[TruthAndMap] | None:
+    """Begin to render the report's 3D pictures on a thread, while the map is scored and written."""
+    if flown.occupancy is None or flown.area_world_m is None or sim is None:
         return None
-    angles = np.radians(np.arange(0.0, 360.0, 22.5))
-    ring = AREA_MARGIN_M * np.column_stack([np.cos(angles), np.sin(angles)])
-    places = np.unique(path_world_m[:, :2].round(2), axis=0)
-    with suppress(QhullError, ValueError):  # fewer than three, or on one line
-        places = places[ConvexHull(places).vertices]
-    around = (places[:, None] + ring).reshape(-1, 2)
-    return np.asarray(around[ConvexHull(around).vertices], np.float64)
+    pool = ThreadPoolExecutor(1, "render")
+    rendered = pool.submit(_rendered, flown.occupancy, flown, sim)
+    pool.shutdown(wait=False)
+    return rendered
+
+
+def _rendered(occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator) -> TruthAndMap:
+    from uwsim.figures.truth_and_map import render_truth_and_map  # here, since matplotlib takes a second to import
+
+    assert flown.area_world_m is not None
+    return render_truth_and_map(
+        sim.world, sim.scene, flown.area_world_m, occupancy.occupied_voxels(), occupancy.resolution_m
+    )
+
+
+def _write_map(occupancy: OccupancyMap, path: Path, is_saved: bool) -> None:
+    """Write the map; if that fails, into a temporary folder. Raises OSError that names what was tried."""
+    try:
+        occupancy.write(path)
+    except OSError as error:
+        tried = str(error)
+        if is_saved:
+            tried += "; free some space, then --resume continues from the last save"
+        try:
+            elsewhere = Path(tempfile.mkdtemp(prefix="uwsim-")) / MAP
+            occupancy.write(elsewhere)
+        except OSError as second:
+            raise OSError(f"{tried}; nor elsewhere: {second}") from error
+        raise OSError(f"{tried}; the map is in {elsewhere}") from error
+
+
+def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
+    """Print the key values and why the flight ended."""
+    if report != "none":
+        screen.result(summary_table(flown))
+    if flown.ashore is not None and flown.ashore_score is not None:
+        from uwsim.link.table import text_table  # here, since channels take long to import
+
+        screen.result(text_table(flown.ashore.table()))
+        screen.result(f"{ashore_text(flown, flown.ashore_score)}  {out / MAP_ASHORE}")
+    screen.result(f"ended because {flown.ended_because}")
+    if flown.verified is not None:
+        screen.result(f"{MAP} {'is identical to' if flown.verified else 'DIFFERS from'} that of stock OctoMap")
+
+
+def _write_files(
+    flown: FlightRecord, sim: Simulator | None, out: Path, report: str, screen: Silent,
+    rendered: Future[TruthAndMap] | None,
+) -> None:  # fmt: skip
+    """Write everything but the map."""
+    if sim is not None and flown.track is not None:
+        flown.track.write(out / TRACK)
+    if report != "none":
+        write_json(out / SUMMARY, flight_values(flown))
+    for name, samples in flown.samples.items():
+        samples.write(out / f"track-{name}.csv")
+    rewrite_if_lost(out, flown.events)
+    if report == "full":
+        with screen.status("drawing the report"):
+            from uwsim.flight.report import write_report  # here, since matplotlib takes a second to import
+
+            write_report(out / REPORT, flown, sim, rendered)

@@ -19,6 +19,7 @@ from uwsim.axes import AXES
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator import Simulator
 from uwsim.vehicle import Vehicle
+from uwsim.wall_timer import Measurement
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +33,7 @@ COLUMNS = (
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
 )  # fmt: skip
 TOO_MANY = {"set_effort", "set_wrench", "set_thrusters", "set_fins", "link_send"}
-"""Commands that are not told of one by one."""
+"""Commands that are not noted one by one."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
 Hear = Callable[[str, str, dict[str, Any]], object]
 """Called with a vehicle's name, an event and its values."""
@@ -102,29 +103,37 @@ class Samples:
 
 
 class Sampler:
-    """Watches vehicles of a simulator (an Observer of its journal) and tells of what changes on their panels.
+    """Takes samples of a simulator's vehicles, and events of what changes on their panels: an Observer of its journal.
 
-    vehicles: as the mission sees them, by name.
+    vehicles: as the mission sees them, by name. timer: of the samples. saved: the rows (n, columns) of the flight that
+    is resumed, which began at begun_tick.
     """
 
-    def __init__(self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], hear: Hear) -> None:
-        self._sim, self._hear = sim, hear
+    def __init__(
+        self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], hear: Hear, timer: Measurement, *,
+        begun_tick: int = 0, saved: Mapping[str, NDArray[np.float64]] | None = None,
+    ) -> None:  # fmt: skip
+        self._sim, self._hear, self._timer = sim, hear, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
         self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
-        self.due_tick = sim.tick
-        self.observe()
+        if saved:
+            self._rows = {name: saved[name].tolist() for name in vehicles}
+            self.due_tick = begun_tick + self._steps * ((sim.tick - begun_tick) // self._steps + 1)
+        else:
+            self.observe()
 
     def observe(self) -> None:
         """Take a sample of each vehicle."""
         self.due_tick = self._sim.tick + self._steps
-        for name, vehicle, own in self._vehicles:
-            row, rows = _row(self._sim.time_s, vehicle, own), self._rows[name]
-            self._tell_of_changes(name, rows[-1] if rows else None, row)
-            rows.append(row)
+        with self._timer:
+            for name, vehicle, own in self._vehicles:
+                row, rows = _row(self._sim.time_s, vehicle, own), self._rows[name]
+                self._note_changes(name, rows[-1] if rows else None, row)
+                rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Tell of commands, apart from those that steer, and messages over the link."""
+        """Note commands, apart from those that steer, and messages over the link."""
         if name not in TOO_MANY:
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
             self._hear(str(arguments.get("vehicle") or ""), name, values)
@@ -138,7 +147,7 @@ class Sampler:
             found[name] = Samples(names, np.array(self._rows[name], np.float64).reshape(-1, len(names)))
         return found
 
-    def _tell_of_changes(self, name: str, before: list[float] | None, row: list[float]) -> None:
+    def _note_changes(self, name: str, before: list[float] | None, row: list[float]) -> None:
         for warning in WARNINGS:
             k = AT[f"{warning}_warning"]
             if bool(row[k]) != bool(before and before[k]):

@@ -1,39 +1,131 @@
-"""What a flight prints: its key figures on stdout, all else on stderr."""
+"""The terminal output of a flight: progress and messages on stderr, results on stdout."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import html
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any
 
-from rich.markup import escape
-from rich.table import Table
-from rich.text import Text
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from uwsim.flight.record import FlightRecord
-from uwsim.flight.results import REPORT, SUMMARY
-from uwsim.flight.summary import key_figures, vehicle_figures, warnings
-from uwsim.survey.checkpoint import MAP
-from uwsim.survey.terminal import Terminal
+Show = Callable[[float | None, float], None]
+"""Shows the share flown, 0 to 1, if it is known, at a simulated time [s]."""
+REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 
 
-def print_flight(flown: FlightRecord, out: Path, screen: Terminal) -> None:
-    """Print the key figures, why the flight ended, and where its results are."""
-    table = Table(
-        title=f"{escape(flown.mission)} in {escape(flown.scenario)}"
-        + ("" if flown.seed is None else f", seed {flown.seed}"),
-        title_justify="left",
-        show_header=False,
-    )
-    table.add_column("figure", style="cyan", overflow="fold")
-    table.add_column("value", justify="right", no_wrap=True)
-    for name, value in key_figures(flown):
-        table.add_row(name, value)
-    for vehicle, samples in flown.samples.items():
-        table.add_section()
-        for name, value in vehicle_figures(samples):
-            table.add_row(f"{vehicle}: {name}" if len(flown.samples) > 1 else name, value)
-    if told := warnings(flown):
-        table.caption = Text("\n".join(f"warning: {warning}" for warning in told), style="bold yellow")
-        table.caption_justify = "left"
-    screen.result(table)
-    screen.result(f"ended because {flown.ended_because}")
-    screen.result("  ".join(str(out / name) for name in (MAP, REPORT, SUMMARY) if (out / name).exists()))
+class Silent:
+    """Shows nothing: the base of what shows a flight."""
+
+    def status(self, activity: str) -> AbstractContextManager[object]:
+        """Show an activity, such as "scoring the map", while the block runs."""
+        return nullcontext()
+
+    def message(self, text: str) -> None:
+        """Print a message, unwrapped, on stderr."""
+
+    def result(self, result: object) -> None:
+        """Print text or a table on stdout."""
+
+    @contextmanager
+    def flight(self, activity: str) -> Iterator[Show]:
+        """Show progress while the block runs."""
+        yield lambda share, time_s: None
+
+
+class Terminal(Silent):
+    """Prints what a flight does and finds."""
+
+    def __init__(self) -> None:
+        self._messages = Console(stderr=True)
+        self._results = _ResultConsole()
+
+    def status(self, activity: str) -> AbstractContextManager[object]:
+        """Show an activity, such as "scoring the map", while the block runs."""
+        return nullcontext() if self._messages.is_jupyter else self._messages.status(activity)
+
+    def message(self, text: str) -> None:
+        """Print a message, unwrapped, on stderr."""
+        self._messages.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def result(self, result: object) -> None:
+        """Print text or a table on stdout."""
+        self._results.print(result, highlight=False)
+
+    @contextmanager
+    def flight(self, activity: str) -> Iterator[Show]:
+        """Show a progress bar while the block runs."""
+        if self._messages.is_jupyter:
+            with _at_most_each(REDRAW_S, _notebook_bar(activity)) as show:
+                yield show
+            return
+        bar = Progress(
+            TextColumn("{task.fields[activity]}"),
+            BarColumn(),
+            TextColumn("{task.fields[percent]}"),
+            TimeElapsedColumn(),
+            TextColumn("[dim]{task.fields[note]}"),
+            console=self._messages,
+            disable=not self._messages.is_terminal,
+        )
+        task = bar.add_task("", total=None, activity=activity, percent="", note="")
+
+        def draw(share: float | None, time_s: float) -> None:
+            bar.update(task, note=f"{time_s / 60:.1f} min simulated")
+            if share is not None:
+                bar.update(task, total=1.0, completed=share, percent=f"{100 * share:3.0f} %")
+
+        with bar, _at_most_each(REDRAW_S, draw) as show:
+            yield show
+
+
+@contextmanager
+def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
+    """Yield the function, called at most once in a period of wall time, and with the last arguments in the end."""
+    drawn_s = -math.inf
+    last: tuple[float | None, float] | None = None
+
+    def draw_if_due(share: float | None, time_s: float) -> None:
+        nonlocal drawn_s, last
+        last = share, time_s
+        if (now_s := time.monotonic()) - drawn_s >= period_s:
+            drawn_s, last = now_s, None
+            draw(share, time_s)
+
+    yield draw_if_due
+    if last:
+        draw(*last)
+
+
+def _notebook_bar(activity: str) -> Show:
+    """Display a bar in a notebook; rich's bar would need ipywidgets there."""
+    from IPython.display import DisplayHandle
+
+    bar: Any = DisplayHandle()  # type: ignore[no-untyped-call]
+    show = bar.display
+
+    def draw(share: float | None, time_s: float) -> None:
+        nonlocal show
+        note = ("" if share is None else f"{100 * share:.0f} %, ") + f"{time_s / 60:.1f} min simulated"
+        drawing = "<progress></progress>" if share is None else f"<progress max='1' value='{share:.3f}'></progress>"
+        show(
+            {"text/plain": f"{activity}: {note}", "text/html": f"{html.escape(activity)} {drawing} {note}"},
+            raw=True,
+        )
+        show = bar.update
+
+    return draw
+
+
+class _ResultConsole(Console):
+    """Prints to stdout, and nowhere once the reader has gone: `uwsim survey | head` must not prevent the report."""
+
+    def on_broken_pipe(self) -> None:
+        """Redirect stdout to nowhere; rich would end the program."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from uwsim import ranging
 from uwsim.channels import Channel, build
-from uwsim.channels.map import mapped_points
+from uwsim.channels.map import insert_ping
 from uwsim.channels.map_changes import MapChanges
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pings import TakenPing
@@ -70,8 +70,7 @@ def _of_map(head: RecordedHead) -> Make:
     changes.forget(occupancy.resolution_m)
 
     def make(taken: TakenPing) -> Any:
-        points = mapped_points(head, taken, head.hull_m)
-        occupancy.insert_scan(points, taken.odom_from_sonar[:3, 3], head.model.range_max_m)
+        insert_ping(occupancy, head, taken, head.hull_m)
         part = changes.note(occupancy.changed_occupancy())
         header = build.header(taken.ping.time_ns, head.prefix + "odom")
         return build.message(MAP_CHANGES, header=header, **part._asdict())

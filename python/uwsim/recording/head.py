@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uwsim import _core
-from uwsim.channels.map import Box, empty_map, hull_box_m
+from uwsim.channels.map import empty_map
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.ping_to_map import Box
 from uwsim.recording.capsule import unpack
 from uwsim.scenario import Scenario
+from uwsim.scenario.build.hull import hull_box_m
 from uwsim.scenario.build.vehicle import vehicle_spec
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uwsim.channels.map import mapped_points
+from uwsim.channels.map import insert_ping
 from uwsim.mapping import OccupancyMap
 from uwsim.recording.head import recorded_head
 from uwsim.recording.pings import ping_topic, recorded_pings
@@ -21,6 +21,5 @@ def live_map(recording: Recording, vehicle: str | None = None) -> tuple[Occupanc
         if stamp_ns < newest_ns:
             occupancy, count = head.new_map(), 0
         newest_ns, count = stamp_ns, count + 1
-        points = mapped_points(head, taken, head.hull_m)
-        occupancy.insert_scan(points, taken.odom_from_sonar[:3, 3], head.model.range_max_m)
+        insert_ping(occupancy, head, taken, head.hull_m)
     return occupancy, count

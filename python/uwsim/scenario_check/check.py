@@ -6,6 +6,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+from uwsim.flight.flyable_lanes import flyable_plan, survey_plan
 from uwsim.scenario import Scenario, ScenarioError, build_world, load
 from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
 from uwsim.scenario.read.assets import find_yaml, shown_name
@@ -18,8 +19,6 @@ from uwsim.scenario_check.report import CheckReport
 from uwsim.scenario_check.scene import measured_scene
 from uwsim.scenario_check.surprises import surprises
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import survey_plan
-from uwsim.survey.flyable_lanes import flyable_plan
 
 STAND_INS: dict[str, Any] = {
     "name": "unnamed",

@@ -1,1 +1,1 @@
-"""Flies a survey, maps what the sonar sees, scores the map, and writes a report. Start reading at run.py and fly.py."""
+"""Aliases, for one version: a survey is a mission flown by uwsim.flight with a map."""

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from pathlib import Path
 
-from uwsim.flight.fly import fly
-from uwsim.flight.folder import made_folder
+from uwsim.flight.fly import fly, made_folder
+from uwsim.flight.survey import run_survey
+from uwsim.flight.terminal import Silent
 from uwsim.folder_lock import require_free
 from uwsim.scenario.dump import write_scenario
-from uwsim.survey.run import run_survey
 from uwsim.sweeps.job import Job
 
 WORST = "worst"
@@ -28,11 +26,11 @@ def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
     scenario = folder / SCENARIO
     write_scenario(scenario, job.varied_scenario())
     if job.mission is None:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            run_survey(
-                scenario, folder, voxel_m=job.voxel_m, estimate=job.estimate, autosave_s=0.0, threads=1, report=report,
-                record=folder / RECORDING if job.estimate == "truth" else None,  # no other survey can be recorded
-            )  # fmt: skip
+        run_survey(
+            scenario, folder, voxel_m=job.voxel_m, estimate=job.estimate, autosave_s=0.0, threads=1, report=report,
+            record=folder / RECORDING if job.estimate == "truth" else None,  # no other survey can be recorded
+            screen=Silent(),
+        )  # fmt: skip
         return
     fly(
         job.mission, scenario, folder, arguments=job.arguments, map=job.map, voxel_m=job.voxel_m,

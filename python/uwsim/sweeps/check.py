@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from uwsim.flight.map_maker import require_sonar
+from uwsim.flight.flyable_lanes import required_survey
 from uwsim.flight.mission_file import MissionError, load_mission, with_arguments
 from uwsim.flight.request import file_digest
+from uwsim.flight.vehicle_chain import require_sonar
 from uwsim.scenario import ScenarioError
 from uwsim.scenario.read.source_file import SourceFile
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import required_survey
 from uwsim.sweeps.design import Run
 from uwsim.sweeps.job import Job
 from uwsim.sweeps.spec import SweepSpec, beside

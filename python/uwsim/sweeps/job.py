@@ -12,19 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.flight.fly import fly
+from uwsim.flight.flyable_lanes import SurveyAreaWarning, required_survey
 from uwsim.flight.mission_file import MissionError
+from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind, file_digest
 from uwsim.flight.results import scored
-from uwsim.flight.summary import flight_values as mission_values
+from uwsim.flight.summary import flight_values
+from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
-from uwsim.scoring.map_score import score_map
-from uwsim.scoring.score_json import score_values
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import fly_survey, required_survey
-from uwsim.survey.flyable_lanes import SurveyAreaWarning
-from uwsim.survey.summary import flight_values as survey_values
 from uwsim.sweeps.vary import varied
 from uwsim.sweeps.wall_limit import WallLimitError, wall_limit
 from uwsim.workers.tidy import tidy_now_and_then
@@ -96,16 +94,10 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 
 def _survey(job: Job, sim: Simulator) -> dict[str, Any]:
     voxel_m = job.voxel_m or required_survey(sim.scenario).voxel_m
-    occupancy, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
+    _, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
     if record.interrupted:
         raise KeyboardInterrupt  # which the survey has swallowed: half a run is no result
-    path_m, area_m, range_m = record.path_world_m, record.area_world_m, record.range_max_m
-    is_exact = sim.rov.sonar.mode == "geometry" and job.estimate == "truth"
-    score = score_map(
-        sim.world, occupancy.occupied_voxels(), voxel_m, path_m, area_m, range_m, rays=sim.scene,
-        occupied_were_seen=is_exact,
-    )  # fmt: skip
-    return survey_values(record) | score_values(score, path_known=True)
+    return _values(record, sim)
 
 
 def _mission(job: Job, sim: Simulator) -> dict[str, Any]:
@@ -118,10 +110,13 @@ def _mission(job: Job, sim: Simulator) -> dict[str, Any]:
     )  # fmt: skip
     if flown.interrupted:
         raise KeyboardInterrupt  # which the flight has swallowed: half a run is no result
-    flown = scored(flown, sim)
-    values = mission_values(flown) | {"collisions": flown.collisions, "result": flown.result}
-    if flown.score is not None:
-        values |= score_values(flown.score, path_known=True)
+    return _values(flown, sim) | {"result": flown.result}
+
+
+def _values(flown: FlightRecord, sim: Simulator) -> dict[str, Any]:
+    """Return the values of a flight, scored; the map's once, beside the others."""
+    values = flight_values(scored(flown, sim))
+    values.pop("map", None)
     return values
 
 

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim.atomic_file import write_atomically
-from uwsim.survey.report import data_uri, filled_page
-from uwsim.survey.summary import duration_text
+from uwsim.figures.html_page import data_uri, filled_page
+from uwsim.flight.summary import duration_text
 from uwsim.sweeps.figures import draw_distributions, draw_effects, draw_sensitivity
 from uwsim.sweeps.rows import Rows
 from uwsim.sweeps.sensitivity import sensitivity, sobol_indices_of

@@ -13,15 +13,11 @@ from pathlib import Path
 from uwsim import Simulator
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly
+from uwsim.flight.survey import run_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.recording import Recorder
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
-from uwsim.survey.autosave import Autosave
-from uwsim.survey.checkpoint import Checkpoint
-from uwsim.survey.fly import fly_survey
-from uwsim.survey.request import SurveyRequest
-from uwsim.survey.run import run_survey
 
 SCENARIO, SEED = "scenario.yaml", 5
 MISSION = """from uwsim.missions import wait
@@ -35,26 +31,21 @@ def mission(vehicle):
 """
 
 
-class StopAfter(FlightAutosave):
-    """Asks the flight to stop at its 20th pause."""
+class StopAt(FlightAutosave):
+    """Asks the flight to stop at a pause, and saves it then."""
 
-    pauses = 20
+    def __init__(self, pause: int) -> None:
+        super().__init__(1e6)
+        self.left = pause
 
-    def stop_requested(self) -> bool:
-        """Whether it has come."""
-        self.pauses -= 1
-        return self.pauses <= 0
-
-
-class StopAt(Autosave):
-    """Asks the survey to stop at its 60th pause."""
-
-    pauses = 60
+    def due(self) -> bool:
+        """Whether a save is due."""
+        return False
 
     def stop_requested(self) -> bool:
         """Whether it has come."""
-        self.pauses -= 1
-        return self.pauses <= 0
+        self.left -= 1
+        return self.left <= 0
 
 
 def main(folder: Path) -> None:
@@ -77,12 +68,9 @@ def main(folder: Path) -> None:
     sim.rov.set_effort(surge=0.6)
     sim.advance(2.0)
     Path("estimate.state").write_bytes(sim.save_state())
-    request = SurveyRequest(SCENARIO, SEED, None, None, None, 0.5, "bricks", verify_map=False)
-    survey = Path("survey")
-    survey.mkdir(exist_ok=True)
-    fly_survey(Simulator(SCENARIO), supervisor=StopAt(Checkpoint(survey), request, 1e-6, print))
+    fly(None, SCENARIO, "survey", map=True, report="none", autosave=StopAt(60))
     Path("mission.py").write_text(MISSION)
-    fly("mission.py", SCENARIO, "flight", map=True, report="none", autosave=StopAfter(0.0))
+    fly("mission.py", SCENARIO, "flight", map=True, report="none", autosave=StopAt(20))
     with Simulator(SCENARIO) as live, Recorder(live, "live.mcap", topics=["odom", "imu*", "telemetry", "ping"]):
         live.rov.release()
         live.rov.set_effort(surge=0.4)

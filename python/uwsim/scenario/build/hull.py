@@ -18,6 +18,7 @@ from uwsim.scenario.read.mesh_repair import closed_mesh
 from uwsim.scenario.spec.fields import Point3
 from uwsim.scenario.spec.vehicle import VehicleModel
 
+SELF_FILTER_MARGIN_M = 0.05
 MAX_SCALING = 0.1
 """Largest change of length when a mesh is scaled to a published volume; more would make it a different vehicle."""
 
@@ -61,6 +62,12 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
     """
     hull = _placed(model)
     return hull.vertices_m, hull.triangles
+
+
+def hull_box_m(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the low and high corners (3,) of a box about the hull, body frame: echoes from inside are its own."""
+    vertices, _ = vehicle_hull(model)
+    return vertices.min(axis=0) - SELF_FILTER_MARGIN_M, vertices.max(axis=0) + SELF_FILTER_MARGIN_M
 
 
 def _placed(model: VehicleModel) -> _Hull:

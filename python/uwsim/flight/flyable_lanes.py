@@ -1,4 +1,4 @@
-"""Whether the lanes of a survey can be flown, looked up in the true world before the flight, and which parts of them.
+"""The plan of a scenario's survey, and which parts of its lanes can be flown, looked up in the true world beforehand.
 
 The mission itself does not see the world: it gets the lanes that are left.
 """
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
-from uwsim.scenario import ScenarioError, start_pose
+from uwsim.scenario import Scenario, ScenarioError, Survey, start_pose
 from uwsim.simulator import Simulator
 
 STEP_M = 1.0
@@ -37,6 +37,26 @@ class FlyableLanes:
 
     lanes: list[Lane]
     left_out: str | None
+
+
+def required_survey(scenario: Scenario) -> Survey:
+    """Return the scenario's survey. Raises ScenarioError when it has none."""
+    if scenario.survey is None:
+        raise ScenarioError(
+            f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
+        )
+    return scenario.survey
+
+
+def survey_plan(survey: Survey) -> LawnMowerPlan:
+    """Return the plan of the scenario's survey."""
+    return LawnMowerPlan(
+        area_m=survey.area_m,
+        altitude_m=survey.altitude_m,
+        line_spacing_m=survey.line_spacing_m,
+        speed_m_s=survey.speed_m_s,
+        tilt_deg=survey.tilt_deg,
+    )
 
 
 def flyable_plan(
@@ -73,8 +93,8 @@ def flyable_lanes(sim: Simulator, lanes: list[Lane], least_share: float = LEAST_
     if left_m < 1e-6 * total_m:
         return FlyableLanes(lanes, None)
     share = left_m / total_m
-    told = ", ".join(f"{_percent(m / total_m)} {reason}" for reason, m in reasons_m.items() if m > 0.0)
-    sentence = f"{_percent(share)} of the survey's lanes cannot be flown ({told})"
+    reasons = ", ".join(f"{_percent(m / total_m)} {reason}" for reason, m in reasons_m.items() if m > 0.0)
+    sentence = f"{_percent(share)} of the survey's lanes cannot be flown ({reasons})"
     if share > 1.0 - least_share:
         with sim.scenario.source_file.errors_at("survey", "area_m"):
             raise ScenarioError(f"survey.area_m: {sentence}: must be at most {_percent(1.0 - least_share)}")

@@ -6,13 +6,19 @@ import dataclasses
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from uwsim import _core
 from uwsim.channels import Channel
 from uwsim.channels.own_types import SONAR_PING
+from uwsim.flight.ping_log import PingLog
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.request import FlightRequest
+from uwsim.flight.results import write_results
+from uwsim.flight.terminal import Terminal
+from uwsim.flight.vehicle_chain import chain_of, filters_outliers, ping_interval_s, survey_area_m
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.map_filler import MapFiller
 from uwsim.recording.mcap_sink import SURVEY
 from uwsim.recording.ping_channel import NAME, ping_message
 from uwsim.recording.pings import recorded_pings
@@ -20,27 +26,26 @@ from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import new_simulator
 from uwsim.simulator import Simulator
-from uwsim.survey.fly import hull_box, ping_interval_s, required_survey
-from uwsim.survey.ping_log import PingLog
-from uwsim.survey.ping_to_map import PingToMap
-from uwsim.survey.record import SurveyRecord
-from uwsim.survey.request import SurveyRequest
-from uwsim.survey.results import Scoring, write_results
-from uwsim.survey.terminal import Terminal
 
 PINGS = Channel(NAME, SONAR_PING, "out", "each ping of the survey, with the poses of body and sonar in the world")
-FROM_PINGS = ("path_world_m", "position_error_m", "area_world_m", "sample_ping")
-"""Fields of the record that the pings give."""
+NOTED = (
+    "mission", "scenario", "seed", "estimate", "step_s", "ended_because", "ended_early", "simulated_s", "wall_s",
+    "sonar_model", "threads", "stage_wall_s", "echo_count", "range_max_m", "voxel_m", "outlier_filter",
+    "ping_interval_s", "ping_interval_requested_s", "pings_with_warning", "warning_limits_m", "verified",
+    "lanes_left_out", "planned",
+)  # fmt: skip
+"""Fields of the record that the pings do not give."""
+RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
+"""Fields as recordings of the first version name them."""
 
 
-def survey_recorder(sim: Simulator, path: Path, request: SurveyRequest, topics: tuple[str, ...] | None) -> Recorder:
+def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: tuple[str, ...] | None) -> Recorder:
     """Return what records a survey: its own pings and, unless topics say otherwise, all channels that do not follow.
 
     Pictures follow from the rest, scans, clouds and the map from the pings. Raises ValueError.
     """
     notes = {"request": dataclasses.asdict(request)}
-    rate_hz = 1.0 / ping_interval_s(sim, required_survey(sim.scenario))
-    pings = dataclasses.replace(PINGS, rate_hz=rate_hz)
+    pings = dataclasses.replace(PINGS, rate_hz=1.0 / ping_interval_s(sim, sim.rov.name))
     return Recorder(sim, path, topics=topics, kind=SURVEY, written=[pings], notes=notes)
 
 
@@ -49,10 +54,9 @@ def record_ping(recorder: Recorder, ping: _core.Ping, panel: _core.Telemetry, wo
     recorder.write(PINGS, ping_message(ping, panel, "world", world_from_body, ping.world_from_sonar))
 
 
-def note_record(recorder: Recorder, record: SurveyRecord) -> None:
+def note_record(recorder: Recorder, record: FlightRecord) -> None:
     """Put what the pings do not say about a survey at the end of its recording."""
-    values = {f.name: getattr(record, f.name) for f in dataclasses.fields(record) if f.name not in FROM_PINGS}
-    recorder.note(record=values)
+    recorder.note(record={name: getattr(record, name) for name in NOTED})
 
 
 def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
@@ -68,33 +72,34 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
     occupancy, log = _repeated(recording, sim, request)
     occupancy.write(out)
     if report is not None and values is not None:
-        report.mkdir(parents=True, exist_ok=True)
-        record = SurveyRecord(
-            **values, path_world_m=log.path_world_m, area_world_m=log.area_world_m, sample_ping=log.sample
-        )
-        with Scoring(sim, occupancy, record) as scoring:
-            write_results(sim, occupancy, record, report, Terminal(), "full", scoring)
-    return len(log.positions_world_m)
+        record = dataclasses.replace(
+            _record_of(values), occupancy=occupancy, area_world_m=log.area_world_m, sample_ping=log.sample,
+            pings_world_m={sim.rov.name: log.path_world_m},
+        )  # fmt: skip
+        write_results(record, sim, report, "full", Terminal())
+    return len(log.positions_m)
 
 
-def _request_of(recording: Recording) -> SurveyRequest:
+def _record_of(values: dict[str, Any]) -> FlightRecord:
+    """Return the record of a recording's notes, without its pings."""
+    named = {RENAMED.get(name, name): value for name, value in values.items()}
+    return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
+
+
+def _request_of(recording: Recording) -> FlightRequest:
+    """Return the request of a recorded survey, of this version or the first, whose keys are among ours."""
     try:
-        return TypeAdapter(SurveyRequest).validate_python(recording.notes.get("request"))
+        return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
     except ValidationError as error:
         raise ValueError(f"recording '{recording.path}': its survey's request: {error.errors()[0]['msg']}") from None
 
 
-def _repeated(recording: Recording, sim: Simulator, request: SurveyRequest) -> tuple[OccupancyMap, PingLog]:
+def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> tuple[OccupancyMap, PingLog]:
     """Pass the recorded pings through the survey's own chain."""
-    occupancy, log = request.new_map(), PingLog(np.asarray(required_survey(sim.scenario).area_m))
-    chain = PingToMap(
-        occupancy,
-        sim.rov.sonar.model,
-        hull_box(sim.scenario),
-        threads=sim.threads,
-        outlier_filter=bool(request.outlier_filter),
-    )
-    with chain:
+    occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
+    log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
+    with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
+        chain = chain_of(sim, sim.rov.name, filler, filters_outliers(sim, sim.rov.name, request.outlier_filter))
         for taken, warnings in recorded_pings(recording, NAME):
             ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # what the log reads of it
             points = chain.insert(ping.ranges_m, taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9)

@@ -1,4 +1,4 @@
-"""The station's end of a survey over a link: the pings that have arrived, of which it makes a map of its own."""
+"""The station's end of a mapping flight over a link: the pings that have arrived, and the map that they give."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 from uwsim.channels import Table
 from uwsim.channels.map import PLACED
+from uwsim.flight.pinging import SURVEYED
 from uwsim.link import Carrier
 from uwsim.link.ashore import placed_points
 from uwsim.link.carried import carried_channels
@@ -15,45 +16,54 @@ from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.network import STATION
 from uwsim.simulator import Simulator
 
-TOLD = ("telemetry", PLACED)
-
 
 class Ashore:
-    """Lets a surveying vehicle tell its panel and its pings, unless the scenario says what its link carries.
+    """Keeps what arrives of a vehicle's pings, ping by ping: an Observer of the simulator's journal.
 
-    saved: of `save`, to go on from. The link disturbs nothing aboard.
+    table: the simulator's channels. only: how the names end of what the vehicle sends, unless the scenario says what
+    its link carries; None: all that goes over a link. steps: from look to look. saved: of `save`, to go on from. The
+    link disturbs nothing aboard.
     """
 
-    def __init__(self, sim: Simulator, saved: dict[str, Any] | None = None) -> None:
+    def __init__(
+        self, sim: Simulator, table: Table, vehicle: str, steps: int, *, only: tuple[str, ...] | None,
+        saved: dict[str, Any] | None,
+    ) -> None:  # fmt: skip
         assert sim.link is not None
-        self._sim, self._network = sim, sim.link
-        table = Table(sim)
+        self._sim, self._network, self._steps = sim, sim.link, steps
         carried = carried_channels(table.channels, sim)
-        named = {one.channel.name: one for one in carried if one.vehicle == sim.rov.name}
+        named = {one.channel.name: one for one in carried if one.vehicle == vehicle}
         self._ping = next((one for name, one in named.items() if name.endswith(PLACED)), None)
-        self._reach_m = sim.rov.sonar.model.range_max_m
+        self._reach_m = sim.vehicles[vehicle].sonar.model.range_max_m
         self._pings = [base64.b64decode(ping) for ping in saved["pings"]] if saved else []
         self._looked_ns = int(saved["looked_ns"]) if saved else sim.time_ns
-        self._carrier = Carrier(sim, table, only=TOLD)
-        self._seen = [one for one in self._carrier.channels if one.name.endswith(TOLD)]
+        self.due_tick = int(saved["due_tick"]) if saved else sim.tick + steps
+        self._carrier = Carrier(sim, table, only=only)
+        self._seen = [one for one in self._carrier.channels if one.name.endswith(SURVEYED)]
         self._carrier.start(saved["carrier"] if saved else None)
 
-    def listen(self) -> None:
-        """Keep the pings that have arrived; to be called often, since the link forgets."""
+    def observe(self) -> None:
+        """Keep the pings that have arrived since the last look: the link forgets them."""
+        self.due_tick = self._sim.tick + self._steps
         for channel in self._seen:
-            channel.read(self._sim)  # over a cable, what nobody listens to is not sent
+            channel.read(self._sim)  # over a cable, what nothing reads is not sent
         for got in self._network.received(STATION, 1e-9 * self._looked_ns):
             if self._ping is not None and got.topic == self._ping.channel.name:
                 self._pings.append(got.payload)
         self._looked_ns = self._sim.time_ns
 
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Nothing depends on commands."""
+
     def save(self) -> dict[str, Any]:
         """Return all that the future depends on, as JSON values."""
         pings = [base64.b64encode(ping).decode() for ping in self._pings]
-        return {"pings": pings, "looked_ns": self._looked_ns, "carrier": self._carrier.save()}
+        return {
+            "pings": pings, "looked_ns": self._looked_ns, "due_tick": self.due_tick, "carrier": self._carrier.save(),
+        }  # fmt: skip
 
     def close(self) -> None:
-        """Tell no more."""
+        """Carry no more."""
         self._carrier.close()
 
     @property

@@ -1,0 +1,281 @@
+"""The engine that flies: any mission in a simulator, with log, samples, map, link, recording, saves and results."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.checkpoint import MAP, FlightCheckpoint
+from uwsim.flight.clock import FlightClock, FlightOverError
+from uwsim.flight.mission_file import mission_error
+from uwsim.flight.mission_log import MissionLog
+from uwsim.flight.missions import Begun, warn_of_left_out
+from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, FlightRecord
+from uwsim.flight.request import FlightRequest
+from uwsim.flight.results import RESULT_FILES, write_results
+from uwsim.flight.saved_flight import SavedFlight, SavedMission, state_digest
+from uwsim.flight.setup import Setup
+from uwsim.flight.stages import AUTOSAVE, MISSION, PHYSICS, STAGES, WAITING
+from uwsim.flight.terminal import Show
+from uwsim.flight.watched import Watched, linked, mapping, sampling
+from uwsim.missions.own_vehicle import Event, OwnVehicle
+from uwsim.missions.stopped import StoppedError
+from uwsim.simulator import Simulator
+from uwsim.wall_timer import WallTimer
+
+if TYPE_CHECKING:
+    from uwsim.flight.ashore import Ashore
+    from uwsim.flight.pinging import MapMaker
+    from uwsim.link.table import LinkRow
+
+
+class Flight:
+    """A flight that is ready to begin."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup, self._sim, self._saved = setup, setup.sim, setup.saved
+        self._autosave = setup.autosave or FlightAutosave(0.0)
+        self._began_s = time.perf_counter()
+        self._timer = WallTimer((*STAGES, WAITING), setup.saved.stage_wall_s if setup.saved is not None else None)
+        if (saved := self._saved) is not None:
+            self._began_s -= saved.wall_s
+            if saved.mission is not None:
+                self._sim.restore_state(saved.simulation)
+        self._begun_tick = self._restored.begun_tick if self._restored else self._sim.tick
+        self._repeating = saved is not None and saved.mission is None
+        self._maker: MapMaker | None = None
+        self._ashore: Ashore | None = None
+        self._begun: Begun | None = None
+
+    @property
+    def progress(self) -> float | None:
+        """The share of the mission that is flown, 0..1, if it is known."""
+        return None if self._begun is None else self._begun.progress
+
+    @property
+    def _restored(self) -> SavedMission | None:
+        return None if self._saved is None else self._saved.mission
+
+    def run(self) -> FlightRecord:
+        """Fly, write the results whatever happened, and raise what the mission raised."""
+        setup = self._setup
+        self._remove_stale_results()
+        self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
+        try:
+            if setup.recorder is not None:
+                setup.recorder.start()
+            with setup.screen.flight(f"flying {setup.mission.title} in {self._sim.scenario.name}") as show:
+                flown = self._flown(show)
+            if setup.recorder is not None:
+                setup.recorder.note(flown)
+        finally:
+            self._log.close()
+            unwritten = None if setup.recorder is None else setup.recorder.try_close()
+        flown = self._verified(self._closed(flown))
+        if setup.out is not None:
+            flown = self._written(flown, setup.out)
+        if flown.error is not None:
+            raise flown.error
+        if unwritten is not None:
+            raise unwritten
+        return flown
+
+    def _remove_stale_results(self) -> None:
+        """Remove results of an earlier flight, which would not belong to this map."""
+        if (out := self._setup.out) is not None:
+            for stale in RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES):
+                (out / stale).unlink(missing_ok=True)
+
+    def _closed(self, flown: FlightRecord) -> FlightRecord:
+        """Return the record with its loops closed, if that was asked for."""
+        if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
+            return flown
+        from uwsim.flight.closed_flight import closed_flight  # here, since scipy takes long to import
+
+        with self._setup.screen.status("closing loops"):
+            return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
+
+    def _verified(self, flown: FlightRecord) -> FlightRecord:
+        """Return the record with the result of the comparison with stock OctoMap, if that was asked for."""
+        reference = None if self._setup.mapping is None else self._setup.mapping.reference
+        if reference is None or flown.occupancy is None or self._autosave.in_haste:
+            return flown
+        same = all(flown.occupancy.to_bytes(kind) == reference.to_bytes(kind) for kind in ("ot", "bt"))
+        return replace(flown, verified=same)
+
+    def _written(self, flown: FlightRecord, out: Path) -> FlightRecord:
+        """Write the results; the saved flight goes last, so that --resume can make a report that failed."""
+        setup, checkpoint = self._setup, FlightCheckpoint(out)
+        is_saved = checkpoint.exists and self._autosave.failure is None
+        ahead = None if setup.mapping is None else setup.mapping.ahead
+        report = "none" if self._autosave.in_haste else setup.report
+        flown = write_results(flown, self._sim, out, report, setup.screen, ahead=ahead, is_saved=is_saved)
+        if flown.interrupted:
+            then = "; --resume continues" if is_saved else ""
+            setup.screen.message(f"interrupted; {out} holds everything flown so far{then}")
+        elif not self._repeating:
+            checkpoint.remove()
+        return flown
+
+    def _flown(self, show: Show) -> FlightRecord:
+        """Fly to the end, whatever it is."""
+        setup, sim = self._setup, self._sim
+        plan, left_out = setup.mission.planned(sim, setup.least_share)
+        warn_of_left_out(left_out)
+        clock, limit = self._clock(show)
+        own = {name: self._own_vehicle(name, clock) for name in setup.names}
+        if not self._restored:
+            self._hear("", "begun", {"mission": setup.mission.title, "scenario": sim.scenario.name, "seed": sim.seed})
+        result, error, because = None, None, DONE
+        with ExitStack() as stack:
+            stack.enter_context(self._autosave.flying())
+            watched = Watched(setup, own, self._timer, self._begun_tick)
+            self._sampler = sampler = stack.enter_context(sampling(watched, self._hear))
+            self._ashore = stack.enter_context(linked(watched))
+            try:
+                with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
+                    self._clock_in_use = clock
+                    self._begun = begun = self._mission_with(own, clock, plan)
+                    result = begun.run()
+            except (FlightOverError, StoppedError) as over:
+                because = str(over)
+            except KeyboardInterrupt:
+                because = INTERRUPTED
+            except Exception as raised:
+                file = setup.mission.file
+                error = raised if file is None else mission_error(raised, file)
+                because = f"the mission raised {type(raised).__name__}: {error}"
+            if self._repeating and self._saved is not None and error is None and because != INTERRUPTED:
+                raise self._saved.another_flight(sim.step_s)
+            for name in setup.names:
+                sim.vehicles[name].set_effort()
+        self._hear("", "ended", {"because": because})
+        is_limited = setup.time_limit_s is not None and because == limit
+        record = FlightRecord(
+            mission=setup.mission.title,
+            scenario=sim.scenario.name,
+            seed=sim.seed,
+            estimate=setup.estimate,
+            step_s=sim.step_s,
+            ended_because=because,
+            ended_early=because != DONE and not is_limited,
+            simulated_s=(sim.tick - self._begun_tick) * sim.step_s,
+            wall_s=time.perf_counter() - self._began_s,
+            events=self._log.events,
+            samples=sampler.samples(),
+            result=result,
+            error=error,
+            threads=sim.threads,
+            stage_wall_s=self._timer.wall_s,
+            link=_link_rows(sim),
+            ashore=self._ashore,
+            planned=setup.mission.make is not None,
+            lanes_left_out=left_out,
+        )
+        return record if self._maker is None else self._maker.recorded(record)
+
+    def _clock(self, show: Show) -> tuple[FlightClock, str]:
+        """Return the mission's clock, and why it ends the flight."""
+        sim, limit_s = self._sim, self._setup.time_limit_s
+        limit = BATTERY_EMPTY if limit_s is None else f"the time limit of {limit_s:g} s is over"
+        if limit_s is None:
+            limit_s = sim.scenario.mission_time_s
+        end_tick = self._begun_tick + max(1, math.ceil(limit_s / sim.step_s - 1e-6))
+        phase = self._restored.clock if self._restored else None
+        physics = self._timer.measure(PHYSICS)
+        return FlightClock(sim, end_tick, limit, lambda: self._on_pause(show), physics, phase), limit
+
+    def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
+        hull = self._sim.vehicles[name]
+        estimate = hull.estimate if self._setup.estimate == "filter" else None
+        return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
+
+    def _mission_with(self, own: Mapping[str, OwnVehicle], clock: FlightClock, plan: Any) -> Begun:
+        """Return the mission with its vehicles, as it was saved if it was."""
+        begun = self._setup.mission.begun(own, clock, plan)
+        if self._restored:
+            if begun.resumable is None:
+                raise ValueError(f"--resume: mission {self._setup.mission.title}: has no save and restore any more")
+            begun.resumable.restore(self._restored.state)
+        return begun
+
+    def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
+        self._log.add(Event(self._sim.time_s, vehicle, event, values))
+
+    def _on_pause(self, show: Show) -> None:
+        """Show and save the flight when that is due, and end it on Ctrl-C."""
+        begun, request = self._begun, self._setup.request
+        stop = self._autosave.stop_requested()
+        if begun is not None:
+            show(begun.progress, self._sim.time_s)
+        if self._repeating:
+            self._repeating = not is_repeated(self._saved, self._sim)
+        elif begun is not None and request is not None and self._autosave.is_on and (stop or self._autosave.due()):
+            self._save(request, begun)
+        if stop:
+            raise FlightOverError(INTERRUPTED)
+
+    def _save(self, request: FlightRequest, begun: Begun) -> None:
+        """Save the flight as it is now, once the map holds all pings until now."""
+        maker, out = self._maker, self._setup.out
+        assert out is not None
+        now = self._now(request, begun)
+
+        def write() -> None:
+            growth = () if maker is None else maker.growth
+            with self._timer.measure(AUTOSAVE):
+                self._autosave.save(lambda: FlightCheckpoint(out).write(now.with_growth(growth)))
+
+        if maker is None:
+            write()
+        else:
+            maker.when_mapped(write)
+
+    def _now(self, request: FlightRequest, begun: Begun) -> SavedFlight:
+        """Return all that a resumed flight needs, except for the map's growth."""
+        state, maker, mapping = self._sim.save_state(), self._maker, self._setup.mapping
+        saved = SavedFlight(
+            request,
+            self._sim.tick,
+            state_digest(state),
+            wall_s=time.perf_counter() - self._began_s,
+            stage_wall_s=dict(self._timer.wall_s),
+            occupancy=None if mapping is None else mapping.occupancy,
+            reference=None if mapping is None else mapping.reference,
+            pinging=None if maker is None else maker.save(),
+        )
+        if (resumable := begun.resumable) is None:
+            return saved
+        mission = SavedMission(
+            state=resumable.save(),
+            clock=self._clock_in_use.phase,
+            begun_tick=self._begun_tick,
+            events=list(self._log.events),
+            ashore=None if self._ashore is None else self._ashore.save(),
+        )
+        rows = {name: samples.values for name, samples in self._sampler.samples().items()}
+        return replace(saved, mission=mission, simulation=state, samples=rows)
+
+
+def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
+    """Whether a flight that is flown again is as far as it was saved. Raises MissionError if it is not the same."""
+    assert saved is not None
+    if sim.tick < saved.tick:
+        return False
+    if sim.tick > saved.tick or not saved.is_state(sim.save_state()):
+        raise saved.another_flight(sim.step_s)
+    return True
+
+
+def _link_rows(sim: Simulator) -> list[LinkRow]:
+    if sim.link is None:
+        return []
+    from uwsim.link.table import link_rows  # here, since channels take long to import
+
+    return link_rows(sim)

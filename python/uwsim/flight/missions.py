@@ -1,0 +1,180 @@
+"""The missions that a flight can fly: steps, or a planned mission such as the survey's lawn-mower, by value or name."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import sys
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from uwsim.control.protocols import Clock, SurveyVehicle
+from uwsim.did_you_mean import did_you_mean
+from uwsim.flight.flyable_lanes import LEAST_SHARE, SurveyAreaWarning, flyable_plan, required_survey, survey_plan
+from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
+from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
+from uwsim.missions.mission import SteppedMission
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
+from uwsim.missions.steps import Steps, drive
+from uwsim.simulator import Simulator
+
+MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
+AnyMission = MissionFunction | MakeMission | str | Path | None
+SURVEY = "survey"
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A mission with its vehicles, ready to run.
+
+    parts: one mission for all vehicles, or one for each of them. run: flies to the end and returns what the mission
+    returns; raises StoppedError if it ends early.
+    """
+
+    parts: Sequence[Steps[Any] | SteppedMission | Mission]
+    run: Callable[[], Any]
+
+    @property
+    def progress(self) -> float | None:
+        """The share flown, 0..1, None if it is not known."""
+        return getattr(self.parts[0], "progress", None)
+
+    @property
+    def resumable(self) -> ResumableMission | None:
+        """The mission, if it can be saved and restored.
+
+        Several parts cannot: one is saved while another is still in a wait.
+        """
+        only = self.parts[0] if len(self.parts) == 1 else None
+        return only if isinstance(only, ResumableMission) else None
+
+
+@dataclass(frozen=True)
+class FlownMission:
+    """A mission to fly.
+
+    title: for reports. file: its file, if it is in one. steps: its function or class; None for a planned mission,
+    which `make` makes. name: by which a resumed flight finds a mission again that is not in a file.
+    """
+
+    title: str
+    steps: MissionFunction | None = None
+    make: MakeMission | None = None
+    file: Path | None = None
+    name: str | None = None
+
+    @property
+    def takes_all(self) -> bool:
+        """Whether it flies all vehicles at once."""
+        return self.steps is not None and first_parameter(self.steps) == "vehicles"
+
+    def planned(self, sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan | None, str | None]:
+        """Return the plan that it needs, and a sentence on the lanes left out. Raises ScenarioError."""
+        if self.make is None:
+            return None, None
+        return flyable_plan(sim, survey_plan(required_survey(sim.scenario)), least_share)
+
+    def begun(self, vehicles: Mapping[str, OwnVehicle], clock: Clock, plan: LawnMowerPlan | None) -> Begun:
+        """Return the mission with its vehicles, ready to run."""
+        if self.steps is not None:
+            parts = made(self.steps, vehicles)
+            return Begun(parts, lambda: drive(steps_of(parts), clock))
+        assert self.make is not None and plan is not None
+        planned = self.make(next(iter(vehicles.values())), clock, plan)
+        return Begun([planned], lambda: _completed(planned))
+
+
+def _completed(mission: Mission) -> str:
+    """Run a planned mission. Raises StoppedError if it ends before all lanes are flown, with the reason it returns."""
+    ended = mission.run()
+    if ended != COVERED:
+        raise StoppedError(ended)
+    return ended
+
+
+def found_mission(
+    mission: AnyMission, function: str = FUNCTION, arguments: Mapping[str, Any] | None = None
+) -> FlownMission:
+    """Return a mission that can be flown. Raises ValueError for what is none, OSError.
+
+    mission: a generator function, or a class with `steps`, of one vehicle or of `vehicles`; a class, or another
+    callable, of (vehicle, clock, plan), see uwsim.missions.Mission; `package.module:name` of one of these; or the path
+    of a Python file, of which `function` is flown. None: the adaptive lawn-mower over the scenario's survey. arguments:
+    for the other parameters of a function or class of steps.
+    """
+    if mission is None:
+        return FlownMission(SURVEY, make=AdaptiveLawnMower)
+    if isinstance(mission, str) and not Path(mission).exists() and ":" not in mission and not mission.endswith(".py"):
+        raise ValueError(f"mission '{mission}': must be MODULE:NAME, such as my_missions:Spiral, or a Python file")
+    if isinstance(mission, str | Path) and not _is_name(mission):
+        steps = with_arguments(load_mission(mission, function), arguments or {})
+        return FlownMission(Path(mission).name, steps=steps, file=Path(mission))
+    found = imported(str(mission)) if isinstance(mission, str | Path) else mission
+    name = mission if isinstance(mission, str) else _name_of(found)
+    if _takes(found, 3) and not _takes(found, 1) and not inspect.isgeneratorfunction(inspect.unwrap(found)):
+        return FlownMission(_title(found), make=cast("MakeMission", found), name=name)
+    if not inspect.signature(found).parameters:
+        rule = "must take (vehicle, clock, plan) and make a uwsim.missions.Mission, or be a generator of (vehicle)"
+        raise ValueError(f"mission {_title(found)}: {rule}")
+    steps = with_arguments(cast("MissionFunction", found), arguments or {})
+    first_parameter(steps)  # raises ValueError
+    return FlownMission(mission_name(steps, None), steps=steps, name=mission if isinstance(mission, str) else None)
+
+
+def warn_of_left_out(sentence: str | None) -> None:
+    """Warn of lanes that are left out."""
+    if sentence is not None:
+        warnings.warn(sentence, SurveyAreaWarning, stacklevel=3)
+
+
+def _is_name(mission: str | Path) -> bool:
+    return isinstance(mission, str) and ":" in mission and not Path(mission).exists()
+
+
+def _title(found: Callable[..., Any]) -> str:
+    return SURVEY if found is AdaptiveLawnMower else str(getattr(found, "__name__", type(found).__name__))
+
+
+def _name_of(found: Callable[..., Any]) -> str | None:
+    """Return `module:name`, by which a mission is found again; None where there is none."""
+    module, name = getattr(found, "__module__", None), getattr(found, "__qualname__", None)
+    return f"{module}:{name}" if module not in (None, "__main__") and name and "<" not in name else None
+
+
+def _takes(found: Callable[..., Any], count: int) -> bool:
+    """Whether it can be called with this number of positional arguments."""
+    try:
+        inspect.signature(found).bind(*[None] * count)
+    except TypeError:
+        return False
+    return True
+
+
+def imported(name: str) -> Callable[..., Any]:
+    """Import `package.module:name`, also from the working folder. Raises ValueError."""
+    module_name, colon, attribute = name.partition(":")
+    if not colon or not module_name or not attribute:
+        raise ValueError(f"mission '{name}': must be MODULE:NAME, such as my_package.missions:Spiral")
+    sys.path.insert(0, str(Path.cwd()))
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as error:
+        raise ValueError(f"mission '{name}': cannot be imported: {error}") from None
+    except Exception as error:
+        raise ValueError(f"mission '{name}': its module raised {type(error).__name__}: {error}") from error
+    finally:
+        sys.path.remove(str(Path.cwd()))
+    found: Any = module
+    for part in attribute.split("."):
+        if not hasattr(found, part):
+            raise ValueError(
+                f"mission '{name}': {module_name} has no '{attribute}'{did_you_mean(attribute, dir(module))}"
+            )
+        found = getattr(found, part)
+    if not callable(found):
+        raise ValueError(f"mission '{name}': is a {type(found).__name__}, must be a class or a function")
+    return cast("Callable[..., Any]", found)

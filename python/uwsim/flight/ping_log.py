@@ -1,0 +1,113 @@
+"""A log of a vehicle's pings: positions, echoes, the panel's warnings, and one sample ping for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.scoring.polygon import inside_polygon
+
+PINGS_PER_CANDIDATE = 50  # one ping in so many is a candidate for the sample
+PANEL_WARNINGS = ("range", "proximity", "collision")
+"""The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
+_LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PingSample:
+    """One ping, kept for the figure of the sonar's fan.
+
+    ranges_m: (beams,), inf for no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
+    world_from_sonar: (4, 4). points_world_m: (echoes, 3).
+    """
+
+    ranges_m: NDArray[np.floating]
+    angles_rad: NDArray[np.floating]
+    world_from_sonar: Array
+    points_world_m: NDArray[np.floating]
+
+
+@dataclass
+class PingLog:
+    """The positions at each ping, the number of echoes, and the ping with the most distinct labels.
+
+    area_world_m: where the sample must lie; None: anywhere. positions_m: the sonar's; mapped_m: as the map was given
+    them. pings_with_warning: the number of pings during which each of PANEL_WARNINGS was lit.
+    """
+
+    area_world_m: Array | None = None
+    positions_m: list[list[float]] = field(default_factory=list)
+    mapped_m: list[list[float]] = field(default_factory=list)
+    echo_count: int = 0
+    sample: PingSample | None = None
+    sample_score: float = -1.0
+    pings_with_warning: dict[str, int] = field(default_factory=lambda: dict.fromkeys(PANEL_WARNINGS, 0))
+
+    def add(
+        self,
+        ping: _core.Ping,
+        points_world_m: NDArray[np.float32],
+        panel: _core.Telemetry,
+        mapped_from_m: Array | None = None,
+    ) -> None:
+        """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better.
+
+        mapped_from_m: (3,) where the map was given the sonar, if not where it was.
+        """
+        if True in (lit := _LIT(panel)):
+            for name, is_lit in zip(PANEL_WARNINGS, lit, strict=True):
+                self.pings_with_warning[name] += is_lit
+        position = ping.world_from_sonar[:3, 3].tolist()
+        self.positions_m.append(position)
+        self.mapped_m.append(position if mapped_from_m is None else mapped_from_m.tolist())
+        self.echo_count += len(points_world_m)
+        if len(self.positions_m) % PINGS_PER_CANDIDATE == 0:
+            self._consider(ping, points_world_m, position)
+
+    def _consider(self, ping: _core.Ping, points_world_m: NDArray[np.float32], position: list[float]) -> None:
+        """Keep a ping as the sample if it is better."""
+        # The best sample is a full fan that hits solids as well as the bed.
+        labels = ping.labels[ping.valid]
+        score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)
+        if score > self.sample_score and self._is_in_area(position):
+            self.sample_score = score
+            self.sample = PingSample(ping.ranges_m, ping.angles_rad, ping.world_from_sonar, points_world_m)
+
+    def _is_in_area(self, position: list[float]) -> bool:
+        area_m = self.area_world_m
+        return area_m is None or bool(inside_polygon(np.array([position[:2]]), area_m)[0])
+
+    @property
+    def path_world_m(self) -> Array:
+        """(n, 3), the sonar's position at each ping."""
+        return np.array(self.positions_m, np.float64).reshape(-1, 3)
+
+    @property
+    def mapped_path_m(self) -> Array:
+        """(n, 3), the sonar's position at each ping as the map was given it."""
+        return np.array(self.mapped_m, np.float64).reshape(-1, 3)
+
+    def save(self) -> dict[str, NDArray[Any]]:
+        """Return the log as arrays by name."""
+        counts = [self.echo_count, *self.pings_with_warning.values()]
+        sample = {} if self.sample is None else {f"sample.{name}": value for name, value in vars(self.sample).items()}
+        score = np.array([self.sample_score])
+        arrays = {"path": self.path_world_m, "mapped": self.mapped_path_m, "counts": np.array(counts), "score": score}
+        return arrays | sample
+
+    def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from what `save` returned. Raises KeyError, ValueError."""
+        self.positions_m = np.asarray(saved["path"], np.float64).reshape(-1, 3).tolist()
+        self.mapped_m = np.asarray(saved["mapped"], np.float64).reshape(-1, 3).tolist()
+        self.echo_count, *lit = np.asarray(saved["counts"], np.int64).tolist()
+        self.pings_with_warning = dict(zip(PANEL_WARNINGS, lit, strict=True))
+        self.sample_score = float(saved["score"][0])
+        sample = {name.partition(".")[2]: value for name, value in saved.items() if name.startswith("sample.")}
+        self.sample = PingSample(**sample) if sample else None

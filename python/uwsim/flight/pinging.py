@@ -1,0 +1,239 @@
+"""Makes a map in flight: each mapping vehicle's sonar pings at a fixed rate, and every ping goes through the chain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.flight.map_growth import GrowthRow, GrowthWatch
+from uwsim.flight.ping_log import PANEL_WARNINGS, PingLog
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.scored_area import scored_area_m
+from uwsim.flight.stages import CONVERSION, RAYS
+from uwsim.flight.vehicle_chain import (
+    chain_of,
+    filters_outliers,
+    ping_interval_s,
+    ping_steps,
+    requested_interval_s,
+    survey_area_m,
+)
+from uwsim.mapping import OccupancyMap
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.missions.own_vehicle import OwnVehicle
+from uwsim.scoring.surface_ahead import SurfaceAhead
+from uwsim.simulator import Simulator
+from uwsim.wall_timer import WallTimer
+
+if TYPE_CHECKING:
+    from uwsim.closure import PingTrack
+
+SURVEYED = ("telemetry", "placed_ping")
+"""How the names end of what a surveying vehicle says over a link."""
+Array = NDArray[np.float64]
+TakePing = Callable[[_core.Ping, _core.Telemetry, Array], object]
+"""Called with each ping, the vehicle's panel and world_from_body (4, 4) as the map was given it."""
+
+
+@dataclass(frozen=True)
+class MapSetup:
+    """How the map of a flight is made.
+
+    occupancy: the map to fill. reference: a second one, which gets every scan one by one, for comparison.
+    outlier_filter: replaces the scenario's. transmit: see depth_string. growth: whether the map is measured as it
+    grows. keep: keep all pings, so that the map can be made again. ahead: looks at the true surface while the map's
+    thread has nothing else to do, so that the map is scored sooner. on_ping: see TakePing.
+    """
+
+    occupancy: OccupancyMap
+    reference: OccupancyMap | None = None
+    outlier_filter: bool | None = None
+    transmit: Callable[[str], str] | None = None
+    growth: bool = True
+    keep: bool = False
+    ahead: SurfaceAhead | None = None
+    on_ping: tuple[TakePing, ...] = ()
+
+
+@dataclass(frozen=True)
+class SavedPinging:
+    """The pings of a saved flight, until `tick`.
+
+    logs: see PingLog.save. due: by vehicle, the next ping's tick, and the steps to the one after it; None of flights of
+    an earlier version.
+    """
+
+    tick: int
+    logs: Mapping[str, Mapping[str, NDArray[Any]]]
+    due: Mapping[str, tuple[int, int]] | None = None
+    growth: tuple[GrowthRow, ...] = ()
+
+
+class Pinger:
+    """One vehicle's pings: an Observer of the simulator's journal.
+
+    vehicle: as the mission sees it; the map is made with its estimated poses.
+    """
+
+    def __init__(
+        self, sim: Simulator, vehicle: OwnVehicle, chain: PingToMap, timer: WallTimer, log: PingLog,
+        on_ping: tuple[TakePing, ...],
+    ) -> None:  # fmt: skip
+        self._sim, self._vehicle, self._chain, self._on_ping = sim, vehicle, chain, on_ping
+        self._hull = sim.vehicles[vehicle.name]
+        self._rays, self._conversion = timer.measure(RAYS), timer.measure(CONVERSION)
+        self.log = log
+        self.steps = ping_steps(sim, vehicle.name)
+        self.due_tick = sim.tick + self.steps
+
+    def observe(self) -> None:
+        """Ping, and pass the ping on."""
+        self.due_tick = self._sim.tick + self.steps
+        with self._rays:
+            ping = self._hull.sonar.ping()
+        true_body, panel = self._hull.pose.world_from_body, self._hull.telemetry()
+        body, sonar, mapped_from_m = true_body, ping.world_from_sonar, None
+        if self._vehicle.estimate is not self._hull:
+            body = np.asarray(self._vehicle.pose.world_from_body, np.float64)
+            sonar = body @ np.linalg.inv(true_body) @ sonar
+            mapped_from_m = sonar[:3, 3]
+        deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
+        with self._conversion:
+            points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
+        self.log.add(ping, points, panel, mapped_from_m)
+        for take in self._on_ping:
+            take(ping, panel, body)
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Nothing depends on commands."""
+
+
+class MapMaker:
+    """The map of a flight, made by one vehicle or by several together. A context manager.
+
+    saved: of the flight that is resumed, whose pings are in the map already. With one vehicle the map is filled on a
+    thread of its own; several take turns, so that the map's bytes do not depend on threads.
+    """
+
+    def __init__(
+        self, sim: Simulator, vehicles: Mapping[str, OwnVehicle], setup: MapSetup, timer: WallTimer, *,
+        begun_tick: int, saved: SavedPinging | None = None,
+    ) -> None:  # fmt: skip
+        self.setup = setup
+        self._sim, self._stack = sim, ExitStack()
+        self._filters = {name: filters_outliers(sim, name, setup.outlier_filter) for name in vehicles}
+        alone = len(vehicles) == 1
+        ahead = setup.ahead.look_at if setup.ahead is not None and alone else None
+        self._fillers: list[MapFiller] = []
+        self.pingers: dict[str, Pinger] = {}
+        self._keepers: dict[str, Any] = {}
+        for name, vehicle in vehicles.items():
+            sonar = sim.vehicles[name].sonar
+            filler = MapFiller(
+                setup.occupancy, sonar.model.range_max_m, threads=sim.threads if alone else 1, timer=timer,
+                reference=setup.reference, on_mapped=ahead,
+            )  # fmt: skip
+            chain = chain_of(sim, name, filler, self._filters[name], timer=timer, transmit=setup.transmit)
+            log = PingLog(survey_area_m(sim))
+            on_ping = setup.on_ping
+            if setup.keep:
+                from uwsim.flight.closed_flight import PingKeeper  # here, since scipy takes long to import
+
+                self._keepers[name] = PingKeeper(sim, sim.vehicles[name])
+                on_ping = (*on_ping, self._keepers[name])
+            self._fillers.append(filler)
+            self.pingers[name] = Pinger(sim, vehicle, chain, timer, log, on_ping)
+        first_tick = -1
+        if saved is not None:
+            first_tick = saved.tick
+            self._restore(saved, begun_tick)
+        self._growth = GrowthWatch(
+            sim, setup.occupancy, self.when_mapped, begun_tick=begun_tick, first_tick=first_tick,
+            rows=() if saved is None else saved.growth,
+        )  # fmt: skip
+
+    def _restore(self, saved: SavedPinging, begun_tick: int) -> None:
+        for name, pinger in self.pingers.items():
+            if name in saved.logs:
+                pinger.log.restore(saved.logs[name])
+            if saved.due is not None:
+                pinger.due_tick, pinger.steps = saved.due[name]
+            else:
+                pinger.due_tick = begun_tick + pinger.steps * ((saved.tick - begun_tick) // pinger.steps + 1)
+
+    @property
+    def growth(self) -> tuple[GrowthRow, ...]:
+        """How the map has grown, as far as it is measured."""
+        return tuple(self._growth.rows)
+
+    @property
+    def tracks(self) -> dict[str, PingTrack]:
+        """The pings that were kept, by vehicle."""
+        return {name: keeper.track for name, keeper in self._keepers.items()}
+
+    @property
+    def true_bodies_m(self) -> dict[str, Array]:
+        """Each vehicle's true positions at the pings that were kept, (n, 3)."""
+        return {name: np.array(keeper.true_path_m).reshape(-1, 3) for name, keeper in self._keepers.items()}
+
+    def when_mapped(self, job: Callable[[], None]) -> None:
+        """Run a job when the map holds all pings so far and none later."""
+        for filler in self._fillers[:-1]:
+            filler.finish()
+        self._fillers[-1].when_mapped(job)
+
+    def recorded(self, record: FlightRecord) -> FlightRecord:
+        """Return the record of the flight with what is known of its map."""
+        sim, (first, *_) = self._sim, self.pingers
+        logs, occupancy = {name: pinger.log for name, pinger in self.pingers.items()}, self.setup.occupancy
+        true_m = {name: log.path_world_m for name, log in logs.items()}
+        warnings = sim.scenario.warnings
+        return replace(
+            record,
+            sonar_model=next(each.sonar.title for each in sim.scenario.vehicles if each.name == first),
+            occupancy=occupancy,
+            voxel_m=occupancy.resolution_m,
+            pings_world_m={name: log.mapped_path_m for name, log in logs.items()},
+            true_pings_world_m=true_m,
+            echo_count=sum(log.echo_count for log in logs.values()),
+            range_max_m=max(float(sim.vehicles[name].sonar.model.range_limit_m) for name in logs),
+            outlier_filter=any(self._filters.values()),
+            ping_interval_s=ping_interval_s(sim, first),
+            ping_interval_requested_s=requested_interval_s(sim),
+            pings_with_warning={
+                name: sum(log.pings_with_warning[name] for log in logs.values()) for name in PANEL_WARNINGS
+            },
+            warning_limits_m={"range": warnings.range_m, "proximity": warnings.proximity_m},
+            sample_ping=logs[first].sample,
+            map_growth=self.growth,
+            area_world_m=scored_area_m(survey_area_m(sim), np.concatenate(list(true_m.values()))),
+        )
+
+    def save(self) -> SavedPinging:
+        """Return what a resumed flight needs of the pings so far; growth is known when they are mapped."""
+        logs = {name: pinger.log.save() for name, pinger in self.pingers.items()}
+        due = {name: (pinger.due_tick, pinger.steps) for name, pinger in self.pingers.items()}
+        return SavedPinging(self._sim.tick, logs, due)
+
+    def __enter__(self) -> MapMaker:
+        for filler, pinger in zip(self._fillers, self.pingers.values(), strict=True):
+            self._stack.enter_context(filler)
+            self._attach(pinger)
+        if self.setup.growth:
+            self._attach(self._growth)  # after the pings of its tick
+        return self
+
+    def _attach(self, observer: Pinger | GrowthWatch) -> None:
+        self._sim.journal.attach(observer)
+        self._stack.callback(self._sim.journal.detach, observer)
+
+    def __exit__(self, *error: Any) -> None:
+        """Wait until the map is filled."""
+        self._stack.__exit__(*error)

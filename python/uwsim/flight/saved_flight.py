@@ -1,0 +1,184 @@
+"""A saved flight as data: its JSON, its arrays, and what they say about a flight that is to go on from there."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from uwsim.flight.map_growth import GrowthRow
+from uwsim.flight.mission_file import MissionError
+from uwsim.flight.pinging import SavedPinging
+from uwsim.flight.request import FlightRequest
+from uwsim.mapping import OccupancyMap
+from uwsim.missions.own_vehicle import Event
+from uwsim.scenario.fingerprint import build_fingerprint
+
+VERSION: Final = 2
+Tick = Annotated[int, Field(ge=0)]
+
+
+class SavedMission(BaseModel):
+    """What a mission with `save` goes on from, beside the simulator's state and its samples.
+
+    state: of the mission. clock: see FlightClock.phase. begun_tick: of the flight. events: of its log.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+    state: dict[str, Any]
+    clock: tuple[Tick, float]
+    begun_tick: Tick
+    events: list[Event] = Field(default_factory=list)
+    ashore: dict[str, Any] | None = None
+
+
+class StateFile(BaseModel):
+    """To raise the version makes the flights that users have saved unreadable: give new fields defaults instead.
+
+    Version 1 had no checksum, and the pings' positions alone. due: see SavedPinging. echo_count: of version 1.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+    version: Literal[1, 2] = VERSION
+    checksum: str = ""
+    build: str = ""
+    request: FlightRequest
+    tick: Tick
+    state_digest: str
+    echo_count: int = 0
+    files: dict[str, str]
+    growth: tuple[GrowthRow, ...] = ()
+    due: dict[str, tuple[Tick, Annotated[int, Field(ge=1)]]] | None = None
+    wall_s: Annotated[float, Field(ge=0)] = 0.0
+    stage_wall_s: dict[str, float] = Field(default_factory=dict)
+    mission: SavedMission | None = None
+
+    def sealed(self) -> bytes:
+        """Return the file, with the checksum of the rest in it."""
+        return json.dumps({**self.model_dump(mode="json"), "checksum": self._checksum()}).encode()
+
+    def require_whole(self) -> None:
+        """Raise ValueError unless the content is what was written."""
+        if self.version > 1 and self.checksum != self._checksum():
+            raise ValueError("is damaged: its checksum does not match its content")
+
+    def _checksum(self) -> str:
+        content = json.dumps(self.model_dump(mode="json", exclude={"checksum"}), sort_keys=True)
+        return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
+
+
+def read_state(data: bytes) -> StateFile:
+    """Return the content of a state file. Raises ValueError when it is damaged or of another version."""
+    try:
+        state = StateFile.model_validate(json.loads(data))
+    except ValidationError as error:
+        first = error.errors()[0]
+        if first["loc"] == ("version",):
+            raise ValueError(f"is of version {first['input']!s:.20}: this uwsim reads up to {VERSION}") from None
+        raise ValueError(f"is damaged: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"is damaged: {error}") from None
+    state.require_whole()
+    return state
+
+
+@dataclass(frozen=True)
+class SavedFlight:
+    """A flight to be resumed.
+
+    tick, state_digest: where it was, and the simulator's state there. pinging: None without a map. mission: None if
+    it is flown again as far as `tick`; else simulation, the bytes of Simulator.save_state, and samples, by vehicle,
+    belong to it. wall_s: wall time flown so far.
+    """
+
+    request: FlightRequest
+    tick: int
+    state_digest: str
+    build: str = ""
+    wall_s: float = 0.0
+    stage_wall_s: Mapping[str, float] = field(default_factory=dict)
+    occupancy: OccupancyMap | None = None
+    reference: OccupancyMap | None = None
+    pinging: SavedPinging | None = None
+    mission: SavedMission | None = None
+    simulation: bytes = b""
+    samples: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+
+    def state_file(self, files: dict[str, str]) -> StateFile:
+        """Return what flight.json holds. files: the others by name, with their checksums."""
+        pinging = self.pinging
+        return StateFile(
+            build=build_fingerprint(), request=self.request, tick=self.tick, state_digest=self.state_digest,
+            files=files, growth=() if pinging is None else pinging.growth,
+            due=None if pinging is None or pinging.due is None else dict(pinging.due),
+            wall_s=self.wall_s, stage_wall_s=dict(self.stage_wall_s), mission=self.mission,
+        )  # fmt: skip
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what flight-N.npz holds: `pings:VEHICLE:NAME`, `samples:VEHICLE`, `simulation`."""
+        logs = {} if self.pinging is None else self.pinging.logs
+        pings = {f"pings:{vehicle}:{name}": array for vehicle, log in logs.items() for name, array in log.items()}
+        samples = {f"samples:{vehicle}": rows for vehicle, rows in self.samples.items()}
+        simulation = {} if self.mission is None else {"simulation": np.frombuffer(self.simulation, np.uint8)}
+        return {**pings, **samples, **simulation}
+
+    @classmethod
+    def of(
+        cls, state: StateFile, arrays: Mapping[str, NDArray[Any]], occupancy: OccupancyMap | None,
+        reference: OccupancyMap | None,
+    ) -> SavedFlight:  # fmt: skip
+        """Return the flight of a file, its arrays and its maps. Raises KeyError."""
+        if state.version == 1:
+            arrays = _arrays_of_version_1(arrays, state.echo_count)
+        logs: dict[str, dict[str, NDArray[Any]]] = {}
+        for key, array in arrays.items():
+            if key.startswith("pings:"):
+                _, vehicle, name = key.split(":", 2)
+                logs.setdefault(vehicle, {})[name] = array
+        pinging = None if occupancy is None else SavedPinging(state.tick, logs, state.due, state.growth)
+        return cls(
+            request=state.request, tick=state.tick, state_digest=state.state_digest, build=state.build,
+            wall_s=state.wall_s, stage_wall_s=state.stage_wall_s, occupancy=occupancy, reference=reference,
+            pinging=pinging, mission=state.mission,
+            simulation=b"" if state.mission is None else arrays["simulation"].tobytes(),
+            samples={k.partition(":")[2]: rows for k, rows in arrays.items() if k.startswith("samples:")},
+        )  # fmt: skip
+
+    def with_growth(self, growth: tuple[GrowthRow, ...]) -> SavedFlight:
+        """Return it with how the map has grown."""
+        return self if self.pinging is None else replace(self, pinging=replace(self.pinging, growth=growth))
+
+    def is_state(self, state: bytes) -> bool:
+        """Whether it was saved in this state of the simulator; that of another build cannot be compared."""
+        return self.build != build_fingerprint() or state_digest(state) == self.state_digest
+
+    def another_flight(self, step_s: float) -> MissionError:
+        """Return the error of a flight that does not come by the saved state."""
+        at = f"at {self.tick * step_s:g} s it is in another state"
+        if self.build != build_fingerprint():
+            return MissionError(f"--resume: another build of uwsim saved this flight, and {at}")
+        return MissionError(
+            f"--resume: the mission does not fly as it did: {at}; "
+            "a mission must not depend on random numbers of its own, on files or on the wall clock"
+        )
+
+
+def state_digest(state: bytes) -> str:
+    """Return what equal states of a simulator have in common."""
+    return hashlib.blake2b(state, digest_size=16).hexdigest()
+
+
+def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
+    """Return paths by vehicle as the arrays of this version; all echoes are counted with the first vehicle's."""
+    found: dict[str, NDArray[Any]] = {}
+    for vehicle, path in paths.items():
+        log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}
+        found |= {f"pings:{vehicle}:{name}": array for name, array in log.items()}
+        echo_count = 0
+    return found

@@ -1,0 +1,44 @@
+"""What is to be flown, checked and ready for the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from uwsim.flight.autosave import FlightAutosave
+from uwsim.flight.flyable_lanes import LEAST_SHARE
+from uwsim.flight.missions import FlownMission
+from uwsim.flight.pinging import MapSetup
+from uwsim.flight.request import EstimateKind, FlightRequest
+from uwsim.flight.saved_flight import SavedFlight
+from uwsim.flight.terminal import Silent
+from uwsim.simulator import Simulator
+
+if TYPE_CHECKING:
+    from uwsim.flight.flight_recorder import FlightRecorder
+
+
+@dataclass
+class Setup:
+    """What is to be flown, checked; see fly() for the meaning of each.
+
+    request: None of a flight that cannot be saved. mapping: None without a map. saved: what is resumed.
+    """
+
+    sim: Simulator
+    mission: FlownMission
+    names: tuple[str, ...]
+    estimate: EstimateKind = "truth"
+    mapping: MapSetup | None = None
+    close_loops: bool = False
+    time_limit_s: float | None = None
+    least_share: float = LEAST_SHARE
+    carried: tuple[str, ...] | None = None
+    recorder: FlightRecorder | None = None
+    out: Path | None = None
+    request: FlightRequest | None = None
+    report: str = "full"
+    autosave: FlightAutosave | None = None
+    screen: Silent = Silent()  # noqa: RUF009  # it has no state
+    saved: SavedFlight | None = None

@@ -1,0 +1,15 @@
+"""The stages of a flight's wall time: physics, rays, codec, conversion, samples, mission, map and others."""
+
+from __future__ import annotations
+
+from uwsim.mapping.map_filler import MAPPING, VERIFICATION, WAITING
+
+PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION = "physics", "rays", "codec", "conversion", "samples", "mission"
+STAGES = (PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION, MAPPING)
+AUTOSAVE = "autosave"  # present only when used, as VERIFICATION is
+MAP_THREAD_STAGES = (MAPPING, VERIFICATION, AUTOSAVE)  # run on the map's thread, where it has one
+
+__all__ = [
+    "AUTOSAVE", "CODEC", "CONVERSION", "MAPPING", "MAP_THREAD_STAGES", "MISSION", "PHYSICS", "RAYS", "SAMPLING",
+    "STAGES", "VERIFICATION", "WAITING",
+]  # fmt: skip

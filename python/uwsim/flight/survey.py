@@ -1,0 +1,112 @@
+"""run_survey and resume_survey: a survey is a mission, the lawn-mower over the scenario's area, flown with a map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
+from uwsim.flight.engine import Flight
+from uwsim.flight.fly import fly, resume
+from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
+from uwsim.flight.missions import AnyMission, found_mission
+from uwsim.flight.pinging import SURVEYED, MapSetup, TakePing
+from uwsim.flight.record import FlightRecord
+from uwsim.flight.request import EstimateKind
+from uwsim.flight.setup import Setup
+from uwsim.flight.terminal import Silent, Terminal
+from uwsim.flight.vehicle_chain import filters_outliers
+from uwsim.mapping import OccupancyMap
+from uwsim.scenario import load
+from uwsim.simulator import Simulator
+
+
+def run_survey(
+    scenario: str | Path = "lake",
+    out: str | Path = "out",
+    *,
+    mission: AnyMission = None,
+    autosave_s: float = AUTOSAVE_S,
+    estimate: EstimateKind = "truth",
+    record: Path | None = None,
+    screen: Silent | None = None,
+    **options: Any,
+) -> FlightRecord:
+    """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; returns its record.
+
+        record = uwsim.run_survey("pool", "out/", report="json")
+        print(record.coverage, record.simulated_s)
+
+    It is `fly` with a map, which prints what it does, and ends at Ctrl-C with the map so far. mission: by default the
+    adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. record: a new recording, from
+    which `uwsim map from` makes map and report again. Raises ScenarioError or ValueError for an error in the scenario
+    or the arguments, OSError for `out`. However the flight ends, the map of everything seen until then is written.
+    """
+    if estimate != "truth" and record is not None:
+        raise ValueError(f"record: a survey with estimate = {estimate!r} cannot be recorded, only one with the truth")
+    if options.get("close_loops"):
+        autosave_s = 0.0
+    screen = screen or Terminal()
+    _require_surveyable(scenario)  # before the world is built
+    return fly(
+        mission, scenario, out, map=True, map_growth=False, estimate=estimate, record=record, carried=SURVEYED,
+        autosave=FlightAutosave(autosave_s, screen.message, hears_signals=True), screen=screen, **options,
+    )  # fmt: skip
+
+
+def resume_survey(
+    out: str | Path, *, autosave_s: float = AUTOSAVE_S, screen: Silent | None = None, **options: Any
+) -> FlightRecord:
+    """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
+
+    options: see uwsim.flight.fly.resume. Raises ValueError when there is nothing to resume or an argument differs;
+    otherwise as run_survey.
+    """
+    screen = screen or Terminal()
+    saving = FlightAutosave(autosave_s, screen.message, hears_signals=True)
+    return resume(out, autosave=saving, screen=screen, **options)
+
+
+def fly_survey(
+    sim: Simulator,
+    occupancy: OccupancyMap | None = None,
+    *,
+    mission: AnyMission = None,
+    on_progress: Callable[[float], None] | None = None,
+    transmit: Callable[[str], str] | None = None,
+    outlier_filter: bool | None = None,
+    on_ping_taken: TakePing | None = None,
+    estimate: EstimateKind = "truth",
+    least_share: float = LEAST_SHARE,
+) -> tuple[OccupancyMap, FlightRecord]:
+    """Fly the scenario's survey in memory, to its end or to Ctrl-C; return the map and the record in both cases.
+
+    occupancy: the map to fill; by default a new one with the scenario's voxel_m. mission: see found_mission.
+    on_progress: called at every ping with the share flown, 0 to 1. transmit: see depth_string. outlier_filter: see
+    filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. least_share: of the lanes, which must be
+    flyable. Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown. Fewer such
+    lanes are left out, with a SurveyAreaWarning.
+    """
+    survey = required_survey(sim.scenario)
+    filters_outliers(sim, sim.rov.name, outlier_filter)
+    if occupancy is None:
+        occupancy = OccupancyMap(resolution_m=survey.voxel_m)
+    setup = Setup(
+        sim=sim, mission=found_mission(mission), names=(sim.rov.name,), estimate=estimate, least_share=least_share,
+        carried=SURVEYED,
+    )  # fmt: skip
+    flight = Flight(setup)
+    on_ping = () if on_ping_taken is None else (on_ping_taken,)
+    if on_progress is not None:
+        on_ping = (*on_ping, lambda ping, panel, body: on_progress(flight.progress or 0.0))
+    setup.mapping = MapSetup(occupancy, outlier_filter=outlier_filter, transmit=transmit, growth=False, on_ping=on_ping)
+    return occupancy, flight.run()
+
+
+def _require_surveyable(scenario: str | Path) -> None:
+    loaded = load(scenario)
+    required_survey(loaded)
+    first = loaded.vehicles[0]
+    if first.model.sonar is None:
+        raise ValueError(f"vehicle '{first.name}': has no sonar to survey with")

@@ -1,0 +1,94 @@
+"""How a vehicle maps, as its scenario has it: the chain from pings to a map, how often it pings, what is refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.flight.stages import CODEC
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.mapping.ping_to_map import PingToMap, depth_string
+from uwsim.scenario import ScenarioError
+from uwsim.scenario.build.hull import hull_box_m
+from uwsim.simulator import Simulator
+from uwsim.wall_timer import WallTimer
+
+PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # of scenarios without a survey
+Array = NDArray[np.float64]
+
+
+def chain_of(
+    sim: Simulator,
+    vehicle: str,
+    filler: MapFiller,
+    filters: bool,
+    *,
+    timer: WallTimer | None = None,
+    transmit: Callable[[str], str] | None = None,
+) -> PingToMap:
+    """Return the chain from a vehicle's pings to a map. filters: whether outliers are discarded."""
+    (entry,) = (entry for entry in sim.scenario.vehicles if entry.name == vehicle)
+    sonar, survey = sim.vehicles[vehicle].sonar, sim.scenario.survey
+    wire, limit_m = depth_string(sonar.model, transmit), None
+    if filters and sonar.mode == "physics":
+        asked_m = None if survey is None else survey.max_uncertainty_m
+        limit_m = filler.occupancy.resolution_m / 2.0 if asked_m is None else asked_m
+    return PingToMap(
+        sonar.model,
+        hull_box_m(entry.model),
+        filler,
+        wire=wire if timer is None else timer.timed(CODEC, wire),
+        outlier_filter=filters,
+        max_uncertainty_m=limit_m,
+    )
+
+
+def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
+    """Whether outliers are filtered: as asked, else as the scenario says, else in the sonar's physics mode.
+
+    Raises ScenarioError if the scenario limits uncertainties that the sonar does not know.
+    """
+    survey, in_physics = sim.scenario.survey, sim.vehicles[vehicle].sonar.mode == "physics"
+    if survey is not None and survey.max_uncertainty_m is not None and not in_physics:
+        with sim.scenario.source_file.errors_at("survey", "max_uncertainty_m"):
+            raise ScenarioError(
+                f"survey.max_uncertainty_m = {survey.max_uncertainty_m:g} m: needs a sonar with `mode: physics`"
+            )
+    if asked is None and survey is not None:
+        asked = survey.outlier_filter
+    return in_physics if asked is None else asked
+
+
+def requested_interval_s(sim: Simulator) -> float:
+    """Return the time between pings that the scenario asks for."""
+    return 1.0 / (PING_RATE_HZ if sim.scenario.survey is None else sim.scenario.survey.ping_rate_hz)
+
+
+def ping_interval_s(sim: Simulator, vehicle: str) -> float:
+    """Return the scenario's ping interval, or the two-way travel time in whole steps where that is longer."""
+    least_s = 1.0 / sim.vehicles[vehicle].sonar.ping_rate_max_hz
+    return max(requested_interval_s(sim), math.ceil(least_s / sim.step_s) * sim.step_s)
+
+
+def ping_steps(sim: Simulator, vehicle: str) -> int:
+    """Return the steps from ping to ping: the interval to the nearest step, never less than the travel time."""
+    return max(1, round(ping_interval_s(sim, vehicle) / sim.step_s))
+
+
+def survey_area_m(sim: Simulator) -> Array | None:
+    """Return the polygon (k, 2) of the scenario's survey, if it has one."""
+    return None if sim.scenario.survey is None else np.asarray(sim.scenario.survey.area_m, np.float64)
+
+
+def default_voxel_m(sim: Simulator) -> float:
+    """Return the edge of the map's voxels that the scenario asks for."""
+    return sim.scenario.survey.voxel_m if sim.scenario.survey is not None else VOXEL_M
+
+
+def require_sonar(sim: Simulator, vehicle: str) -> None:
+    """Raise ValueError unless the vehicle has a sonar to map with."""
+    if not sim.vehicles[vehicle].sonars:
+        raise ValueError(f"--map: vehicle '{vehicle}': carries no sonar")

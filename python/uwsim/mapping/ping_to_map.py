@@ -1,0 +1,104 @@
+"""The one chain from a ping to a map: depth string, decoded ranges, LaserScan, point cloud, world, OctoMap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core, ranging
+from uwsim.mapping.map_filler import MapFiller
+from uwsim.sealed import Sealed
+
+Box = tuple[NDArray[np.float64], NDArray[np.float64]]
+"""A box's low and high corners, (3,) each."""
+Wire = Callable[[NDArray[np.float32]], NDArray[np.float32]]
+"""Returns the ranges (beams,) that arrive of those that were sent."""
+
+
+class PingToMap(Sealed):
+    """Passes pings through the chain into a map.
+
+    hull: a box about the vehicle's own hull, body frame; echoes from inside it are discarded. wire: what carries the
+    ranges from the sonar to the map; by default a depth string. outlier_filter: whether ranging.reject_outliers is a
+    link of the chain. max_uncertainty_m: the limit of ranging.reject_uncertain; None if that is no link.
+    """
+
+    model: _core.MultibeamModel
+    hull: Box
+    filler: MapFiller
+    _fixed_when = "the chain is made"
+
+    def __init__(
+        self,
+        model: int | _core.MultibeamModel,
+        hull: Box,
+        filler: MapFiller,
+        *,
+        wire: Wire | None = None,
+        outlier_filter: bool = False,
+        max_uncertainty_m: float | None = None,
+    ) -> None:
+        self.model = model if isinstance(model, _core.MultibeamModel) else ranging.MODELS[model]
+        self.hull = hull
+        self.filler = filler
+        self._carried = wire or depth_string(self.model)
+        self._outlier_filter = outlier_filter
+        self._max_uncertainty_m = max_uncertainty_m
+
+    def insert(
+        self,
+        ranges_m: NDArray[np.float32],
+        world_from_body: NDArray[np.float64],
+        world_from_sonar: NDArray[np.float64],
+        stamp_s: float,
+        deviation_m: NDArray[np.float32] | None = None,
+    ) -> NDArray[np.float32]:
+        """Pass on one ping, ranges (beams,), taken at these poses (4, 4); return its echoes in the world, (n, 3).
+
+        deviation_m: (beams,), of the echoes' places, where they are known: in physics mode.
+        """
+        certain_m = self._certain(ranges_m, deviation_m)
+        arrived_m = self._carried(certain_m)
+        scan = ranging.to_laser_scan(arrived_m, self.model, stamp_s)
+        agreeing = self._agreeing(scan)
+        cloud_m = ranging.to_point_cloud(agreeing)
+        in_range_m = ranging.filter_range(cloud_m, scan.range_min, scan.range_max)
+        echoes_world_m = placed_echoes(in_range_m, self.hull, world_from_body, world_from_sonar)
+        self.filler.insert(echoes_world_m, world_from_sonar[:3, 3].copy())
+        return echoes_world_m
+
+    def _certain(self, ranges_m: NDArray[np.float32], deviation_m: NDArray[np.float32] | None) -> NDArray[np.float32]:
+        if deviation_m is None or self._max_uncertainty_m is None:
+            return ranges_m
+        return ranging.reject_uncertain(ranges_m, deviation_m, self._max_uncertainty_m)
+
+    def _agreeing(self, scan: ranging.LaserScan) -> ranging.LaserScan:
+        return ranging.reject_outliers(scan) if self._outlier_filter else scan
+
+
+def depth_string(model: _core.MultibeamModel, transmit: Callable[[str], str] | None = None) -> Wire:
+    """Return the published wire: ranges become a depth string, which is decoded.
+
+    transmit: simulates the channel; receives each depth string and returns the string that arrives.
+    """
+
+    def carried(ranges_m: NDArray[np.float32]) -> NDArray[np.float32]:
+        text = ranging.encode_depth_string(ranges_m, model)
+        return ranging.decode_depth_string(text if transmit is None else transmit(text), model)
+
+    return carried
+
+
+def placed_echoes(
+    cloud_sonar_m: NDArray[np.float32],
+    hull: Box,
+    world_from_body: NDArray[np.float64],
+    world_from_sonar: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Return a sonar's echoes (n, 3) in the world, without those of the vehicle's own hull."""
+    body_from_sonar = ranging.relative_transform(world_from_body, world_from_sonar)
+    echoes_body_m = ranging.transform_points(cloud_sonar_m, body_from_sonar)
+    others_body_m = ranging.remove_box(echoes_body_m, *hull)
+    return ranging.transform_points(others_body_m, world_from_body)

@@ -1,0 +1,65 @@
+"""Wall time by stage. Blocks may lie within one another: each second counts once, for the innermost."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class WallTimer:
+    """Adds up wall seconds by stage, starting from those of an earlier flight. Each stage is timed by one thread."""
+
+    def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
+        self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
+        self._measurements: dict[str, Measurement] = {}
+        self._inner = _Inner()
+
+    def measure(self, stage: str) -> Measurement:
+        """Add the wall time of a `with` block to a stage. Blocks of one stage are not nested."""
+        measurement = self._measurements.get(stage)
+        if measurement is None:
+            measurement = self._measurements[stage] = Measurement(self.wall_s, stage, self._inner)
+        return measurement
+
+    def timed(self, stage: str, function: Callable[P, T]) -> Callable[P, T]:
+        """Return a function whose calls are added to a stage."""
+        measurement = self.measure(stage)
+
+        def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            with measurement:
+                return function(*args, **kwargs)
+
+        return call
+
+
+class _Inner(threading.local):
+    """Seconds of the blocks that have ended within this thread's present block."""
+
+    took_s = 0.0
+
+
+class Measurement:
+    """Adds what a `with` block takes to a stage, without the blocks within it.
+
+    Faster than a generator's context manager: there are several in each ping.
+    """
+
+    __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_wall_s")
+
+    def __init__(self, wall_s: dict[str, float], stage: str, inner: _Inner) -> None:
+        self._wall_s, self._stage, self._inner = wall_s, stage, inner
+        wall_s.setdefault(stage, 0.0)
+
+    def __enter__(self) -> None:
+        self._before_s, self._inner.took_s = self._inner.took_s, 0.0
+        self._start_s = time.perf_counter()
+
+    def __exit__(self, *_: object) -> None:
+        took_s = time.perf_counter() - self._start_s
+        self._wall_s[self._stage] += took_s - self._inner.took_s
+        self._inner.took_s = self._before_s + took_s
