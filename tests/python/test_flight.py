@@ -14,14 +14,10 @@ from command_line import UWSIM, error_line, wait_for
 from command_line import uwsim as run_uwsim
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly, resume
-from uwsim.flight.flyable_lanes import survey_plan
 from uwsim.flight.mission_file import MissionError
-from uwsim.flight.record import BATTERY_EMPTY, DONE
-from uwsim.flight.scored_area import scored_area_m
-from uwsim.flight.survey import fly_survey
+from uwsim.flight.record import BATTERY_EMPTY
 from uwsim.mapping import OccupancyMap
-from uwsim.missions import AdaptiveLawnMower, StoppedError, goto, hold, mow, parallel, turn_to, wait
-from uwsim.scenario import load
+from uwsim.missions import StoppedError, goto, hold, parallel, turn_to, wait
 from uwsim.scenario.read.assets import assets_folder
 
 ROUND = """
@@ -351,48 +347,6 @@ def test_a_flight_by_the_filter_is_resumed_to_the_same_map(mission: Path, tmp_pa
     fly(mission, "pool", tmp_path / "half", map=True, estimate="filter", report="none", autosave=StopAfter(150))
     resume(tmp_path / "half", report="none")
     assert (tmp_path / "half" / "map.bt").read_bytes() == (tmp_path / "whole" / "map.bt").read_bytes()
-
-
-def test_the_lawn_mower_as_a_mission_is_the_survey(tmp_path: Path) -> None:
-    """The same map, end, score, and summary."""
-    surveyed = uwsim.run_survey("pool", tmp_path / "survey", report="json")
-
-    def mission(vehicle):
-        yield from mow(vehicle, survey_plan(load("pool").survey))
-
-    flown = fly(mission, "pool", tmp_path / "flight", map=True, report="json")
-    assert flown.occupancy.to_bytes("ot") == surveyed.occupancy.to_bytes("ot")
-    values, expected = (json.loads((tmp_path / n / "summary.json").read_text()) for n in ("flight", "survey"))
-    assert values.keys() == expected.keys()
-    assert values["map"] == expected["map"] and values["map"]["coverage"] > 0.95
-    assert values["ended_because"] == expected["ended_because"] == DONE
-    parts = ("pings", "echoes", "vehicles", "simulated_s", "pings_with_warning", "ping_interval_s", "path_length_m")
-    assert {name: values[name] for name in parts} == {name: expected[name] for name in parts}
-    for name in ("coverage", "precision", "distance_mean_m", "occupied_voxels"):
-        assert expected[name] == expected["map"][name], "where a survey had it, for one version"
-    assert (tmp_path / "flight" / "track-rov.csv").read_bytes() == (tmp_path / "survey" / "track-rov.csv").read_bytes()
-
-
-def test_an_empty_battery_ends_every_flight_in_the_same_words() -> None:
-    def mission(vehicle):
-        yield from mow(vehicle, survey_plan(load("pool").survey))
-
-    sim = uwsim.Simulator("pool", mission_time_s=4.0)
-    assert fly_survey(sim)[1].ended_because == fly(mission, "pool", mission_time_s=4.0).ended_because == BATTERY_EMPTY
-    with uwsim.Simulator("pool", mission_time_s=4.0) as flown:
-        flown.rov.release()
-        flown.advance(4.0)
-        assert AdaptiveLawnMower(flown.rov, flown, survey_plan(flown.scenario.survey)).run() == BATTERY_EMPTY
-
-
-def test_a_map_is_scored_over_the_survey_s_area_or_else_where_the_sonar_was() -> None:
-    area_m = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
-    over, beside = np.array([[5.0, 5.0, -1.0]]), np.array([[50.0, 5.0, -1.0]])
-    assert scored_area_m(area_m, over) is area_m and scored_area_m(area_m, np.empty((0, 3))) is area_m
-    for survey_area_m, path_m in ((area_m, beside), (None, beside)):
-        found = scored_area_m(survey_area_m, path_m)
-        assert np.linalg.norm(found - (50.0, 5.0), axis=1) == pytest.approx(5.0)
-    assert scored_area_m(None, np.empty((0, 3))) is None
 
 
 def test_a_mission_that_ends_at_once_has_a_report(tmp_path: Path) -> None:

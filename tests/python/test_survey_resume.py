@@ -1,6 +1,7 @@
 """A survey that is killed at any moment and resumed ends with the same map as an uninterrupted one."""
 
 import hashlib
+import json
 import signal
 import time
 from collections.abc import Iterator
@@ -15,8 +16,8 @@ from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.record import DONE, FlightRecord
 from uwsim.flight.survey import fly_survey, resume_survey, run_survey
-from uwsim.flight.vehicle_chain import ping_steps
 from uwsim.mapping import OccupancyMap
+from uwsim.missions import Event
 from uwsim.scenario import load
 from uwsim.scenario.dump import write_scenario
 
@@ -71,8 +72,13 @@ def test_a_survey_resumed_from_any_pause_is_the_same(
         assert getattr(record, name) == getattr(expected, name)
     np.testing.assert_array_equal(record.sample_ping.ranges_m, expected.sample_ping.ranges_m)
     np.testing.assert_array_equal(record.samples["rov"].values, expected.samples["rov"].values)
-    assert record.events == expected.events
+    assert without_aim(record) == without_aim(expected)
     assert record.wall_s > stopped.wall_s - 0.5, "wall time of both flights"
+
+
+def without_aim(flown: FlightRecord) -> list[Event]:
+    """Return the events, apart from the sonar's tilt, which a restored lawn-mower commands once more."""
+    return [event for event in flown.events if event.name != "aim"]
 
 
 def test_a_ping_rate_out_of_step_with_the_control_period_is_resumed(tmp_path: Path) -> None:
@@ -82,18 +88,6 @@ def test_a_ping_rate_out_of_step_with_the_control_period_is_resumed(tmp_path: Pa
     whole, _ = fly_survey(Simulator(tmp_path / "odd.yaml", mission_time_s=12.0))
     survey(tmp_path, tmp_path / "odd.yaml", mission_time_s=12.0, autosave=SaveAt(51))
     assert resume(tmp_path).occupancy.to_bytes("ot") == whole.to_bytes("ot")
-
-
-@pytest.mark.parametrize(("step_s", "rate_hz"), [(0.01, 20.0), (0.005, 50.0), (0.005, 10.0)])
-def test_no_flight_pings_more_often_than_sound_returns(step_s: float, rate_hz: float) -> None:
-    pool = load("pool")
-    survey = pool.survey.model_copy(update={"ping_rate_hz": rate_hz})
-    sim = Simulator(pool.model_copy(update={"step_s": step_s, "survey": survey}), mission_time_s=10.0)
-    limit = 10.0 * min(sim.rov.sonar.ping_rate_max_hz, rate_hz)
-    steps = ping_steps(sim, "rov")
-    pings = fly_survey(sim)[1].ping_count
-    assert pings == int(10.0 / step_s) // steps <= limit + 1e-9
-    assert pings > limit - 1 - 10.0 / (steps * step_s) / steps, "no less than a step more apart than they must be"
 
 
 def test_saving_does_not_change_the_map(uninterrupted: tuple[bytes, FlightRecord], tmp_path: Path) -> None:
@@ -240,6 +234,45 @@ class Hover:
             self.clock.wait(0.1)
         return "hovered"
 """
+
+
+ZIGZAG = """
+from uwsim.missions import wait
+
+class Zigzag:
+    def __init__(self, vehicle):
+        self.vehicle, self.left = vehicle, 30
+
+    def steps(self):
+        if not self.vehicle.released:
+            self.vehicle.undock()
+        while self.left:
+            self.vehicle.set_effort(surge=0.4, yaw=0.1 if self.left % 2 else -0.1)
+            self.left -= 1
+            yield wait(0.25)
+        return "all legs are flown"
+
+    def save(self):
+        return {"left": self.left}
+
+    def restore(self, state):
+        assert self.left == 30
+        self.left = state["left"]
+"""
+
+
+def test_a_mission_with_save_and_restore_continues_from_its_state(tmp_path: Path) -> None:
+    file = tmp_path / "zigzag.py"
+    file.write_text(ZIGZAG)
+    whole = fly(file, "pool", tmp_path / "whole", function="Zigzag", map=True)
+    half = tmp_path / "half"
+    assert fly(file, "pool", half, function="Zigzag", map=True, autosave=SaveAt(13)).interrupted
+    assert json.loads((half / "checkpoint" / "flight.json").read_bytes())["mission"]["state"] == {"left": 17}
+    again = resume(half)
+    assert again.result == whole.result == "all legs are flown"
+    assert again.occupancy.to_bytes("ot") == whole.occupancy.to_bytes("ot")
+    assert (again.events, again.map_growth) == (whole.events, whole.map_growth)
+    np.testing.assert_array_equal(again.samples["rov"].values, whole.samples["rov"].values)
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED, INCOMPLETE, INTERRUPTED, STUCK
+from uwsim.cli.options import need
 from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
@@ -91,11 +92,16 @@ Autosave = Annotated[
 Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last saved in --out.")]
 
 
+def given(**options: Any) -> dict[str, Any]:
+    """Return the options that were given: those that are not None."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
 def require_consistent(
-    *, resume: bool, record: Path | None, close_loops: bool, estimate: str | None, autosave: float | None,
+    *, resume: bool, record: Path | None, record_topic: list[str] | None, close_loops: bool, autosave: float | None,
     min_coverage: float | None, report: str,
 ) -> None:  # fmt: skip
-    """Raise ValueError for options that contradict each other."""
+    """Raise ValueError or WithoutEffectError for options that contradict each other."""
     if min_coverage and report == "none":
         raise ValueError("--min-coverage: needs a score of the map, which --report none leaves out")
     if resume and record is not None:
@@ -104,6 +110,8 @@ def require_consistent(
         raise ValueError(f"--autosave {autosave:g} s: a flight with --close-loops is not saved as it flies")
     if resume and close_loops:
         raise ValueError("--close-loops: such a flight is not saved, so it cannot be resumed")
+    if record is None:
+        need("--record", record_topic=record_topic)
 
 
 def exit_as(flown: FlightRecord, min_coverage: float | None = None) -> None:

@@ -22,6 +22,7 @@ from uwsim.cli.flights import (
     TimeLimit,
     VerifyMap,
     exit_as,
+    given,
     require_consistent,
 )
 from uwsim.cli.options import (
@@ -116,74 +117,53 @@ def run(
     simulated = {
         "--estimate": estimate, "--seed": seed, "--sonar-model": sonar_model, "--frequency": frequency,
         "--mission-time": mission_time, "--link": link, "--threads": threads, "--record": record,
-        "--autosave": autosave, **{name: value for name, value in of_map.items() if name != "--voxel"},
+        **{name: value for name, value in of_map.items() if name != "--voxel"},
     }  # fmt: skip
-    if resume:
-        kept = {
-            "the mission": mission, "--connect": connect, "--map": make_map or None, "--vehicle": vehicle,
-            "--time-limit": time_limit, "--set": argument, "--function": function, "--scenario": scenario,
-            **of_map, **simulated,
-        }  # fmt: skip
-        for name in ("--threads", "--autosave", "--map-memory", "--min-coverage"):
-            kept.pop(name)
-        _refuse(kept, "--resume", "the saved flight has its own")
-    elif mission is None:
+    if mission is None and not resume:
         raise WithoutEffectError("needs the mission's file, such as my_mission.py")
     if connect is None:
         need("--connect", lockstep=lockstep, odometry=odometry)
     else:
-        _refuse({"--autosave": simulated.pop("--autosave")}, "--connect", UNSAVED)
+        _refuse({"--autosave": autosave, "--resume": resume or None}, "--connect", UNSAVED)
         _refuse(simulated, "--connect", "the server has its own, or there is none")
     if not make_map and not resume:
         need("--map", **{name[2:].replace("-", "_"): value for name, value in of_map.items()})
     if close_loops:
         need("--estimate filter", close_loops=estimate != "filter")
     require_consistent(
-        resume=resume, record=record, close_loops=close_loops, estimate=estimate, autosave=autosave,
+        resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,
         min_coverage=min_coverage, report=report,
     )  # fmt: skip
-    if record is None:
-        need("--record", record_topic=record_topic)
-    from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
-    from uwsim.flight.fly import fly
-    from uwsim.flight.fly import resume as resume_flight
     from uwsim.flight.terminal import Terminal
 
-    screen = Terminal()
-    interval_s = 0.0 if close_loops else AUTOSAVE_S if autosave is None else autosave
-    watched: dict[str, Any] = {
-        "report": report,
-        "autosave": FlightAutosave(interval_s, screen.message, hears_signals=True),
-        "screen": screen,
-    }
-    flown_by: dict[str, Any] = {
-        "function": function or "mission",
-        "arguments": _arguments(argument or []),
-        "vehicles": vehicle or (),
-        "map": make_map,
-        "voxel_m": voxel,
-        "time_limit_s": time_limit,
-        **watched,
-    }
+    asked = given(
+        function=function, arguments=_arguments(argument or []) or None, vehicles=tuple(vehicle or ()) or None,
+        map=make_map or None, voxel_m=voxel, time_limit_s=time_limit, report=report, screen=Terminal(),
+    )  # fmt: skip
+    asked_of_simulator = given(
+        seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
+        mission_time_s=mission_time, link=link, threads=threads, estimate=estimate, engine=engine,
+        verify_map=verify_map or None, map_memory_mb=map_memory, outlier_filter=outlier_filter, autosave_s=autosave,
+    )  # fmt: skip
     flown: FlightRecord
-    if resume:
-        flown = resume_flight(out, threads=threads, map_memory_mb=map_memory, **watched)
-    elif connect is not None:
+    if connect is not None:
         from uwsim.flight.remote import fly_remote
 
         assert mission is not None
         flown = fly_remote(
-            mission, connect, out, odometry=odometry or "odom", lockstep=lockstep, truth=scenario, **flown_by
+            mission, connect, out, odometry=odometry or "odom", lockstep=lockstep, truth=scenario, **asked
         )
+    elif resume:
+        from uwsim.flight.fly import resume as resume_flight
+
+        flown = resume_flight(out, mission=mission, scenario=scenario, **asked, **asked_of_simulator)
     else:
+        from uwsim.flight.fly import fly
+
+        topics = tuple(record_topic or ()) or None
         flown = fly(
-            mission, scenario or "lake", out,
-            estimate=estimate or "truth",  # type: ignore[arg-type]  # checked there
-            engine=engine,  # type: ignore[arg-type]  # checked by its option
-            verify_map=verify_map, map_memory_mb=map_memory, outlier_filter=outlier_filter, close_loops=close_loops,
-            seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
-            mission_time_s=mission_time, link=link, threads=threads, record=record,
-            record_topics=tuple(record_topic) if record_topic else None, **flown_by,
+            mission, scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics,
+            **asked, **asked_of_simulator,
         )  # fmt: skip
     exit_as(flown, min_coverage)
 

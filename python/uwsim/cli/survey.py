@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -22,9 +22,10 @@ from uwsim.cli.flights import (
     TimeLimit,
     VerifyMap,
     exit_as,
+    given,
     require_consistent,
 )
-from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel, need
+from uwsim.cli.options import Frequency, Link, MissionTime, Record, Seed, SonarModel, SurveyTopics, Threads, Voxel
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 
 
@@ -65,42 +66,26 @@ def survey(
     the same map as without the interruption.
     """
     require_consistent(
-        resume=resume, record=record, close_loops=close_loops, estimate=estimate, autosave=autosave,
+        resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,
         min_coverage=min_coverage, report=report,
     )  # fmt: skip
-    if record is None:
-        need("--record", record_topic=record_topic)
-    elif record.suffix != ".mcap":
-        raise ValueError(f"--record {record}: must end in .mcap for a survey")
     if not resume:
         from uwsim.scenario.world_ahead import make_world_ahead
 
         make_world_ahead(scenario or "lake")
-    from uwsim.flight.autosave import AUTOSAVE_S
     from uwsim.flight.survey import resume_survey, run_survey
 
-    always: dict[str, Any] = {
-        "threads": threads,
-        "autosave_s": AUTOSAVE_S if autosave is None else autosave,
-        "map_memory_mb": map_memory,
-        "report": report,
-        "mission": mission,
-        "seed": seed,
-        "sonar_model": parsed_sonar_model(sonar_model),
-        "sonar_frequency_khz": frequency,
-        "mission_time_s": mission_time,
-        "time_limit_s": time_limit,
-        "voxel_m": voxel,
-        "engine": engine,
-        "outlier_filter": outlier_filter,
-        "link": link,
-    }
+    asked = given(
+        mission=mission, seed=seed, sonar_model=parsed_sonar_model(sonar_model), sonar_frequency_khz=frequency,
+        mission_time_s=mission_time, time_limit_s=time_limit, voxel_m=voxel, engine=engine,
+        verify_map=verify_map or None, outlier_filter=outlier_filter, link=link, estimate=estimate, threads=threads,
+        map_memory_mb=map_memory, report=report, autosave_s=autosave,
+    )  # fmt: skip
     if resume:
-        flown = resume_survey(out, scenario=scenario, verify_map=verify_map or None, estimate=estimate, **always)
+        flown = resume_survey(out, scenario=scenario, **asked)
     else:
+        topics = tuple(record_topic or ()) or None
         flown = run_survey(
-            scenario or "lake", out, verify_map=verify_map, estimate=estimate or "truth",  # type: ignore[arg-type]
-            close_loops=close_loops, record=record, record_topics=tuple(record_topic) if record_topic else None,
-            **always,
-        )  # fmt: skip
+            scenario or "lake", out, close_loops=close_loops, record=record, record_topics=topics, **asked
+        )
     exit_as(flown, min_coverage)

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.checkpoint import MAP, FlightCheckpoint
@@ -30,6 +30,9 @@ from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
+
+if TYPE_CHECKING:
+    from uwsim.flight.flight_recorder import FlightRecorder
 
 
 def fly(
@@ -78,7 +81,7 @@ def fly(
     map that the station makes of the pings that arrive is written as map_ashore.bt. carried: how the names end of what
     vehicles say over it; by default all that goes over a link. record: a new recording (.mcap), of record_topics; by
     default all but pictures. autosave_s: wall time between saves, from which `resume` continues; 0 for none. screen:
-    shows what happens; by default nothing.
+    shows what happens, by default nothing; with a Terminal the flight ends at Ctrl-C with its results.
 
     Of the map: engine "bricks" by default; verify_map inserts every scan into a stock OctoMap map, too, and compares
     the bytes; map_memory_mb limits its memory, the rest goes to disk; map_growth measures it as it grows;
@@ -94,7 +97,7 @@ def fly(
     }  # fmt: skip
     _require_consistent(estimate, report, map, of_map, close_loops, time_limit_s)
     screen = screen or Silent()
-    saving = autosave or FlightAutosave(0.0 if close_loops else autosave_s, screen.message)
+    saving = autosave or _autosave(0.0 if close_loops else autosave_s, screen)
     found = found_mission(mission, function, arguments)
     if out is not None:
         require_free(Path(out))
@@ -129,25 +132,29 @@ def fly(
     )
     if found.file is None:
         request = replace(request, mission=found.name)
+    recorder = None if record is None else _recorder(sim, record, record_topics, found, request)
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
-        carried=carried, out=None if out is None else _made_folder(Path(out)),
+        carried=carried, recorder=recorder, out=None if out is None else _made_folder(Path(out)),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
         occupancy = OccupancyMap(
             resolution_m=request.voxel_m or 1.0, engine=request.engine, memory_limit_mb=map_memory_mb
         )
-        setup.mapping = _map_setup(sim, request, occupancy, request.new_reference(), report, keep=close_loops)
+        setup.mapping = replace(
+            _map_setup(sim, request, occupancy, request.new_reference(), report), keep=close_loops,
+            on_ping=() if recorder is None or recorder.take_ping is None else (recorder.take_ping,),
+        )  # fmt: skip
     if setup.out is None:
-        return _recorded(setup, request, record, record_topics)
+        return Flight(setup).run()
     with alone_in(setup.out):
         checkpoint = FlightCheckpoint(setup.out)
         checkpoint.remove_leftovers()
         if (earlier := checkpoint.set_aside()) is not None:
             screen.message(f"an unfinished flight was in {setup.out}; it is kept in {earlier}")
-        return _recorded(setup, request, record, record_topics)
+        return Flight(setup).run()
 
 
 def resume(
@@ -169,7 +176,7 @@ def resume(
     """
     require_report(report)
     screen, checkpoint = screen or Silent(), FlightCheckpoint(Path(out))
-    saving = autosave or FlightAutosave(autosave_s, screen.message)
+    saving = autosave or _autosave(autosave_s, screen)
     checkpoint.require_one()
     with alone_in(checkpoint.out):
         with screen.status(f"resuming {out}"):
@@ -181,6 +188,10 @@ def resume(
         setup.out, setup.autosave, setup.screen = _made_folder(checkpoint.out), saving, screen
         checkpoint.remove_leftovers()
         return Flight(setup).run()
+
+
+def _autosave(interval_s: float, screen: Silent) -> FlightAutosave:
+    return FlightAutosave(interval_s, screen.message, hears_signals=screen.hears_signals)
 
 
 def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
@@ -198,29 +209,22 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
 
 
 def _map_setup(
-    sim: Simulator, request: FlightRequest, occupancy: OccupancyMap, reference: OccupancyMap | None, report: str,
-    *, keep: bool = False,
-) -> MapSetup:  # fmt: skip
+    sim: Simulator, request: FlightRequest, occupancy: OccupancyMap, reference: OccupancyMap | None, report: str
+) -> MapSetup:
     area_m = survey_area_m(sim)
     ahead = None
     if report != "none" and area_m is not None:
         ahead = SurfaceAhead(sim.world, sim.scene, occupancy.resolution_m, area_m)
-    return MapSetup(
-        occupancy, reference, outlier_filter=request.outlier_filter, growth=request.map_growth, keep=keep, ahead=ahead
-    )
+    return MapSetup(occupancy, reference, request.outlier_filter, growth=request.map_growth, ahead=ahead)
 
 
-def _recorded(
-    setup: Setup, request: FlightRequest, record: Path | None, topics: tuple[str, ...] | None
-) -> FlightRecord:
-    """Fly, with a recording if one is asked for."""
-    if record is not None:
-        from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats take long to import
+def _recorder(
+    sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
+) -> FlightRecorder:
+    """Return a recorder, which has not written anything yet. Raises ValueError."""
+    from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats take long to import
 
-        setup.recorder = flight_recorder(setup.sim, record, topics, request if setup.mission.make is not None else None)
-        if setup.mapping is not None and setup.recorder.take_ping is not None:
-            setup.mapping = replace(setup.mapping, on_ping=(setup.recorder.take_ping,))
-    return Flight(setup).run()
+    return flight_recorder(sim, path, topics, request if mission.make is not None else None)
 
 
 def _require_consistent(

@@ -44,6 +44,10 @@ def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: 
 
     Pictures follow from the rest, scans, clouds and the map from the pings. Raises ValueError.
     """
+    if path.suffix != ".mcap":
+        raise ValueError(f"--record {path}: must end in .mcap for a survey")
+    if request.estimate != "truth":
+        raise ValueError(f"--record {path}: a survey with --estimate {request.estimate} cannot be recorded")
     notes = {"request": dataclasses.asdict(request)}
     pings = dataclasses.replace(PINGS, rate_hz=1.0 / ping_interval_s(sim, sim.rov.name))
     return Recorder(sim, path, topics=topics, kind=SURVEY, written=[pings], notes=notes)

@@ -55,7 +55,6 @@ def fly_remote(
     time_limit_s: float | None = None,
     truth: str | Path | None = None,
     report: str = "full",
-    autosave: FlightAutosave | None = None,
     screen: Silent | None = None,
 ) -> FlightRecord:
     """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
@@ -101,7 +100,7 @@ def fly_remote(
             stack.callback(log.close)
             occupancy = OccupancyMap(resolution_m=voxel_m or VOXEL_M) if map else None
             own = {hull.name: OwnVehicle(hull, inner, hear=log.add) for hull in hulls}
-            saving = autosave or FlightAutosave(0.0)
+            saving = FlightAutosave(0.0, hears_signals=screen.hears_signals)
             flight = _RemoteFlight(inner, log, occupancy, time_limit_s, saving)
             with screen.status(f"flying {mission_name(fly_it, file)} at {url}"), saving.flying():
                 flown = flight.fly(fly_it, own, file, url)

@@ -14,7 +14,7 @@ from uwsim.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
-PATHS = ("scenario", "sonar_model", "link")
+PATHS = ("mission", "scenario", "sonar_model", "link")
 """The arguments that may be paths."""
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.engine import Flight
 from uwsim.flight.fly import fly, resume
 from uwsim.flight.flyable_lanes import LEAST_SHARE, required_survey
@@ -27,45 +26,32 @@ def run_survey(
     out: str | Path = "out",
     *,
     mission: AnyMission = None,
-    autosave_s: float = AUTOSAVE_S,
-    estimate: EstimateKind = "truth",
-    record: Path | None = None,
     screen: Silent | None = None,
     **options: Any,
 ) -> FlightRecord:
-    """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; returns its record.
+    """Fly a scenario's survey and write map.bt, report.html, summary.json and figures into `out`; return its record.
 
         record = uwsim.run_survey("pool", "out/", report="json")
         print(record.coverage, record.simulated_s)
 
-    It is `fly` with a map, which prints what it does, and ends at Ctrl-C with the map so far. mission: by default the
-    adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. record: a new recording, from
-    which `uwsim map from` makes map and report again. Raises ScenarioError or ValueError for an error in the scenario
-    or the arguments, OSError for `out`. However the flight ends, the map of everything seen until then is written.
+    It is `fly` with a map, which prints its progress and ends at Ctrl-C with the map until then. mission: by default
+    the adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError or
+    ValueError for an error in the scenario or the arguments, OSError for `out`. However the flight ends, its map is
+    written.
     """
-    if estimate != "truth" and record is not None:
-        raise ValueError(f"record: a survey with estimate = {estimate!r} cannot be recorded, only one with the truth")
-    if options.get("close_loops"):
-        autosave_s = 0.0
-    screen = screen or Terminal()
     _require_surveyable(scenario)  # before the world is built
     return fly(
-        mission, scenario, out, map=True, map_growth=False, estimate=estimate, record=record, carried=SURVEYED,
-        autosave=FlightAutosave(autosave_s, screen.message, hears_signals=True), screen=screen, **options,
-    )  # fmt: skip
+        mission, scenario, out, map=True, map_growth=False, carried=SURVEYED, screen=screen or Terminal(), **options
+    )
 
 
-def resume_survey(
-    out: str | Path, *, autosave_s: float = AUTOSAVE_S, screen: Silent | None = None, **options: Any
-) -> FlightRecord:
+def resume_survey(out: str | Path, *, screen: Silent | None = None, **options: Any) -> FlightRecord:
     """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
 
     options: see uwsim.flight.fly.resume. Raises ValueError when there is nothing to resume or an argument differs;
     otherwise as run_survey.
     """
-    screen = screen or Terminal()
-    saving = FlightAutosave(autosave_s, screen.message, hears_signals=True)
-    return resume(out, autosave=saving, screen=screen, **options)
+    return resume(out, screen=screen or Terminal(), **options)
 
 
 def fly_survey(

@@ -22,6 +22,9 @@ REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 class Silent:
     """Shows nothing: the base of what shows a flight."""
 
+    hears_signals = False
+    """Whether Ctrl-C and SIGTERM end the flight that it shows, with the results until then."""
+
     def status(self, activity: str) -> AbstractContextManager[object]:
         """Show an activity, such as "scoring the map", while the block runs."""
         return nullcontext()
@@ -40,6 +43,8 @@ class Silent:
 
 class Terminal(Silent):
     """Prints what a flight does and finds."""
+
+    hears_signals = True
 
     def __init__(self) -> None:
         self._messages = Console(stderr=True)
