@@ -17,7 +17,7 @@ from uwsim.datasets.split import split_of_frames
 from uwsim.datasets.studio import Studio, digest_of, require_effects, studio_of
 from uwsim.datasets.tables import write_tables
 from uwsim.datasets.track import Track, read_track, track_of
-from uwsim.flight.fly import made_folder
+from uwsim.flight.folder import made_folder
 from uwsim.folder_lock import alone_in
 from uwsim.scenario.fingerprint import build_fingerprint
 from uwsim.scenario.read.validated import validated

@@ -15,8 +15,8 @@ from uwsim.fleet.score import scored
 from uwsim.fleet.store import MAP, TILES, map_file, path_file
 from uwsim.fleet.tile_job import DryTileError, TileJob, fly_tile
 from uwsim.fleet.tiles import Grid, Tile, grid_over, tiles_of
-from uwsim.flight.fly import made_folder
 from uwsim.flight.flyable_lanes import required_survey
+from uwsim.flight.folder import made_folder
 from uwsim.folder_lock import alone_in
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.merge import merge_files

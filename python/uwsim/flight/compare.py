@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from uwsim.atomic_file import write_atomically
-from uwsim.flight.fly import fly, made_folder
+from uwsim.flight.fly import fly
+from uwsim.flight.folder import made_folder
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind
 from uwsim.flight.seen_bed import CELL_M, SeenBed

@@ -126,8 +126,7 @@ class Flight:
     def _flown(self, show: Show) -> FlightRecord:
         """Fly to the end, whatever it is."""
         setup, sim = self._setup, self._sim
-        plan, left_out = setup.mission.planned(sim, setup.least_share)
-        warn_of_left_out(left_out)
+        warn_of_left_out(setup.lanes_left_out)
         clock, limit = self._clock(show)
         own = {name: self._own_vehicle(name, clock) for name in setup.names}
         if not self._restored:
@@ -141,7 +140,7 @@ class Flight:
             try:
                 with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
                     self._clock_in_use = clock
-                    self._begun = begun = self._mission_with(own, clock, plan)
+                    self._begun = begun = self._mission_with(own, clock)
                     result = begun.run()
             except (FlightOverError, StoppedError) as over:
                 because = str(over)
@@ -176,7 +175,7 @@ class Flight:
             link=_link_rows(sim),
             ashore=self._ashore,
             planned=setup.mission.make is not None,
-            lanes_left_out=left_out,
+            lanes_left_out=setup.lanes_left_out,
         )
         return record if self._maker is None else self._maker.recorded(record)
 
@@ -196,9 +195,9 @@ class Flight:
         estimate = hull.estimate if self._setup.estimate == "filter" else None
         return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
-    def _mission_with(self, own: Mapping[str, OwnVehicle], clock: FlightClock, plan: Any) -> Begun:
+    def _mission_with(self, own: Mapping[str, OwnVehicle], clock: FlightClock) -> Begun:
         """Return the mission with its vehicles, as it was saved if it was."""
-        begun = self._setup.mission.begun(own, clock, plan)
+        begun = self._setup.mission.begun(own, clock, self._setup.plan)
         if self._restored:
             if begun.resumable is None:
                 raise ValueError(f"--resume: mission {self._setup.mission.title}: has no save and restore any more")

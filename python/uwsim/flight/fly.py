@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
-from uwsim.flight.checkpoint import MAP, FlightCheckpoint
+from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight
+from uwsim.flight.folder import results_folder
 from uwsim.flight.mission_file import FUNCTION
 from uwsim.flight.missions import AnyMission, FlownMission, found_mission
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import ESTIMATES, EstimateKind, FlightRequest, file_digest, resolved_path
-from uwsim.flight.results import REPORT, SUMMARY, require_report
+from uwsim.flight.results import require_report
 from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent
@@ -28,7 +28,6 @@ from uwsim.scenario import Scenario, Survey
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
-from uwsim.scoring.survey_track import TRACK
 from uwsim.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -108,6 +107,7 @@ def fly(
     sim = _simulator(scenario, of_simulator, screen)
     names = tuple(vehicles) or (tuple(sim.vehicles) if found.takes_all else (sim.rov.name,))
     _require_able(sim, found, names, estimate, map, outlier_filter)
+    plan, left_out = found.planned(sim)
     request = FlightRequest(
         mission=None if found.file is None else str(found.file.resolve()),
         function=function,
@@ -136,7 +136,8 @@ def fly(
     can_be_saved = isinstance(scenario, str | Path) and not close_loops and (mission is None or request.mission)
     setup = Setup(
         sim=sim, mission=found, names=names, estimate=estimate, close_loops=close_loops, time_limit_s=time_limit_s,
-        carried=carried, recorder=recorder, out=None if out is None else _made_folder(Path(out)),
+        plan=plan, lanes_left_out=left_out, carried=carried, recorder=recorder,
+        out=None if out is None else results_folder(Path(out)),
         request=request if can_be_saved and out is not None else None, report=report, autosave=saving, screen=screen,
     )  # fmt: skip
     if map:
@@ -185,7 +186,7 @@ def resume(
             saved.request.require_same_file()
             warn_of_other_build("the saved flight", saved.build)
             setup = _resumed(saved, threads, report)
-        setup.out, setup.autosave, setup.screen = _made_folder(checkpoint.out), saving, screen
+        setup.out, setup.autosave, setup.screen = results_folder(checkpoint.out), saving, screen
         checkpoint.remove_leftovers()
         return Flight(setup).run()
 
@@ -198,13 +199,14 @@ def _resumed(saved: SavedFlight, threads: int | None, report: str) -> Setup:
     request = saved.request
     mission = found_mission(request.mission, request.function, request.arguments)
     sim = request.new_simulator(threads)
+    plan, left_out = mission.planned(sim)
     mapping = None
     if saved.occupancy is not None:
         mapping = _map_setup(sim, request, saved.occupancy, saved.reference, report)
     return Setup(
         sim=sim, mission=mission, names=request.vehicles or (sim.rov.name,), estimate=request.estimate,
-        mapping=mapping, time_limit_s=request.time_limit_s, carried=request.carried, request=request,
-        report=report, saved=saved,
+        mapping=mapping, time_limit_s=request.time_limit_s, plan=plan, lanes_left_out=left_out,
+        carried=request.carried, request=request, report=report, saved=saved,
     )  # fmt: skip
 
 
@@ -264,11 +266,10 @@ def _require_able(
     for name in names:
         vehicle = sim.vehicles[name]  # raises ValueError for an unknown one
         if makes_map:
-            require_sonar(sim, name)
+            require_sonar(sim.scenario, name)
             filters_outliers(sim, name, outlier_filter)
         if estimate == "filter":
             _ = vehicle.estimate  # raises ValueError for a vehicle without an IMU
-    mission.planned(sim)
 
 
 def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
@@ -278,23 +279,3 @@ def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
     if sim.scenario.survey is None:
         return voxel_m
     return validated(Survey, {**dict(sim.scenario.survey), "voxel_m": voxel_m}).voxel_m
-
-
-def _made_folder(folder: Path) -> Path:
-    """Make the output folder. Raises OSError, before a long flight, if the results could not be written there."""
-    made_folder(folder)
-    for name in (MAP, REPORT, TRACK, SUMMARY):
-        if (folder / name).exists() and not (folder / name).is_file():
-            raise OSError(f"--out {folder}: '{name}' in it is not a file")
-    return folder
-
-
-def made_folder(out: Path) -> Path:
-    """Make a folder. Raises OSError if nothing could be written there."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=out):
-            pass
-    except OSError as error:
-        raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
-    return out

@@ -19,7 +19,7 @@ from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.clock import FlightOverError
-from uwsim.flight.fly import made_folder
+from uwsim.flight.folder import made_folder
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uwsim.flight.autosave import FlightAutosave
-from uwsim.flight.flyable_lanes import LEAST_SHARE
 from uwsim.flight.missions import FlownMission
 from uwsim.flight.pinging import MapSetup
 from uwsim.flight.request import EstimateKind, FlightRequest
 from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.terminal import Silent
+from uwsim.missions import LawnMowerPlan
 from uwsim.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Setup:
     """What is to be flown, checked; see fly() for the meaning of each.
 
-    request: None of a flight that cannot be saved. mapping: None without a map. saved: what is resumed.
+    request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
+    FlownMission.planned. saved: the flight to resume.
     """
 
     sim: Simulator
@@ -33,7 +34,8 @@ class Setup:
     mapping: MapSetup | None = None
     close_loops: bool = False
     time_limit_s: float | None = None
-    least_share: float = LEAST_SHARE
+    plan: LawnMowerPlan | None = None
+    lanes_left_out: str | None = None
     carried: tuple[str, ...] | None = None
     recorder: FlightRecorder | None = None
     out: Path | None = None

@@ -15,7 +15,7 @@ from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import EstimateKind
 from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent, Terminal
-from uwsim.flight.vehicle_chain import filters_outliers
+from uwsim.flight.vehicle_chain import filters_outliers, require_sonar
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import load
 from uwsim.simulator import Simulator
@@ -39,7 +39,9 @@ def run_survey(
     ValueError for an error in the scenario or the arguments, OSError for `out`. However the flight ends, its map is
     written.
     """
-    _require_surveyable(scenario)  # before the world is built
+    loaded = load(scenario)  # before the world is built
+    required_survey(loaded)
+    require_sonar(loaded, loaded.vehicles[0].name)
     return fly(
         mission, scenario, out, map=True, map_growth=False, carried=SURVEYED, screen=screen or Terminal(), **options
     )
@@ -78,8 +80,10 @@ def fly_survey(
     filters_outliers(sim, sim.rov.name, outlier_filter)
     if occupancy is None:
         occupancy = OccupancyMap(resolution_m=survey.voxel_m)
+    found = found_mission(mission)
+    plan, left_out = found.planned(sim, least_share)
     setup = Setup(
-        sim=sim, mission=found_mission(mission), names=(sim.rov.name,), estimate=estimate, least_share=least_share,
+        sim=sim, mission=found, names=(sim.rov.name,), estimate=estimate, plan=plan, lanes_left_out=left_out,
         carried=SURVEYED,
     )  # fmt: skip
     flight = Flight(setup)
@@ -88,11 +92,3 @@ def fly_survey(
         on_ping = (*on_ping, lambda ping, panel, body: on_progress(flight.progress or 0.0))
     setup.mapping = MapSetup(occupancy, outlier_filter=outlier_filter, transmit=transmit, growth=False, on_ping=on_ping)
     return occupancy, flight.run()
-
-
-def _require_surveyable(scenario: str | Path) -> None:
-    loaded = load(scenario)
-    required_survey(loaded)
-    first = loaded.vehicles[0]
-    if first.model.sonar is None:
-        raise ValueError(f"vehicle '{first.name}': has no sonar to survey with")

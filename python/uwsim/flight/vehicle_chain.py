@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from uwsim.flight.stages import CODEC
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap, depth_string
-from uwsim.scenario import ScenarioError
+from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.hull import hull_box_m
 from uwsim.simulator import Simulator
 from uwsim.wall_timer import WallTimer
@@ -88,7 +88,7 @@ def default_voxel_m(sim: Simulator) -> float:
     return sim.scenario.survey.voxel_m if sim.scenario.survey is not None else VOXEL_M
 
 
-def require_sonar(sim: Simulator, vehicle: str) -> None:
+def require_sonar(scenario: Scenario, vehicle: str) -> None:
     """Raise ValueError unless the vehicle has a sonar to map with."""
-    if not sim.vehicles[vehicle].sonars:
-        raise ValueError(f"--map: vehicle '{vehicle}': carries no sonar")
+    if any(entry.name == vehicle and entry.model.sonar is None for entry in scenario.vehicles):
+        raise ValueError(f"vehicle '{vehicle}': carries no sonar to map with")

@@ -98,8 +98,6 @@ def _require_job(job: Job, *, whole: bool) -> None:
     else:
         with_arguments(load_mission(job.mission), job.arguments)
     if whole:
-        sim = Simulator(scenario, threads=1)
-        if job.mission is None and scenario.vehicles[0].model.sonar is None:
-            raise ScenarioError(f"vehicle '{scenario.vehicles[0].name}': has no sonar to survey with")
-        if job.map:
-            require_sonar(sim, sim.rov.name)
+        Simulator(scenario, threads=1)
+        if job.makes_map:
+            require_sonar(scenario, scenario.vehicles[0].name)

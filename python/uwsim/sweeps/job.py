@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from uwsim.flight.fly import fly
-from uwsim.flight.flyable_lanes import SurveyAreaWarning, required_survey
+from uwsim.flight.flyable_lanes import SurveyAreaWarning
 from uwsim.flight.mission_file import MissionError
-from uwsim.flight.record import FlightRecord
+from uwsim.flight.pinging import SURVEYED
 from uwsim.flight.request import EstimateKind, file_digest
 from uwsim.flight.results import scored
 from uwsim.flight.summary import flight_values
-from uwsim.flight.survey import fly_survey
-from uwsim.mapping import OccupancyMap
 from uwsim.scenario import Scenario, ScenarioError, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator import Simulator
@@ -52,6 +50,20 @@ class Job:
     def varied_scenario(self) -> Scenario:
         """Return the run's scenario. Raises ScenarioError."""
         return varied(_loaded(self.scenario), self.values).with_changes(seed=self.seed)
+
+    @property
+    def makes_map(self) -> bool:
+        """Whether a map is made: always in a survey."""
+        return self.map or self.mission is None
+
+    def flight(self) -> dict[str, Any]:
+        """Return its arguments for `fly`; a survey does not measure how its map grows."""
+        is_survey = self.mission is None
+        return {
+            "arguments": self.arguments, "map": self.makes_map, "map_growth": not is_survey,
+            "voxel_m": self.voxel_m, "estimate": self.estimate, "time_limit_s": self.time_limit_s,
+            "carried": SURVEYED if is_survey else None,
+        }  # fmt: skip
 
 
 @lru_cache(maxsize=8)  # a worker flies the same few for hours
@@ -86,38 +98,26 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
     result |= {"seed": sim.seed, "scenario_digest": scenario_fingerprint(sim.scenario), "build": build_fingerprint()}
     begun_s = time.perf_counter()
     try:
-        figures = _survey(job, sim) if job.mission is None else _mission(job, sim)
+        figures = _flown(job, sim)
     finally:
         result["flight_wall_s"] = time.perf_counter() - begun_s
     result["metrics"] = flat(figures)
 
 
-def _survey(job: Job, sim: Simulator) -> dict[str, Any]:
-    voxel_m = job.voxel_m or required_survey(sim.scenario).voxel_m
-    _, record = fly_survey(sim, OccupancyMap(resolution_m=voxel_m), estimate=job.estimate)
-    if record.interrupted:
-        raise KeyboardInterrupt  # which the survey has swallowed: half a run is no result
-    return _values(record, sim)
-
-
-def _mission(job: Job, sim: Simulator) -> dict[str, Any]:
-    path = Path(job.mission or "")
-    if not path.is_file() or file_digest(path) != job.mission_digest:
-        raise MissionError(f"mission '{path}': is missing here, or is not the file with which the sweep began")
-    flown = fly(
-        path, sim, arguments=job.arguments, map=job.map, voxel_m=job.voxel_m, estimate=job.estimate,
-        time_limit_s=job.time_limit_s, autosave_s=0.0,
-    )  # fmt: skip
+def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
+    """Fly a run; return its values, scored, with the map's once, beside the others."""
+    if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
+        raise MissionError(f"mission '{job.mission}': is missing here, or is not the file with which the sweep began")
+    flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
         raise KeyboardInterrupt  # which the flight has swallowed: half a run is no result
-    return _values(flown, sim) | {"result": flown.result}
-
-
-def _values(flown: FlightRecord, sim: Simulator) -> dict[str, Any]:
-    """Return the values of a flight, scored; the map's once, beside the others."""
-    values = flight_values(scored(flown, sim))
+    values = flight_values(scored(flown, sim)) | {"result": flown.result}
     values.pop("map", None)
     return values
+
+
+def _is_same_file(path: Path, digest: str | None) -> bool:
+    return path.is_file() and file_digest(path) == digest
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:

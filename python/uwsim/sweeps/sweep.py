@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from uwsim.flight.fly import made_folder
+from uwsim.flight.folder import made_folder
 from uwsim.folder_lock import alone_in
 from uwsim.scenario import load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint

@@ -1,0 +1,30 @@
+"""Makes the folder that results are written into, before a long flight."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from uwsim.flight.checkpoint import MAP
+from uwsim.flight.results import REPORT, SUMMARY
+from uwsim.scoring.survey_track import TRACK
+
+
+def made_folder(out: Path) -> Path:
+    """Make a folder. Raises OSError if nothing could be written there."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise OSError(f"--out {out}: cannot write there: {error.strerror}") from error
+    return out
+
+
+def results_folder(out: Path) -> Path:
+    """Make the folder of a flight's results. Raises OSError if they could not be written there."""
+    made_folder(out)
+    for name in (MAP, REPORT, TRACK, SUMMARY):
+        if (out / name).exists() and not (out / name).is_file():
+            raise OSError(f"--out {out}: '{name}' in it is not a file")
+    return out
