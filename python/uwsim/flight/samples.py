@@ -35,6 +35,7 @@ COLUMNS = (
 TOO_MANY = {"set_effort", "set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that are not noted one by one."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
+WARNING_AT = [(AT[f"{name}_warning"], f"{name}_warning") for name in WARNINGS]
 Hear = Callable[[str, str, dict[str, Any]], object]
 """Called with a vehicle's name, an event and its values."""
 
@@ -116,6 +117,7 @@ class Sampler:
         self._sim, self._hear, self._timer = sim, hear, timer
         self._steps = max(1, round(PERIOD_S / sim.step_s))
         self._vehicles = [(name, sim.vehicles[name], own) for name, own in vehicles.items()]
+        self._thrusters = {name: tuple(sim.vehicles[name].thrusters) for name in vehicles}
         self._rows: dict[str, list[list[float]]] = {name: [] for name in vehicles}
         if saved:
             self._rows = {name: saved[name].tolist() for name in vehicles}
@@ -128,7 +130,7 @@ class Sampler:
         self.due_tick = self._sim.tick + self._steps
         with self._timer:
             for name, vehicle, own in self._vehicles:
-                row, rows = _row(self._sim.time_s, vehicle, own), self._rows[name]
+                row, rows = _row(self._sim.time_s, vehicle, own, self._thrusters[name]), self._rows[name]
                 self._note_changes(name, rows[-1] if rows else None, row)
                 rows.append(row)
 
@@ -141,17 +143,15 @@ class Sampler:
     def samples(self) -> dict[str, Samples]:
         """Return all samples so far, by vehicle."""
         found = {}
-        for name, vehicle, _ in self._vehicles:
-            driven = [f"thruster {name}" for name in vehicle.thrusters] or [f"effort {axis}" for axis in AXES]
-            names = (*COLUMNS, *driven)
+        for name, thrusters in self._thrusters.items():
+            names = (*COLUMNS, *([f"thruster {one}" for one in thrusters] or [f"effort {axis}" for axis in AXES]))
             found[name] = Samples(names, np.array(self._rows[name], np.float64).reshape(-1, len(names)))
         return found
 
     def _note_changes(self, name: str, before: list[float] | None, row: list[float]) -> None:
-        for warning in WARNINGS:
-            k = AT[f"{warning}_warning"]
+        for k, warning in WARNING_AT:
             if bool(row[k]) != bool(before and before[k]):
-                self._hear(name, f"{warning}_warning", {"lit": bool(row[k])})
+                self._hear(name, warning, {"lit": bool(row[k])})
         if before is None:
             return
         if (more := row[AT["collisions"]] - before[AT["collisions"]]) > 0:
@@ -160,8 +160,9 @@ class Sampler:
             self._hear(name, "battery_empty", {})
 
 
-def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle) -> list[float]:
+def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle, thrusters: tuple[str, ...]) -> list[float]:
     pose, panel, estimate = vehicle.pose, vehicle.telemetry(), own.pose
+    driven = [one.command for one in vehicle.thrusters.values()] if thrusters else vehicle.effort.tolist()
     rotation = pose.world_from_body
     return [
         time_s,
@@ -181,5 +182,5 @@ def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle) -> list[float]:
         panel.proximity_warning,
         panel.collision_warning,
         vehicle.collisions,
-        *([thruster.command for thruster in vehicle.thrusters.values()] or vehicle.effort.tolist()),
+        *driven,
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,10 +58,11 @@ class OwnVehicle(Sealed, Commandable):
         hear: Callable[[Event], object] = lambda event: None,
     ) -> None:
         self._hull, self._clock, self._hear = hull, clock, hear
-        self._effort: tuple[float, ...] = (0.0,) * 6
+        self._efforts: Mapping[str, float] = {}
         self.name = str(getattr(hull, "name", "vehicle"))
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
+        self._methods: dict[str, Callable[..., Any]] = {}
         if autopilot is not None:
             self._autopilot = autopilot
 
@@ -164,18 +165,24 @@ class OwnVehicle(Sealed, Commandable):
 
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Give a command that a real vehicle could take. Raises ValueError."""
-        if not command_named(name).crosses_link:
-            raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
-        method = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
+        if (method := self._methods.get(name)) is None:
+            method = self._methods[name] = self._method(name)
         result = method(**arguments)
         if name == "set_effort":
-            self._effort = tuple(arguments.get(axis, 0.0) for axis in AXES)
+            self._efforts = arguments
         return result
+
+    def _method(self, name: str) -> Callable[..., Any]:
+        """Return the hull's method that gives a command. Raises ValueError."""
+        if not command_named(name).crosses_link:
+            raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
+        found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
+        return cast("Callable[..., Any]", found)
 
     @property
     def effort(self) -> tuple[float, ...]:
         """Surge, sway, heave, roll, pitch, yaw as last commanded here."""
-        return self._effort
+        return tuple(self._efforts.get(axis, 0.0) for axis in AXES)
 
     def telemetry(self) -> Panel:
         """Read the vehicle's panel."""
