@@ -25,7 +25,7 @@ class FlightClock:
         phase: tuple[int, float] | None = None,
     ) -> None:  # fmt: skip
         self._sim, self._physics = sim, physics
-        self._end_tick, self._end_because = end_tick, end_because
+        self._end_tick, self.end_because = end_tick, end_because
         self._on_pause = on_pause
         self._start_tick, self._waited_s = phase or (sim.tick, 0.0)
 
@@ -47,5 +47,5 @@ class FlightClock:
         with self._physics:
             sim.step(min(wake_tick, max(self._end_tick, sim.tick)) - sim.tick)
         if sim.tick >= self._end_tick:
-            raise FlightOverError(self._end_because)
+            raise FlightOverError(self.end_because)
         self._on_pause()

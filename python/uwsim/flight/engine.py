@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP, FlightCheckpoint
 from uwsim.flight.clock import FlightClock, FlightOverError
-from uwsim.flight.mission_file import mission_error
+from uwsim.flight.end import End, run_to_end
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.missions import Begun, warn_of_left_out
 from uwsim.flight.record import BATTERY_EMPTY, DONE, INTERRUPTED, FlightRecord
@@ -25,7 +25,6 @@ from uwsim.flight.stages import AUTOSAVE, MISSION, PHYSICS, STAGES, WAITING
 from uwsim.flight.terminal import Show
 from uwsim.flight.watched import Watched, linked, mapping, sampling
 from uwsim.missions.own_vehicle import Event, OwnVehicle
-from uwsim.missions.stopped import StoppedError
 from uwsim.simulator import Simulator
 from uwsim.wall_timer import WallTimer
 
@@ -127,49 +126,48 @@ class Flight:
         """Fly to the end, whatever it is."""
         setup, sim = self._setup, self._sim
         warn_of_left_out(setup.lanes_left_out)
-        clock, limit = self._clock(show)
+        self._clock = clock = self._new_clock(show)
         own = {name: self._own_vehicle(name, clock) for name in setup.names}
         if not self._restored:
             self._hear("", "begun", {"mission": setup.mission.title, "scenario": sim.scenario.name, "seed": sim.seed})
-        result, error, because = None, None, DONE
         with ExitStack() as stack:
             stack.enter_context(self._autosave.flying())
             watched = Watched(setup, own, self._timer, self._begun_tick)
-            self._sampler = sampler = stack.enter_context(sampling(watched, self._hear))
+            self._sampler = stack.enter_context(sampling(watched, self._hear))
             self._ashore = stack.enter_context(linked(watched))
-            try:
-                with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
-                    self._clock_in_use = clock
-                    self._begun = begun = self._mission_with(own, clock)
-                    result = begun.run()
-            except (FlightOverError, StoppedError) as over:
-                because = str(over)
-            except KeyboardInterrupt:
-                because = INTERRUPTED
-            except Exception as raised:
-                file = setup.mission.file
-                error = raised if file is None else mission_error(raised, file)
-                because = f"the mission raised {type(raised).__name__}: {error}"
-            if self._repeating and self._saved is not None and error is None and because != INTERRUPTED:
+            end = run_to_end(lambda: self._result_of_mission(watched), setup.mission.file)
+            if self._repeating and self._saved is not None and end.error is None and end.because != INTERRUPTED:
                 raise self._saved.another_flight(sim.step_s)
             for name in setup.names:
                 sim.vehicles[name].set_effort()
-        self._hear("", "ended", {"because": because})
-        is_limited = setup.time_limit_s is not None and because == limit
-        record = FlightRecord(
+        self._hear("", "ended", {"because": end.because})
+        record = self._record(end)
+        return record if self._maker is None else self._maker.recorded(record)
+
+    def _result_of_mission(self, watched: Watched) -> Any:
+        """Fly the mission while its map is made; return what it returns."""
+        with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
+            self._begun = self._mission_with(watched.own)
+            return self._begun.run()
+
+    def _record(self, end: End) -> FlightRecord:
+        """Return the record of the flight, without its map."""
+        setup, sim = self._setup, self._sim
+        is_limited = setup.time_limit_s is not None and end.because == self._clock.end_because
+        return FlightRecord(
             mission=setup.mission.title,
             scenario=sim.scenario.name,
             seed=sim.seed,
             estimate=setup.estimate,
             step_s=sim.step_s,
-            ended_because=because,
-            ended_early=because != DONE and not is_limited,
+            ended_because=end.because,
+            ended_early=end.because != DONE and not is_limited,
             simulated_s=(sim.tick - self._begun_tick) * sim.step_s,
             wall_s=time.perf_counter() - self._began_s,
             events=self._log.events,
-            samples=sampler.samples(),
-            result=result,
-            error=error,
+            samples=self._sampler.samples(),
+            result=end.result,
+            error=end.error,
             threads=sim.threads,
             stage_wall_s=self._timer.wall_s,
             link=_link_rows(sim),
@@ -177,10 +175,9 @@ class Flight:
             planned=setup.mission.make is not None,
             lanes_left_out=setup.lanes_left_out,
         )
-        return record if self._maker is None else self._maker.recorded(record)
 
-    def _clock(self, show: Show) -> tuple[FlightClock, str]:
-        """Return the mission's clock, and why it ends the flight."""
+    def _new_clock(self, show: Show) -> FlightClock:
+        """Return the mission's clock, which ends the flight at its time."""
         sim, limit_s = self._sim, self._setup.time_limit_s
         limit = BATTERY_EMPTY if limit_s is None else f"the time limit of {limit_s:g} s is over"
         if limit_s is None:
@@ -188,16 +185,16 @@ class Flight:
         end_tick = self._begun_tick + max(1, math.ceil(limit_s / sim.step_s - 1e-6))
         phase = self._restored.clock if self._restored else None
         physics = self._timer.measure(PHYSICS)
-        return FlightClock(sim, end_tick, limit, lambda: self._on_pause(show), physics, phase), limit
+        return FlightClock(sim, end_tick, limit, lambda: self._on_pause(show), physics, phase)
 
     def _own_vehicle(self, name: str, clock: FlightClock) -> OwnVehicle:
         hull = self._sim.vehicles[name]
         estimate = hull.estimate if self._setup.estimate == "filter" else None
         return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
-    def _mission_with(self, own: Mapping[str, OwnVehicle], clock: FlightClock) -> Begun:
+    def _mission_with(self, own: Mapping[str, OwnVehicle]) -> Begun:
         """Return the mission with its vehicles, as it was saved if it was."""
-        begun = self._setup.mission.begun(own, clock, self._setup.plan)
+        begun = self._setup.mission.begun(own, self._clock, self._setup.plan)
         if self._restored:
             if begun.resumable is None:
                 raise ValueError(f"--resume: mission {self._setup.mission.title}: has no save and restore any more")
@@ -253,7 +250,7 @@ class Flight:
             return saved
         mission = SavedMission(
             state=resumable.save(),
-            clock=self._clock_in_use.phase,
+            clock=self._clock.phase,
             begun_tick=self._begun_tick,
             events=list(self._log.events),
             ashore=None if self._ashore is None else self._ashore.save(),

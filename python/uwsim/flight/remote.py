@@ -19,8 +19,9 @@ from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.clock import FlightOverError
+from uwsim.flight.end import run_to_end
 from uwsim.flight.folder import made_folder
-from uwsim.flight.mission_file import FUNCTION, load_mission, mission_error, mission_name, with_arguments
+from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.flight.mission_log import MissionLog
 from uwsim.flight.record import DONE, INTERRUPTED, FlightRecord
 from uwsim.flight.results import RESULT_FILES, require_report, write_results
@@ -33,7 +34,6 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
 from uwsim.missions.steps import drive
-from uwsim.missions.stopped import StoppedError
 from uwsim.simulator import Simulator
 
 VOXEL_M = 0.2
@@ -161,34 +161,25 @@ class _RemoteFlight:
         began_s, name = time.perf_counter(), mission_name(mission, file)
         self._hear("begun", {"mission": name, "url": url})
         self._look()
-        result, error, because = None, None, DONE
-        try:
-            result = drive(begin(mission, own), self)
-        except (FlightOverError, StoppedError) as over:
-            because = str(over)
-        except KeyboardInterrupt:
-            because = INTERRUPTED
-        except Exception as raised:
-            error = raised if file is None or isinstance(raised, OSError) else mission_error(raised, file)
-            because = f"the mission raised {type(raised).__name__}: {error}"
-        if not isinstance(error, OSError):
+        end = run_to_end(lambda: drive(begin(mission, own), self), file, foreign=(OSError,))
+        if not isinstance(end.error, OSError):  # the connection is lost
             for vehicle in own.values():
                 vehicle.set_effort()
-        self._hear("ended", {"because": because})
+        self._hear("ended", {"because": end.because})
         return FlightRecord(
             mission=name,
             scenario=url,
             seed=None,
             estimate="odometry",
             step_s=None,
-            ended_because=because,
-            ended_early=because not in (DONE, self._limit),
+            ended_because=end.because,
+            ended_early=end.because not in (DONE, self._limit),
             simulated_s=self._rows[next(iter(own))][-1][0] - self._begun_s,
             wall_s=time.perf_counter() - began_s,
             events=self._log.events,
             samples={name: Samples(_NAMES, np.array(rows)) for name, rows in self._rows.items()},
-            result=result,
-            error=error,
+            result=end.result,
+            error=end.error,
             occupancy=self._occupancy,
             voxel_m=0.0 if self._occupancy is None else self._occupancy.resolution_m,
             pings_world_m={name: np.array(path).reshape(-1, 3) for name, path in self._paths.items()},

@@ -1,0 +1,36 @@
+"""How a mission ends: by itself, at its time, stopped, interrupted, or by an error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from uwsim.flight.clock import FlightOverError
+from uwsim.flight.mission_file import mission_error
+from uwsim.flight.record import DONE, INTERRUPTED
+from uwsim.missions.stopped import StoppedError
+
+
+class End(NamedTuple):
+    """because: a sentence. result: what the mission returned. error: what it raised."""
+
+    because: str
+    result: Any = None
+    error: Exception | None = None
+
+
+def run_to_end(run: Callable[[], Any], file: Path | None, *, foreign: tuple[type[Exception], ...] = ()) -> End:
+    """Run a mission; return how it ended.
+
+    file: the mission's, of which an error names the line. foreign: errors that are not the mission's own.
+    """
+    try:
+        return End(DONE, run())
+    except (FlightOverError, StoppedError) as over:
+        return End(str(over))
+    except KeyboardInterrupt:
+        return End(INTERRUPTED)
+    except Exception as raised:
+        error = raised if file is None or isinstance(raised, foreign) else mission_error(raised, file)
+        return End(f"the mission raised {type(raised).__name__}: {error}", error=error)
