@@ -68,7 +68,9 @@ def test_a_survey_whose_recording_fills_the_disk_keeps_its_map(folder: Path) -> 
 
 @pytest.mark.parametrize("megabytes", [400, 700])
 def test_too_little_memory_is_one_line(megabytes: int, folder: Path) -> None:
-    ended = uwsim_process("survey", "lake", "--out", str(folder / "out"), "--mission-time", "20", preexec_fn=memory(megabytes))
+    ended = uwsim_process(
+        "survey", "lake", "--out", str(folder / "out"), "--mission-time", "20", preexec_fn=memory(megabytes)
+    )
     assert ended.returncode in (0, 1), ended.stderr
     assert "Traceback" not in ended.stderr
     assert ended.returncode == 0 or len(ended.stderr.strip().splitlines()) == 1, ended.stderr

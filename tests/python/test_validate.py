@@ -37,7 +37,12 @@ def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(
     assert "good" in passed.output and "all within tolerance" in passed.output
     assert (tmp_path / "new" / "curve.png").exists()
     page = (tmp_path / "new" / "index.md").read_text()
-    assert "## dynamics" in page and "## link" in page and "| g | good | 1 | 1 | 0.0e+00 | 1e-01 | ok |" in page and "(curve.png)" in page
+    assert (
+        "## dynamics" in page
+        and "## link" in page
+        and "| g | good | 1 | 1 | 0.0e+00 | 1e-01 | ok |" in page
+        and "(curve.png)" in page
+    )
     extra.append(relative("g", "bad", 1.0, 2.0, 0.1))
     missed = CliRunner().invoke(app, ["validate", "dynamics", "--out", str(tmp_path)])
     assert missed.exit_code == 1
