@@ -285,8 +285,14 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
             slow.next("nothing")
 
 
-def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(server: FoxgloveServer) -> None:
-    clients = [Plain(server.url) for _ in range(32)]
+@pytest.fixture
+def four(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The next server takes four clients."""
+    monkeypatch.setattr("uwsim.bridges.foxglove.server.CLIENTS_MAX", 4)
+
+
+def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(four: None, server: FoxgloveServer) -> None:
+    clients = [Plain(server.url) for _ in range(4)]
     for client in clients:
         client.next("serverInfo")
         client.send({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 1}]})

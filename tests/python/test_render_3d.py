@@ -62,12 +62,12 @@ def test_a_ray_hits_the_first_of_many_cubes():
     keys = np.unique(random.integers([-40, -50, -10], [60, 30, 12], (4000, 3)), axis=0)
     edge_m = 0.25
     centres = (keys + 0.5) * edge_m
-    origins = random.uniform([-30, -30, -20], [30, 30, 20], (1500, 3))
+    origins = random.uniform([-30, -30, -20], [30, 30, 20], (500, 3))
     targets = centres[random.integers(len(centres), size=len(origins))] + random.uniform(-1, 1, origins.shape)
     directions = (targets - origins) / np.linalg.norm(targets - origins, axis=1)[:, None]
     expected_m, axis = boxes_hit_m(centres, edge_m, origins, directions)
     hits = _core.VoxelScene(random.permutation(centres), edge_m).cast(origins, directions, 1e4)
-    assert 300 < np.isfinite(expected_m).sum() < 1500
+    assert 100 < np.isfinite(expected_m).sum() < 500
     assert hits.ranges_m == pytest.approx(expected_m, abs=1e-5)
     met = np.flatnonzero(np.isfinite(expected_m) & (expected_m > 0.0))
     assert np.abs(hits.normals_world[met]).argmax(axis=1).tolist() == axis[met].tolist()

@@ -1,4 +1,4 @@
-"""Checks, suites and the command of the validation."""
+"""Checks, suites and the command of the validation. All the suites themselves are run by tools/docs."""
 
 import math
 from pathlib import Path
@@ -21,17 +21,23 @@ def test_errors_are_relative_to_their_scale_and_a_nan_is_a_miss() -> None:
     assert not along("g", "n", [1.0, 2.0], [1.0, math.nan], 1.0, 1.0).passed
 
 
-def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def two_checks(out: Path | None) -> list[Check]:
+@pytest.fixture
+def extra(monkeypatch: pytest.MonkeyPatch) -> list[Check]:
+    """Return the checks that two suites, the only ones, have besides a good one."""
+    extra: list[Check] = []
+
+    def run(out: Path | None) -> list[Check]:
         assert out is not None
         (out / "curve.png").touch()
         return [relative("g", "good", 1.0, 1.0, 0.1), *extra]
 
-    monkeypatch.setattr("uwsim.validate.dynamics.run", two_checks)
     monkeypatch.setattr(validate, "SUITES", {name: validate.SUITES[name] for name in ("dynamics", "link")})
-    extra: list[Check] = []
+    for module in validate.SUITES.values():
+        monkeypatch.setattr(f"{module}.run", run)
+    return extra
+
+
+def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(extra: list[Check], tmp_path: Path) -> None:
     passed = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "new")])
     assert passed.exit_code == 0
     assert "good" in passed.output and "all within tolerance" in passed.output
