@@ -1,8 +1,9 @@
 """The imaging suite passes, and fails if a figure of a model is wrong."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,29 @@ from uwsim.sonars import imaging
 from uwsim.sonars.imaging import ForwardLooking, SideScan
 from uwsim.validate import imaging as suite
 from uwsim.validate import run_suite
+
+
+@pytest.fixture(autouse=True, scope="module")
+def looked_once() -> Iterator[None]:
+    """Look once with each model at the flat bed: what is expected of the image differs, not the image."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("look_ahead", "look_aside"):
+            patch.setattr(imaging, name, once_at_an_even_bed(getattr(imaging, name)))
+        yield
+
+
+def once_at_an_even_bed(look: Callable[..., Any]) -> Callable[..., Any]:
+    images: dict[Any, Any] = {}
+
+    def from_memory(place: suite.Basin, poses: Any, model: Any) -> Any:
+        if len(place.strengths_db) > 1:  # boxes
+            return look(place, poses, model)
+        key = np.asarray(poses).tobytes(), model
+        if key not in images:
+            images[key] = look(place, poses, model)
+        return images[key]
+
+    return from_memory
 
 
 def worst_db(level: suite.Level) -> float:
