@@ -1,9 +1,18 @@
-"""Settings for all tests: Hypothesis tries the same examples on every run, and figures open no window."""
+"""Settings for all tests: Hypothesis tries the same examples on every run; figures open no window, and are small."""
 
 import os
 
+import pytest
 from hypothesis import settings
+
+from uwsim.figures import truth_and_map
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 settings.register_profile("uwsim", derandomize=True, deadline=None, database=None)
 settings.load_profile("uwsim")
+
+
+@pytest.fixture(autouse=True)
+def small_panels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let reports show small views of truth and map, which take most of a report's time; processes draw them whole."""
+    monkeypatch.setattr(truth_and_map, "PANEL_PIXELS", 160)
