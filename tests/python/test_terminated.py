@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from command_line import UWSIM
+from command_line import UWSIM, uwsim
 from uwsim.mapping import OccupancyMap
 
-LAKE = ["survey", "lake", "--mission-time", "400", "--voxel", "0.4"]
+LAKE = ["survey", "lake", "--mission-time", "200", "--voxel", "0.4"]
 FLOWN = {"map.bt", "track.npz", "summary.json", "log.jsonl", "track-rov.csv"}
 PLACES = {
     "the flight begins": [".uwsim.lock"],
     "it is saved": ["checkpoint/.uwsim-*.tmp", ".uwsim-*.tmp", ".flight.json.*"],
     "it has been saved": ["checkpoint/flight.json"],
-    "in flight, some saves later": ["checkpoint/map-[1-9]????.ot"],  # of 80,000 ticks
+    "in flight, some saves later": ["checkpoint/map-[1-9]????.ot"],  # of 40,000 ticks
     "the map is scored, the report drawn": ["track.npz"],
 }
 
@@ -24,7 +24,7 @@ PLACES = {
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     out = tmp_path_factory.mktemp("whole")
-    subprocess.run([*UWSIM, *LAKE, "--out", str(out), "--report", "none", "--min-coverage", "0"], check=True)
+    assert uwsim(*LAKE, "--out", out, "--report", "none", "--min-coverage", "0").returncode == 0
     return (out / "map.bt").read_bytes()
 
 
@@ -44,10 +44,7 @@ def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, who
     if not (tmp_path / "checkpoint" / "flight.json").exists():
         assert place == next(iter(PLACES)), "nothing flown is lost"
         return
-    resumed = subprocess.run(
-        [*UWSIM, "survey", "--resume", "--out", str(tmp_path), "--report", "json", "--min-coverage", "0"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    resumed = uwsim("survey", "--resume", "--out", tmp_path, "--report", "json", "--min-coverage", "0")
     assert resumed.returncode == 0, resumed.stderr
     assert (tmp_path / "map.bt").read_bytes() == whole
     assert {path.name for path in tmp_path.iterdir()} == FLOWN, "no leftovers"
