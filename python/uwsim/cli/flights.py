@@ -1,4 +1,4 @@
-"""What `uwsim survey` and `uwsim run` share: options of a flight, and the exit code that it ends with."""
+"""Options of a flight, shared by `uwsim survey` and `uwsim run`, and its exit code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What records a flight: its channels, and of a planned one, such as a survey, every ping of the map instead."""
+"""The recorder of a flight: its channels, or every ping of the map if the mission is planned, such as a survey."""
 
 from __future__ import annotations
 

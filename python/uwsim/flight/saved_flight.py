@@ -25,7 +25,7 @@ Tick = Annotated[int, Field(ge=0)]
 
 
 class SavedMission(BaseModel):
-    """What a mission with `save` goes on from, beside the simulator's state and its samples.
+    """The state from which a mission with `save` continues, beside the simulator's state and its samples.
 
     state: of the mission. clock: see FlightClock.phase. begun_tick: of the flight. events: of its log.
     """

@@ -1,4 +1,4 @@
-"""What is to be flown, checked and ready for the engine."""
+"""A flight, checked and ready for the engine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Setup:
-    """What is to be flown, checked; see fly() for the meaning of each.
+    """The parts of a flight, checked; see fly() for the meaning of each.
 
     request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
     FlownMission.planned. saved: the flight to resume.

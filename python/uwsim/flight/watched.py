@@ -1,4 +1,4 @@
-"""What watches a flight while it is flown: samples, the map, and the station's end of the link."""
+"""Observers of a flight: samples, the map, and the station's end of the link."""
 
 from __future__ import annotations
 
