@@ -64,7 +64,7 @@ def test_a_mission_resumed_at_any_moment_flies_the_same_path(beams_m: float, leg
 def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
     """Obstacle memory, autopilot and sensor noise included, during undocking and after it."""
     plan = LawnMowerPlan(area_m=[[-104, -80], [56, -80], [56, 24], [-104, 24]])
-    sim = Simulator("lake", mission_time_s=60.0)
+    sim = Simulator("lake", mission_time_s=120.0)
     saved: list[tuple[str, bytes]] = []
     waited = itertools.count()
 
@@ -73,7 +73,7 @@ def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
 
         def wait(self, duration_s: float) -> None:
             sim.wait(duration_s)
-            if next(waited) in (20, 250, 580):
+            if next(waited) in (20, 500, 1180):
                 saved.append((json.dumps(mission.save()), sim.save_state()))
 
     mission = AdaptiveLawnMower(sim.rov, Clock(), plan)
@@ -82,7 +82,7 @@ def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
     assert len(mission.lookout.obstacles.peaks_world_m) > 10
     assert len(saved) == 3
     for notes, state in saved:
-        fresh = Simulator("lake", mission_time_s=60.0)
+        fresh = Simulator("lake", mission_time_s=120.0)
         again = AdaptiveLawnMower(fresh.rov, fresh, plan)
         again.restore(json.loads(notes))
         fresh.restore_state(state)
