@@ -119,7 +119,7 @@ def test_every_exit_code_is_in_the_help_and_in_the_documentation() -> None:
 
 
 def test_a_survey_that_its_battery_stops_is_incomplete_and_the_exit_code_says_so(tmp_path: Path) -> None:
-    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "20", "--report", "none")
+    arguments = ("survey", "pool", "--out", str(tmp_path), "--mission-time", "20", "--report", "json")
     stopped = uwsim(*arguments)
     assert stopped.returncode == INCOMPLETE, stopped.stderr
     assert "the survey is incomplete: coverage is" in stopped.stderr
