@@ -1,4 +1,4 @@
-"""What differs between kinds of CPU, and how far: python tools/cpu_kinds.py, a table for docs/trust.md.
+"""What differs between kinds of CPU, and how far: python tools/cpu_kinds.py, a table for docs/inside/trust.md.
 
 One machine plays the others: UWSIM_INSTRUCTION_SET chooses the kernels' and Embree's instructions, GLIBC_TUNABLES the C
 library's, as a machine without them would have it.
@@ -24,14 +24,14 @@ KINDS = {
 FLY = """
 import sys
 import numpy as np
-from uwsim.fingerprint import results
+from uwsim.evidence.fingerprint import results
 np.savez(sys.argv[1], *[array for _, array in results()])
 """
 
 
 def main() -> None:
     """Print what differs from this machine as it is, in numbers of arrays and as the largest gap."""
-    from uwsim.fingerprint import results
+    from uwsim.evidence.fingerprint import results
 
     names = [name for name, _ in results()]
     with tempfile.TemporaryDirectory() as folder:

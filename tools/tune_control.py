@@ -16,12 +16,12 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from uwsim.control import Controller
+from uwsim.evidence.validate.flights import START_M, deep_water
+from uwsim.evidence.validate.step_responses import DURATION_S, PERIOD_S, STEPS, step_responses
+from uwsim.navigation.control import Controller
 from uwsim.scenario import VehicleModel, load_vehicle
 from uwsim.scenario.spec.control import Control
-from uwsim.simulator import Simulator
-from uwsim.validate.flights import START_M, deep_water
-from uwsim.validate.step_responses import DURATION_S, PERIOD_S, STEPS, step_responses
+from uwsim.simulator.simulator import Simulator
 
 GUSTS = {
     "kind": "gusts",

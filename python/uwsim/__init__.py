@@ -21,14 +21,19 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
+from uwsim._moved import lead_old_names_on
+
 if TYPE_CHECKING:
     from uwsim.batch import Batch
-    from uwsim.datasets import make_dataset
-    from uwsim.docking import DockedWarning
+    from uwsim.campaigns.datasets import make_dataset
     from uwsim.flight.fly import fly
     from uwsim.flight.survey import run_survey
+    from uwsim.mapping import OccupancyMap
     from uwsim.scenario import Scenario, ScenarioError
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.docking import DockedWarning
+    from uwsim.simulator.simulator import Simulator
+
+lead_old_names_on()
 
 try:
     __version__ = version("uwsim")
@@ -38,18 +43,20 @@ except PackageNotFoundError:  # a source tree that was never installed
 # Imported on first use (PEP 562), so that `uwsim --help` answers at once.
 _MODULE_OF = {
     "Batch": "uwsim.batch",
-    "DockedWarning": "uwsim.docking",
+    "DockedWarning": "uwsim.simulator.docking",
+    "OccupancyMap": "uwsim.mapping",
     "Scenario": "uwsim.scenario",
     "ScenarioError": "uwsim.scenario",
-    "Simulator": "uwsim.simulator",
+    "Simulator": "uwsim.simulator.simulator",
     "fly": "uwsim.flight.fly",
-    "make_dataset": "uwsim.datasets",
+    "make_dataset": "uwsim.campaigns.datasets",
     "run_survey": "uwsim.flight.survey",
 }
 
 __all__ = [
     "Batch",
     "DockedWarning",
+    "OccupancyMap",
     "Scenario",
     "ScenarioError",
     "Simulator",

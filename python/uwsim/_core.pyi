@@ -1767,7 +1767,7 @@ class ImagingKind:
 
 class ImagingSonar:
     """
-    An imaging sonar; see uwsim.sonars.imaging.
+    An imaging sonar; see uwsim.instruments.sonars.imaging.
     """
     def __init__(
         self,
@@ -1805,7 +1805,7 @@ class ImagingSonar:
 
 class DepthCamera:
     """
-    See uwsim.sonars.depth_map.DepthMap.
+    See uwsim.instruments.sonars.depth_map.DepthMap.
     """
     def __init__(self) -> None: ...
     def check(self) -> None:

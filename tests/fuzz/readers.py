@@ -124,7 +124,7 @@ def _part(kind: str) -> Callable[[bytes, Path], Any]:
 
 
 def _sweep(data: bytes, folder: Path) -> str:
-    from uwsim.sweeps.spec import read_sweep
+    from uwsim.campaigns.sweeps.spec import read_sweep
 
     return repr(read_sweep(_written(folder / "sweep.yaml", data))[0])
 
@@ -141,7 +141,7 @@ def _profile(data: bytes, folder: Path) -> list[Any]:
 
 def _track(suffix: str) -> Callable[[bytes, Path], Any]:
     def read(data: bytes, folder: Path) -> list[bytes]:
-        from uwsim.datasets.track import read_track
+        from uwsim.campaigns.datasets.track import read_track
 
         track = read_track(_written(folder / f"track{suffix}", data))
         return [each.tobytes() for each in (track.times_s, track.positions_m, track.orientations_xyzw)]
@@ -160,7 +160,7 @@ def _survey_track(data: bytes, folder: Path) -> list[Any]:
 def simulator_to_restore() -> tuple[Any, bytes]:
     """A simulator with a failsafe, faults and an estimate, and the state to which it returns."""
     from uwsim.scenario import Scenario, load
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.simulator import Simulator
 
     base = load("pool")
     plain = {key: getattr(base, key) for key in type(base).model_fields}

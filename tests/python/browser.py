@@ -9,9 +9,9 @@ from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
 
 CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # of tools/apt-packages-dev.txt; Playwright's own is not to be had
 SOFTWARE_GL = "--enable-unsafe-swiftshader"

@@ -10,9 +10,9 @@ from websockets.sync.client import connect
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.channels.messages import typed_array
-from uwsim.station import Site, Station
-from uwsim.station.calls import CALLS
-from uwsim.station.wire import Refused
+from uwsim.operator.station import Site, Station
+from uwsim.operator.station.calls import CALLS
+from uwsim.operator.station.wire import Refused
 
 PATIENCE_S = 60.0
 

@@ -1,4 +1,4 @@
-"""Draws docs/cameras.jpg, the contact sheet of docs/cameras.md.
+"""Draws docs/guides/cameras.jpg, the contact sheet of docs/guides/cameras.md.
 
 The ROV's front and down cameras in several waters, at noon without lamps and at dusk with them; then the front camera
 without any effect and with warm and cold water mixing before it, the ROV from its chase camera, and in its cage from
@@ -14,11 +14,11 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator
-from uwsim.cameras.image_file import write_image
 from uwsim.figures.contact_sheet import contact_sheet
+from uwsim.instruments.cameras.image_file import write_image
 from uwsim.scenario import load
 
-OUT = Path(__file__).resolve().parents[2] / "docs" / "cameras.jpg"
+OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "cameras.jpg"
 WATERS = ("I", "III", "5C", "9C")
 NOON_DEG, DUSK_DEG = 60.0, 1.0
 TURBULENT_K = 8.0  # far more than where warm and cold water mix, so that a small picture shows it

@@ -1,4 +1,4 @@
-"""Make docs/dataset.jpg: frames of a dataset of the lake, with what is written of each."""
+"""Make docs/guides/dataset.jpg: frames of a dataset of the lake, with what is written of each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from PIL import Image
 
 import uwsim
 
-OUT = Path(__file__).resolve().parents[2] / "docs" / "dataset.jpg"
+OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "dataset.jpg"
 FRAMES, SHOWN = 40, 4
 COLOURS = ListedColormap(["#10151c", "#7a6a55", "#8d99ae", "#f4a261", "#e76f51", "#2a9d8f", "#e9c46a"])
 TITLES = ("colour and boxes", "depth", "normals", "classes", "sonar", "its classes")

@@ -1,4 +1,4 @@
-"""Draw docs/loop-closure.png: how far a survey without USBL drifts, and what closing its loops leaves of it."""
+"""Draw docs/guides/loop-closure.png: how far a survey without USBL drifts, and what closing its loops leaves of it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import Simulator
-from uwsim.closure import ClosedTrack, close_loops
 from uwsim.flight.closed_flight import PingKeeper
 from uwsim.flight.survey import fly_survey
+from uwsim.mapping.closure import ClosedTrack, close_loops
 
-PICTURE = Path(__file__).parents[2] / "docs" / "loop-closure.png"
+PICTURE = Path(__file__).parents[2] / "docs" / "guides" / "loop-closure.png"
 Array = NDArray[np.float64]
 
 

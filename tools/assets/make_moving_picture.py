@@ -19,7 +19,7 @@ from uwsim.bridges import RosbridgeServer
 from uwsim.flight.remote import fly_remote
 from uwsim.live import LiveSimulator
 from uwsim.missions import OwnVehicle, Steps, goto, turn_to
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
 
 TARGET = Path(__file__).resolve().parents[2] / "docs" / "station.webp"
 PAGE = {"width": 1280, "height": 800}

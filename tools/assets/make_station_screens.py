@@ -1,4 +1,4 @@
-"""Draws docs/station-start.jpg and docs/station.jpg, the pictures of the operator's station in docs/station.md.
+"""Draw the pictures of the operator's station: docs/connections/station-start.jpg and station.jpg.
 
 A pilot's page in headless Chromium, beside a pipeline of the lake, after a lane over the bed has been mapped. Needs
 the development installation (tools/setup --dev). `--extra FOLDER` also writes the screens at dusk, with alarms, in
@@ -17,7 +17,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 CHROMIUM = "/usr/bin/chromium-headless-shell"
@@ -87,12 +87,12 @@ def main(
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--enable-unsafe-swiftshader"])
         page = open_page(browser, url)
         until(page, "document.querySelector('#hint-scenario')?.textContent")
-        shoot(page, DOCS / "station-start.jpg")
+        shoot(page, DOCS / "connections" / "station-start.jpg")
         page.click("button[type=submit]")
         until(page, "globalThis.station.telemetry.message && station.station.isPilot")
         live = station.present().live
         survey_a_lane(live)
-        shoot(page, DOCS / "station.jpg")
+        shoot(page, DOCS / "connections" / "station.jpg")
         if extra is not None:
             extra.mkdir(parents=True, exist_ok=True)
             further(browser, page, url, live, extra)

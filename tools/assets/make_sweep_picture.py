@@ -1,4 +1,4 @@
-"""Draw docs/sweep.png: run the sweep of docs/sweeps.md, and take the picture of what its coverage depends on."""
+"""Draw docs/guides/sweep.png: run the sweep of sweeps.md, and take the picture of what its coverage depends on."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ def first_program(page: str, language: str) -> str:
     """Return the page's first program in a language."""
     found = re.search(rf"^```{language}\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     if found is None:
-        sys.exit(f"make_sweep_picture: docs/sweeps.md has no {language} program")
+        sys.exit(f"make_sweep_picture: docs/guides/sweeps.md has no {language} program")
     return found.group(1)
 
 
 def main() -> None:
     """Run the sweep, which takes some minutes."""
-    page = (DOCS / "sweeps.md").read_text()
+    page = (DOCS / "guides" / "sweeps.md").read_text()
     with TemporaryDirectory() as folder:
         (Path(folder) / "mow.py").write_text(first_program(page, "python"))
         (Path(folder) / "overlap.yaml").write_text(first_program(page, "yaml"))
         subprocess.run(["uwsim", "sweep", "overlap.yaml", "--out", "runs"], cwd=folder, check=True)
-        shutil.copy(Path(folder) / "runs" / "effects.png", DOCS / "sweep.png")
+        shutil.copy(Path(folder) / "runs" / "effects.png", DOCS / "guides" / "sweep.png")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make docs/teleop.png: the pilot's terminal over the lake, drawn by textual and a headless Chromium."""
+"""Make docs/guides/teleop.png: the pilot's terminal over the lake, drawn by textual and a headless Chromium."""
 
 import asyncio
 from pathlib import Path
@@ -8,12 +8,12 @@ from playwright.async_api import async_playwright
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
-from uwsim.teleop.app import TeleopApp
-from uwsim.teleop.connection import Connection
-from uwsim.teleop.gamepad import Gamepads
-from uwsim.teleop.hands import Hands
+from uwsim.operator.teleop.app import TeleopApp
+from uwsim.operator.teleop.connection import Connection
+from uwsim.operator.teleop.gamepad import Gamepads
+from uwsim.operator.teleop.hands import Hands
 
-TARGET = Path(__file__).parents[2] / "docs" / "teleop.png"
+TARGET = Path(__file__).parents[2] / "docs" / "guides" / "teleop.png"
 PLACE_M, ALONG_XYZW = (-72.0, -50.0, -24.0), (0.0, 0.0, 0.3, 0.954)  # near a gate
 SCREEN, PIXELS = (132, 40), {"width": 1340, "height": 860}
 

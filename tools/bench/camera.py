@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator, _core
-from uwsim.cameras import Camera, Frame
+from uwsim.instruments.cameras import Camera, Frame
 
 console = Console()
 

@@ -17,10 +17,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from uwsim.datasets import make_dataset
-from uwsim.datasets.frame import FrameJob, file_name, folders, make_frame
-from uwsim.datasets.spec import DatasetSpec, Product
-from uwsim.datasets.studio import digest_of, studio_of
+from uwsim.campaigns.datasets import make_dataset
+from uwsim.campaigns.datasets.frame import FrameJob, file_name, folders, make_frame
+from uwsim.campaigns.datasets.spec import DatasetSpec, Product
+from uwsim.campaigns.datasets.studio import digest_of, studio_of
 
 console = Console()
 

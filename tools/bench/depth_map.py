@@ -21,7 +21,7 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 
 from uwsim import Simulator, _core
-from uwsim.sonars.depth_map import DepthMap, Difference, difference, ranges_m
+from uwsim.instruments.sonars.depth_map import DepthMap, Difference, difference, ranges_m
 
 console = Console()
 

@@ -39,7 +39,7 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels import Channel, channels
 from uwsim.channels.messages import default_message, to_plain
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 console = Console()
 SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"

@@ -25,7 +25,7 @@ from uwsim.channels import Channel, Table, channels
 from uwsim.live import LiveSimulator
 from uwsim.recording import Recorder
 from uwsim.recording.watch import Watch
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 console = Console()
 SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"

@@ -25,7 +25,7 @@ from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
 from uwsim.channels import Channel, build
 from uwsim.channels.cdr import encode
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/python"))  # the peer is the tests' own

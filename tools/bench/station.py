@@ -29,8 +29,8 @@ from websockets.asyncio.client import connect
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
+from uwsim.simulator.simulator import Simulator
 
 console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it

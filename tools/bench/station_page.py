@@ -26,7 +26,7 @@ from rich.table import Table
 from uwsim.bridges import RosbridgeServer
 from uwsim.flight.survey import run_survey
 from uwsim.mapping import OccupancyMap
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
 
 console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it

@@ -21,12 +21,12 @@ from rich.console import Console
 from rich.table import Table
 
 from uwsim import Simulator
+from uwsim.campaigns.sweeps import run_sweep
+from uwsim.campaigns.sweeps.job import Job, fly_job
 from uwsim.flight.flyable_lanes import SurveyAreaWarning
 from uwsim.flight.survey import fly_survey
 from uwsim.mapping import OccupancyMap
 from uwsim.scoring.map_score import score_map
-from uwsim.sweeps import run_sweep
-from uwsim.sweeps.job import Job, fly_job
 
 console = Console()
 

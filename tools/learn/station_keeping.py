@@ -1,6 +1,7 @@
 """Learns uwsim/StationKeeping-v0 by CMA-ES, compares what it found with the PID of the vehicle's file, and draws both.
 
-    python tools/learn/station_keeping.py --out assets/learning/policies/station_keeping.json --curve docs/learning.png
+    python tools/learn/station_keeping.py --out assets/learning/policies/station_keeping.json \
+        --curve docs/guides/learning.png
 
 The search begins at proportional control with damping, one gain for all axes of a kind (`first_guess`), and is free
 from there. Episodes for learning have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.

@@ -7,7 +7,7 @@ from uwsim.learning.tasks import TASKS
 
 HEAD = """# Environments for learning
 
-What `import uwsim.learning` registers; [Learning](../learning.md) says how they are used. Observations are float32 and
+What `import uwsim.learning` registers; [Learning](../guides/learning.md) has their use. Observations are float32 and
 cut to their range; body axes are x forward, y left, z up. Actions are efforts in [-1, 1]. What no sensor reads is true.
 
 """

@@ -3,12 +3,16 @@
 PUBLIC = {
     "The simulator": [
         "uwsim.simulator.Simulator",
-        "uwsim.vehicle.Vehicle",
-        "uwsim.motion.Pose",
-        "uwsim.motion.Velocity",
+        "uwsim.simulator.vehicle.Vehicle",
+        "uwsim.base.motion.Pose",
+        "uwsim.base.motion.Velocity",
     ],
-    "Sensors": ["uwsim.sensors.Sensor", "uwsim.sensors.Sample", "uwsim.sample_stream"],
-    "Scenarios": ["uwsim.scenario_check"],
+    "Sensors": [
+        "uwsim.instruments.sensors.Sensor",
+        "uwsim.instruments.sensors.Sample",
+        "uwsim.instruments.sample_stream",
+    ],
+    "Scenarios": ["uwsim.evidence.scenario_check"],
     "Missions and surveys": [
         "uwsim.missions",
         "uwsim.flight.fly.fly()",
@@ -30,15 +34,24 @@ PUBLIC = {
             "twin.make_twin",
         )
     ],
-    "Control": ["uwsim.control.Controller", "uwsim.control.PathFollower"],
-    "Estimation": ["uwsim.estimation.Navigator"],
-    "Readings": ["uwsim.readings"],
-    "Sonar": ["uwsim.sonars.multibeam.Sonar", "uwsim._core.Ping", "uwsim.sonars.imaging", "uwsim.ranging"],
-    "Cameras": ["uwsim.cameras.camera.Camera", "uwsim.cameras.frame.Frame", "uwsim.cameras.lamp.Lamp"],
+    "Control": ["uwsim.navigation.control.Controller", "uwsim.navigation.control.PathFollower"],
+    "Estimation": ["uwsim.navigation.estimation.Navigator"],
+    "Readings": ["uwsim.instruments.readings"],
+    "Sonar": [
+        "uwsim.instruments.sonars.multibeam.Sonar",
+        "uwsim._core.Ping",
+        "uwsim.instruments.sonars.imaging",
+        "uwsim.mapping.ranging",
+    ],
+    "Cameras": [
+        "uwsim.instruments.cameras.camera.Camera",
+        "uwsim.instruments.cameras.frame.Frame",
+        "uwsim.instruments.cameras.lamp.Lamp",
+    ],
     "Maps": ["uwsim.mapping.occupancy_map.OccupancyMap", "uwsim.mapping.changes.map_changes()"],
-    "Parameters": ["uwsim.parameters.Parameters"],
-    "Faults": ["uwsim.failures.faults.Faults", "uwsim.failures.events.EventLog"],
-    "Link": ["uwsim.network.Network"],
+    "Parameters": ["uwsim.simulator.parameters.Parameters"],
+    "Faults": ["uwsim.simulator.failures.faults.Faults", "uwsim.simulator.failures.events.EventLog"],
+    "Link": ["uwsim.simulator.network.Network"],
     "Many at once": [
         "uwsim.batch.Batch",
         "uwsim.batch.BatchMotion",
@@ -55,7 +68,7 @@ PUBLIC = {
         "uwsim.learning.tasks",
         "uwsim.learning.policy.LinearPolicy",
     ],
-    "Sweeps and fleets": ["uwsim.sweeps", "uwsim.fleet"],
+    "Sweeps and fleets": ["uwsim.campaigns.sweeps", "uwsim.campaigns.fleet"],
     "On the wall clock": ["uwsim.live.LiveSimulator", "uwsim.live.replay()", "uwsim.bridges.RosbridgeServer"],
     "Recordings": ["uwsim.recording.Recorder", "uwsim.recording.open()"],
 }

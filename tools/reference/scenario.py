@@ -8,15 +8,15 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 from tools.reference.markdown import code, plain, table
 
-from uwsim.parameters.field_type import field_type, stripped
 from uwsim.scenario.spec.descriptions import descriptions
 from uwsim.scenario.spec.fields import InRange, Model
 from uwsim.scenario.spec.scenario import Scenario
+from uwsim.simulator.parameters.field_type import field_type, stripped
 
 HEAD = """# Scenario files
 
 Every key that a scenario's YAML file may hold, from the models that check it. `uwsim scenario check FILE` checks one,
-[scenarios](../scenarios.md) begins with examples.
+[scenarios](../guides/scenarios.md) begins with examples.
 A key without a default must be given.
 
 """

@@ -5,7 +5,7 @@ import math
 from tools.reference.markdown import code, plain, table
 
 from uwsim import _core
-from uwsim.readings import READINGS
+from uwsim.instruments.readings import READINGS
 from uwsim.scenario.read.assets import packaged_names
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.sensor import Noise, SensorMount
@@ -14,7 +14,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 HEAD = """# Sensors
 
 The kinds of sensor that a vehicle's file may carry, from the core's own table. `rov.sensors["imu"].read()` returns a
-number in the unit below, or a reading with these fields (`uwsim.readings`). [Scenario files](scenario.md) lists the
+number in the unit below, or these fields (`uwsim.instruments.readings`). [Scenarios](scenario.md) has the
 keys that all kinds share: mount, rate, latency, drop-outs, noise.
 
 """

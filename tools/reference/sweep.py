@@ -2,11 +2,11 @@
 
 from tools.reference.scenario import reachable, section
 
-from uwsim.sweeps.spec import SweepSpec
+from uwsim.campaigns.sweeps.spec import SweepSpec
 
 HEAD = """# Sweep files
 
-Every key that the file of `uwsim sweep` may hold, from the models that check it; [sweeps](../sweeps.md) says how they
+Every key of the file of `uwsim sweep`, from the models that check it; [sweeps](../guides/sweeps.md) explains how they
 are used. A key without a default must be given.
 
 """

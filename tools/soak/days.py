@@ -37,8 +37,8 @@ from steady import drift, growth, in_use_mb, open_files, peak_mb, resident_mb, t
 import uwsim
 from uwsim.bridges import RosbridgeServer
 from uwsim.cli.run_live import keep_threads_moving
+from uwsim.evidence.fingerprint import fingerprint
 from uwsim.examples.m01_hello_dive import mission
-from uwsim.fingerprint import fingerprint
 from uwsim.live import LiveSimulator
 
 DAY_S, HOUR_S = 86_400.0, 3600.0

@@ -26,7 +26,7 @@ from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
 from uwsim.bridges import RosbridgeServer
 from uwsim.cli.run_live import keep_threads_moving
-from uwsim.station import Site, Station
+from uwsim.operator.station import Site, Station
 
 CHROMIUM = "/usr/bin/chromium-headless-shell"
 GROWTH_MB_PER_H = 20.0

@@ -197,7 +197,7 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .field("labels", &Ping::labels, "(beams,) uint16, see Simulator.label_names")
       .field("valid", &Ping::valid, "(beams,) bool")
       .described_by(&describe)
-      .drawn_by("uwsim.sonars.fan_plot")
+      .drawn_by("uwsim.instruments.sonars.fan_plot")
       .done();
 
   Record<PingBatch>(m, "PingBatch",

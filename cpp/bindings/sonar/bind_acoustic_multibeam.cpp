@@ -57,7 +57,7 @@ void bind_ping(py::module_& m) {
       .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
       .field("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection")
       .described_by(&describe)
-      .drawn_by("uwsim.sonars.fan_plot")
+      .drawn_by("uwsim.instruments.sonars.fan_plot")
       .done();
 }
 

@@ -34,7 +34,7 @@ Depths ranges(const DepthCamera& camera, const py::object& depth_m, const py::ob
 }  // namespace
 
 void bind_depth_image(py::module_& m) {
-  py::class_<DepthCamera>(m, "DepthCamera", "See uwsim.sonars.depth_map.DepthMap.")
+  py::class_<DepthCamera>(m, "DepthCamera", "See uwsim.instruments.sonars.depth_map.DepthMap.")
       .def(py::init<>())
       .def_readwrite("width", &DepthCamera::width)
       .def_readwrite("height", &DepthCamera::height)

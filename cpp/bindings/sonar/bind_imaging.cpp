@@ -58,7 +58,7 @@ void bind_imaging(py::module_& m) {
   m.def(
       "imaging_kind", [](const std::string& name) { return &imaging_kind(name); }, py::arg("name"),
       py::return_value_policy::reference, "Raises ValueError with the known names.");
-  py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.sonars.imaging.")
+  py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.instruments.sonars.imaging.")
       .def(py::init(&checked_sonar), py::arg("kind"), py::arg("figures"),
            py::arg("strengths_db") = std::vector<double>{},
            "figures: by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label, NaN for the "

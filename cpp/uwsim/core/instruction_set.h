@@ -9,7 +9,7 @@ namespace uwsim {
 enum class InstructionSet : std::uint8_t { best, portable, avx2, avx512 };
 
 /// Whether this processor has every instruction that the compiler may use in the kernels of `set`. The flags tested are
-/// those of cpp/uwsim/CMakeLists.txt; tests/python/test_architecture.py compares the two.
+/// those of cpp/uwsim/CMakeLists.txt; tests/python/whole/test_architecture.py compares the two.
 bool processor_has(InstructionSet set);
 /// The set that the environment names by UWSIM_INSTRUCTION_SET=portable, avx2 or avx512, so that CPUs of different
 /// kinds give the same bytes; best if it names none. Throws InvalidValue for another word, or a set that this processor

@@ -9,27 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.agenda import Agenda
+from uwsim.base.agenda import Agenda
+from uwsim.base.journal import Journal
 from uwsim.batch.members import Member
-from uwsim.docking import Dock
-from uwsim.failures import Aboard, EventLog, Failsafe, Faults
-from uwsim.journal import Journal
-from uwsim.network import Network
-from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario, VehicleEntry
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.simulation import simulation_spec
 from uwsim.scenario.build.station import dock_position, exit_position
 from uwsim.scenario.build.vehicle import vehicle_errors_at, vehicle_spec
 from uwsim.scenario.build.world import scenario_water
-from uwsim.vehicle import Vehicle
+from uwsim.simulator.docking import Dock
+from uwsim.simulator.failures import Aboard, EventLog, Failsafe, Faults
+from uwsim.simulator.network import Network
+from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.vehicle import Vehicle
 
 
 class MemberAboard:
     """What runs aboard a member, until it is reset.
 
     events: faults, alarms and failsafes so far. faults: to `inject` and `end` them. failsafes: by vehicle; see
-    uwsim.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda: when they act.
+    uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda: when they act.
     """
 
     agenda: Agenda

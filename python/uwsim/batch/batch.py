@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
-from uwsim.arguments import checked_threads
+from uwsim.base.arguments import checked_threads
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.base.sealed import Sealed
 from uwsim.batch import arguments
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.arguments import Changes, FaultList, whole
@@ -28,13 +30,11 @@ from uwsim.batch.results import (
     ping_buffers,
     sample_buffers,
 )
-from uwsim.did_you_mean import did_you_mean
-from uwsim.docking import DockedWarning
 from uwsim.scenario import Scenario, build_world, load
 from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.scenario.spec.fault import FaultModel
-from uwsim.sealed import Sealed
-from uwsim.simulator import Simulator
+from uwsim.simulator.docking import DockedWarning
+from uwsim.simulator.simulator import Simulator
 
 MEMBERS_MAX = 1_000_000
 

@@ -8,9 +8,6 @@ from functools import cached_property
 
 from uwsim import _core
 from uwsim.batch.arguments import Changes
-from uwsim.parameters import Parameters
-from uwsim.parameters.edits import edited
-from uwsim.parameters.tree import Place
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.control import ControlSettings
 from uwsim.scenario.build.link import link_spec
@@ -19,6 +16,9 @@ from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, veh
 from uwsim.scenario.build.water import surface_density_kg_m3
 from uwsim.scenario.build.world import scenario_water
 from uwsim.scenario.spec.fault import FaultModel
+from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.parameters.edits import edited
+from uwsim.simulator.parameters.tree import Place
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from uwsim.batch.results import BatchSamples, Buffers
 class Programs:
     """Faults and failsafes of the members that have any, and which sensors are off. Other members cost nothing.
 
-    Each member has an agenda of its own (uwsim.agenda): between two ticks at which something acts, in Python, it is
+    Each member has an agenda of its own (`base/agenda.py`): between two ticks at which something acts, in Python, it is
     stepped as any other. Members need not be at the same tick meanwhile, so that a round of parts keeps all threads
     busy.
     """

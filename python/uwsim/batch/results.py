@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.named import Named
+from uwsim.base.named import Named
 
 Floats = NDArray[np.float64]
 R = TypeVar("R")

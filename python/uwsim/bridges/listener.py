@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
-from uwsim.admission import Admission, is_socket, tls_context, warn_beyond_loopback
+from uwsim.bridges.admission import Admission, is_socket, tls_context, warn_beyond_loopback
 from uwsim.bridges.connection import HeardConnection
 from uwsim.bridges.conversation import Allowance, Rates, Session, converse
 

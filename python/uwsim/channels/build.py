@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from uwsim.base.quaternions import product
 from uwsim.channels.message_out import default_message, default_value
 from uwsim.channels.message_types import fields as fields_of
 from uwsim.channels.message_types import typestore
-from uwsim.quaternions import product
 
 IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
 # Frames of instruments in that of their mount (x ahead, y left, z up):

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.cameras import Camera
 from uwsim.channels import build
 from uwsim.channels.channel import COMMAND, PICTURE, Channel
 from uwsim.channels.pictures import RATE_HZ, Picture, Pictures
 from uwsim.channels.source import Source
 from uwsim.channels.steering import is_cut_off, log_error
+from uwsim.instruments.cameras import Camera
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 CameraOf = Callable[[Simulator], Camera]
 

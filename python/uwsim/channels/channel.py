@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
 """Priorities on the link."""

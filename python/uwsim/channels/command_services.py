@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from uwsim.arguments import plain
+from uwsim.base.arguments import plain
 from uwsim.channels.channel import Service
 from uwsim.channels.request import Request, answered, field
 from uwsim.channels.source import Source

@@ -13,7 +13,7 @@ from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
 from uwsim.commands import COMMANDS, Argument
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 SPEED_MAX = 100.0  # m/s and rad/s
 FLOATS = "std_msgs/msg/Float64MultiArray"

@@ -7,7 +7,7 @@ from typing import Any
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 1.0
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/DiagnosticStatus

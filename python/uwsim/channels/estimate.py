@@ -11,8 +11,8 @@ from scipy.linalg import block_diag
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
-from uwsim.estimation import Navigator
-from uwsim.simulator import Simulator
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
 TOPIC = "odometry/filtered"  # robot_localization's name

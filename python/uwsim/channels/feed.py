@@ -12,7 +12,7 @@ from uwsim.channels.cdr import encode
 from uwsim.channels.channel import Channel
 from uwsim.channels.messages import from_bytes
 from uwsim.live import LiveSimulator, Subscription
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 logger = logging.getLogger("uwsim.channels")
 

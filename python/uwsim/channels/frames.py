@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.cameras import Camera
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.source import Source
-from uwsim.simulator import Simulator
+from uwsim.instruments.cameras import Camera
+from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 50.0
 CLOCK_HZ = 100.0

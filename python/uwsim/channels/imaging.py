@@ -17,10 +17,10 @@ from uwsim.channels import build
 from uwsim.channels.channel import PICTURE, PING, Channel
 from uwsim.channels.pictures import RATE_HZ, Pictures, Stream, as_jpeg
 from uwsim.channels.source import Source
-from uwsim.simulator import Simulator
-from uwsim.sonars.imaging import ForwardLooking, Profiles, SideScan, SingleBeam, SonarImage, Waterfall
-from uwsim.sonars.imaging.pixels import in_colours, polar_pixels, shown_range
-from uwsim.sonars.mounted import ImagingSonar
+from uwsim.instruments.sonars.imaging import ForwardLooking, Profiles, SideScan, SingleBeam, SonarImage, Waterfall
+from uwsim.instruments.sonars.imaging.pixels import in_colours, polar_pixels, shown_range
+from uwsim.instruments.sonars.mounted import ImagingSonar
+from uwsim.simulator.simulator import Simulator
 
 Levels = NDArray[np.float32]
 DTYPE_FLOAT32 = 8  # SonarImageData.DTYPE_FLOAT32

@@ -13,9 +13,9 @@ from uwsim.channels import build
 from uwsim.channels.channel import Channel
 from uwsim.channels.covariance import isotropic, of_velocity, variance
 from uwsim.channels.source import Source
+from uwsim.instruments.sensors import Sample
 from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.sensors import Sample
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 DEFAULT_HZ = 10.0  # for sensors without a rate of their own
 BATTERY_HZ = 1.0

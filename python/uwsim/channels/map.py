@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim import ranging
 from uwsim.channels import build
 from uwsim.channels.channel import PING, Channel
 from uwsim.channels.map_changes import MapChanges
@@ -20,11 +19,11 @@ from uwsim.channels.own_types import MAP_CHANGES, PLACED_PING
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.scans import Head, scan_of
 from uwsim.channels.source import Source
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import OccupancyMap, ranging
 from uwsim.mapping.ping_to_map import Box, placed_echoes
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.hull import hull_box_m
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000

@@ -1,6 +1,6 @@
 """Message types of our own, as .msg texts, for which no package has a type.
 
-docs/station-wire.md explains the fields.
+docs/connections/station-wire.md explains the fields.
 """
 
 TELEMETRY = "uwsim_msgs/msg/Telemetry"
@@ -55,7 +55,7 @@ uint16[] counts                # n: how many cells follow for each
 uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: occupied now, or no longer
 """,
     LINK: """\
-std_msgs/Header header         # docs/link.md; of both directions together unless it says otherwise
+std_msgs/Header header         # docs/guides/link.md; of both directions together unless it says otherwise
 string modem
 float32 quality                # share of the packets so far that arrived
 float32 delay                  # s, of the newest packet's first arrival; nan before that

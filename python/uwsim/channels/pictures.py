@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.cameras import Camera, Frame
-from uwsim.simulator import Simulator
+from uwsim.instruments.cameras import Camera, Frame
+from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 RATE_HZ = 10.0

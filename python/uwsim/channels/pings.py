@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.channels.source import Source
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 SLOT_S = 0.02
 """Pings coincide with readings at 50 Hz, so that poses published at 50 Hz are those of the pings."""

@@ -9,7 +9,7 @@ from uwsim.channels.channel import Channel
 from uwsim.channels.own_types import LINK
 from uwsim.channels.source import Source
 from uwsim.channels.steering import is_cut_off
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 2.0
 NONE = "none"

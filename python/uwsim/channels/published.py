@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from uwsim import ranging
 from uwsim.channels import build
 from uwsim.channels.cameras import jpeg_message
 from uwsim.channels.channel import COMMAND, PANEL, PICTURE, Channel
@@ -22,7 +21,8 @@ from uwsim.channels.scans import DEPTH_ARRAY
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.mapping import ranging
+from uwsim.simulator.simulator import Simulator
 
 POSE_HZ = 50.0
 PANEL_HZ = 10.0

@@ -9,11 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core, ranging
+from uwsim import _core
 from uwsim.channels import build
 from uwsim.channels.channel import PING, Channel
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.source import Source
+from uwsim.mapping import ranging
 
 SCAN_HZ = 50.0
 FLOAT32 = 7  # PointField.FLOAT32

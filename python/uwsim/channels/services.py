@@ -15,7 +15,7 @@ from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering, require_link
 from uwsim.commands import SET_BOOL, TRIGGER
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 SET_STREAM = "set_stream"
 """The name under which a recording knows that a stream of pictures was changed."""

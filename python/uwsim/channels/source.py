@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from uwsim.scenario.spec.vehicle import VehicleModel
 from uwsim.scenario.spec.vehicle_entry import VehicleEntry
-from uwsim.simulator import Simulator
-from uwsim.vehicle import Vehicle
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 Vector = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.source import Source
-from uwsim.command_gate import CommandGate
-from uwsim.control.velocity_hold import VelocityHold
 from uwsim.live import LiveSimulator, Subscription
-from uwsim.simulator import Simulator
+from uwsim.navigation.control.velocity_hold import VelocityHold
+from uwsim.simulator.command_gate import CommandGate
+from uwsim.simulator.simulator import Simulator
 
 CONTROL_S = 0.05
 

@@ -28,7 +28,7 @@ from uwsim.channels.services import simulation_services, stream_service, vehicle
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering, is_cut_off
 from uwsim.channels.telemetry import telemetry_channel
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
 ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "published": (0.0, 0.0, 75.3)}

@@ -13,9 +13,9 @@ from uwsim.channels.channel import PANEL, Channel
 from uwsim.channels.estimate import has_estimate
 from uwsim.channels.own_types import ALL_STOPPED, TELEMETRY
 from uwsim.channels.source import Source
-from uwsim.estimation import Navigator
-from uwsim.simulator import Simulator
-from uwsim.vehicle import Vehicle
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 RATE_HZ = 10.0
 NAN = math.nan

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from uwsim.channels.feed import Readings
     from uwsim.live import LiveSimulator
 
-Ros1 = Annotated[bool, typer.Option("--ros1", help="Also run as a node of ROS 1; see docs/ros1.md.")]
-Ros2 = Annotated[bool, typer.Option("--ros2", help="Also run as a node of ROS 2; see docs/ros2.md.")]
+Ros1 = Annotated[bool, typer.Option("--ros1", help="Also run as a node of ROS 1; see docs/connections/ros1.md.")]
+Ros2 = Annotated[bool, typer.Option("--ros2", help="Also run as a node of ROS 2; see docs/connections/ros2.md.")]
 RosDistro = Annotated[
     str | None,
     typer.Option(
@@ -39,7 +39,9 @@ RosReach = Annotated[
 RosPeers = Annotated[
     list[str] | None, typer.Option(help="ROS 2: a further host, beyond the reach of multicast; may be repeated.")
 ]
-Foxglove = Annotated[bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/foxglove.md.")]
+Foxglove = Annotated[
+    bool, typer.Option("--foxglove", help="Also serve the Foxglove app; see docs/connections/foxglove.md.")
+]
 FoxglovePort = Annotated[int | None, typer.Option(help="Port for Foxglove. Default: 8765.", callback=within(0, 65535))]
 
 

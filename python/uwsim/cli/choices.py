@@ -16,7 +16,7 @@ def one_of(*known: str) -> dict[str, Any]:
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for word in value if isinstance(value, list) else (value,):
             if word is not None and word not in known:
-                from uwsim.did_you_mean import did_you_mean
+                from uwsim.base.did_you_mean import did_you_mean
 
                 rule = f"must be one of {', '.join(known)}{did_you_mean(word, known)}"
                 raise UsageError(f"{option_name(param)} = '{word[:40]}': {rule}")

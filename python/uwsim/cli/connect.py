@@ -42,7 +42,7 @@ def connect(
     from uwsim.channels import Table, diagnostics_channel
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.simulator import Simulator
 
     logging.basicConfig(format="uwsim: %(message)s")
     logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)

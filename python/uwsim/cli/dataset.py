@@ -13,7 +13,7 @@ from uwsim.cli.options import ScenarioName, Seed, VehicleName
 from uwsim.cli.sweep import Scheduler, Workers
 
 if TYPE_CHECKING:
-    from uwsim.datasets import Dataset
+    from uwsim.campaigns.datasets import Dataset
 
 Vary = Annotated[
     list[str] | None,
@@ -96,9 +96,9 @@ def dataset(
     training and validation. Poses are drawn in free water with something in view, or taken from a track. The bytes do
     not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume makes the rest.
     """
-    from uwsim.datasets import make_dataset
-    from uwsim.stoppable import stop_on_signals
-    from uwsim.workers.job_progress import job_progress
+    from uwsim.base.stoppable import stop_on_signals
+    from uwsim.campaigns.datasets import make_dataset
+    from uwsim.campaigns.workers.job_progress import job_progress
 
     options: dict[str, Any] = {
         "camera": camera,

@@ -33,8 +33,8 @@ def doctor(
     from rich.console import Console
     from rich.table import Table
 
+    from uwsim.bridges.doctor import Plan, examine
     from uwsim.bridges.ros2.settings import settings_from
-    from uwsim.doctor import Plan, examine
 
     need_subnet(ros_reach, ros_peer)
     settings = settings_from(

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from uwsim.cameras import Camera, Frame
-from uwsim.cameras.effects import effects_on
-from uwsim.cameras.image_file import check_suffix, write_image
 from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.contact_sheet import contact_sheet
-from uwsim.simulator import Simulator
+from uwsim.instruments.cameras import Camera, Frame
+from uwsim.instruments.cameras.effects import effects_on
+from uwsim.instruments.cameras.image_file import check_suffix, write_image
+from uwsim.simulator.simulator import Simulator
 
 LONGEST_WAIT_S = 36_000.0  # minutes of wall time
 

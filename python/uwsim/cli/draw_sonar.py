@@ -14,10 +14,10 @@ from uwsim.cli.pose_option import chosen_vehicle, place_as_typed
 from uwsim.figures.sonar_fan import SECTION_IN, WIDTH_IN, beam_ends_m, draw_plan, draw_section
 from uwsim.figures.sonar_panels import draw_image, draw_profiles, draw_waterfall
 from uwsim.figures.style import new_figure, save_figure
-from uwsim.simulator import Simulator
-from uwsim.sonars import imaging
-from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
-from uwsim.vehicle import Vehicle
+from uwsim.instruments.sonars import imaging
+from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 KINDS = ("all", "fan", "image", "side-scan", "profile")
 IMAGE_TILT_DEG = 12.0  # nose down: the imaging sonar's aperture then covers 2 to 22 degrees below the level

@@ -1,4 +1,4 @@
-"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and docs/conventions.md."""
+"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and docs/guides/conventions.md."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def fingerprint(
     """
     import orjson
 
-    from uwsim.fingerprint import fingerprint as made
+    from uwsim.evidence.fingerprint import fingerprint as made
 
     found = made(scenario, seed=seed, threads=threads)
     if json:

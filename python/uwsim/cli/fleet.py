@@ -13,7 +13,7 @@ from uwsim.cli.options import ScenarioName, Seed, Voxel, need
 from uwsim.cli.sweep import Scheduler, Workers
 
 if TYPE_CHECKING:
-    from uwsim.fleet import Fleet
+    from uwsim.campaigns.fleet import Fleet
 
 
 def fleet(
@@ -46,9 +46,9 @@ def fleet(
     workers or the order in which tiles are finished. Ctrl-C and kills lose only the tiles in progress: --resume flies
     the rest. Exits with 1 if a tile failed.
     """
-    from uwsim.fleet import run_fleet
-    from uwsim.stoppable import stop_on_signals
-    from uwsim.workers.job_progress import job_progress
+    from uwsim.base.stoppable import stop_on_signals
+    from uwsim.campaigns.fleet import run_fleet
+    from uwsim.campaigns.workers.job_progress import job_progress
 
     if not resume:
         need("--resume", retry_failed=retry_failed)

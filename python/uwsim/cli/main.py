@@ -160,7 +160,7 @@ def _printable(text: str) -> str:
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
     """End the process at once: an exception during an import could be swallowed, or leave the module half imported."""
-    if (files := sys.modules.get("uwsim.atomic_file")) is not None:
+    if (files := sys.modules.get("uwsim.base.atomic_file")) is not None:
         files.remove_unfinished()
     if (core := sys.modules.get("uwsim._core")) is not None:
         core.remove_unfinished_files()  # those of other threads

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from uwsim.cli.options import need
-from uwsim.georeference import georeference
 from uwsim.mapping.depth_grid import depth_grid
 from uwsim.mapping.files import CLOUD_FORMATS, write_cloud
 from uwsim.mapping.files.geotiff import write_depth_tiff
 from uwsim.mapping.files.map_files import MAP_SUFFIXES, ZERO, Origin, open_map, open_points
 from uwsim.scenario import load
+from uwsim.scenario.georeference import georeference
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 

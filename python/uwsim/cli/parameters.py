@@ -25,7 +25,7 @@ def parameters(
     """
     from dataclasses import asdict
 
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.simulator import Simulator
 
     found = Simulator(scenario).parameters
     described = [found.describe(name) for name in found.list(prefix)]

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim.simulator import Simulator
-from uwsim.vehicle import Vehicle
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
 

@@ -18,6 +18,6 @@ def reproduce(
 
     Writes fig01.png to fig12.png, the values behind them (figures.json), and index.html.
     """
-    from uwsim.reproduce import reproduce_paper
+    from uwsim.evidence.reproduce import reproduce_paper
 
     reproduce_paper(out, typer.echo)

@@ -98,7 +98,7 @@ def check(
     each vehicle floats and steers, and what may be unintended. Exits with 0 without a mistake, with 1 if a file has
     one, or with --strict a warning, and with 2 for a wrong option.
     """
-    from uwsim.scenario_check import check_file, check_part
+    from uwsim.evidence.scenario_check import check_file, check_part
 
     if picture is not None and (len(files) > 1 or kind != "scenario"):
         raise WithoutEffectError("--picture: needs one file, of a scenario")
@@ -117,7 +117,7 @@ def check(
 
 
 def _print(reports: list) -> None:  # type: ignore[type-arg]  # the class is imported where it is used
-    from uwsim.scenario_check.text import report_lines
+    from uwsim.evidence.scenario_check.text import report_lines
 
     for report in reports:
         for mistake in report.mistakes:

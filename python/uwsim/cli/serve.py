@@ -87,7 +87,7 @@ def serve(
     from uwsim.channels.served import served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.simulator import Simulator
 
     bridges = Bridges(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
@@ -111,8 +111,8 @@ def serve(
 
         options: dict[str, Any] = {"port": port, "ros": ros, **accessible}
         if station:
-            from uwsim.admission import has_token
-            from uwsim.station import Site, Station
+            from uwsim.bridges.admission import has_token
+            from uwsim.operator.station import Site, Station
 
             hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
             site = Site(hub, lambda request: token is None or has_token(request, token))

@@ -51,12 +51,12 @@ def station(
 
     It works offline and over a forwarded port. The same port is a rosbridge server. Ctrl-C ends it.
     """
-    from uwsim.admission import has_token
     from uwsim.bridges import RosbridgeServer
+    from uwsim.bridges.admission import has_token
     from uwsim.cli.run_live import wait_for_interrupt
+    from uwsim.operator.station import Site, Station
     from uwsim.scenario import load
     from uwsim.scenario.read.assets import packaged_names
-    from uwsim.station import Site, Station
 
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     load(scenario)  # reports mistakes here, not on the page

@@ -12,7 +12,7 @@ from uwsim.cli.exit_codes import FAILED, INTERRUPTED
 from uwsim.cli.options import WithoutEffectError, need
 
 if TYPE_CHECKING:
-    from uwsim.sweeps import Sweep
+    from uwsim.campaigns.sweeps import Sweep
 
 Workers = Annotated[
     int | None,
@@ -53,10 +53,10 @@ def sweep(
     the worst runs with their recordings. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
     run that fails is a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
     """
+    from uwsim.base.stoppable import stop_on_signals
+    from uwsim.campaigns.sweeps import fly_again, run_sweep
+    from uwsim.campaigns.workers.job_progress import job_progress
     from uwsim.flight.terminal import Terminal
-    from uwsim.stoppable import stop_on_signals
-    from uwsim.sweeps import fly_again, run_sweep
-    from uwsim.workers.job_progress import job_progress
 
     screen = Terminal()
     if again is not None:
@@ -100,8 +100,8 @@ def _alone(**options: object) -> None:
 
 
 def _print(flown: Sweep) -> None:
-    from uwsim.sweeps.sweep import REPORT
-    from uwsim.sweeps.table import TABLE
+    from uwsim.campaigns.sweeps.sweep import REPORT
+    from uwsim.campaigns.sweeps.table import TABLE
 
     typer.echo(f"{len(flown.rows):,} of {len(flown.runs):,} runs, {flown.failed:,} failed")
     for row in flown.rows.failed[:3]:

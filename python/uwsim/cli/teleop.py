@@ -14,7 +14,7 @@ from uwsim.cli.values import scenarios
 
 if TYPE_CHECKING:
     from uwsim.bridges import RosbridgeServer
-    from uwsim.simulator import Simulator
+    from uwsim.simulator.simulator import Simulator
 
 
 def teleop(
@@ -39,10 +39,10 @@ def teleop(
 
     ? shows the keys; Ctrl-Q quits. However it ends, the efforts are zero afterwards.
     """
-    from uwsim.extras import need_extra
+    from uwsim.base.extras import need_extra
 
     need_extra("textual", "teleop", "uwsim teleop")
-    from uwsim.teleop.fly import fly
+    from uwsim.operator.teleop.fly import fly
 
     if url is not None:
         if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):
@@ -51,7 +51,7 @@ def teleop(
             )
         marks, code = fly(url, url, vehicle)
     else:
-        from uwsim.simulator import Simulator
+        from uwsim.simulator.simulator import Simulator
 
         flown = scenario or "lake"
         model = parsed_sonar_model(sonar_model)

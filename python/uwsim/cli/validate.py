@@ -25,9 +25,9 @@ def validate(
 
     Prints expected, got and error; exits with 1 on a miss.
     """
-    from uwsim.validate import SUITES, run_suite
-    from uwsim.validate.check_table import print_checks
-    from uwsim.validate.page import write_page
+    from uwsim.evidence.validate import SUITES, run_suite
+    from uwsim.evidence.validate.check_table import print_checks
+    from uwsim.evidence.validate.page import write_page
 
     found = {}
     for suite in suites or SUITES:

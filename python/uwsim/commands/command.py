@@ -9,8 +9,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from uwsim.arguments import number
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.arguments import number
+from uwsim.base.did_you_mean import did_you_mean
 
 Type = Literal["number", "numbers", "numbers by name", "flag", "text", "bytes", "any"]
 REQUIRED: Final = object()

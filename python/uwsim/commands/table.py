@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command, item
 
 ALL_STOP = "all_stop"

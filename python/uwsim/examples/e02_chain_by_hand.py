@@ -4,8 +4,7 @@ import tempfile
 from pathlib import Path
 
 import uwsim
-from uwsim import ranging
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import OccupancyMap, ranging
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""A mission of your own: circle a point while facing it. See docs/missions.md for more."""
+"""A mission of your own: circle a point while facing it. See docs/guides/missions.md for more."""
 
 import numpy as np
 

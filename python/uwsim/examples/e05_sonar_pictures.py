@@ -3,8 +3,8 @@
 import numpy as np
 
 from uwsim import Simulator
-from uwsim.sonars import imaging
-from uwsim.sonars.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.instruments.sonars import imaging
+from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
 
 
 def main() -> None:

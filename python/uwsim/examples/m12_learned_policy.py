@@ -3,13 +3,13 @@
 import numpy as np
 
 import uwsim
-from uwsim.control import Controller
 from uwsim.learning.motion import Motion
 from uwsim.learning.policy import LinearPolicy
 from uwsim.learning.task import observed
 from uwsim.learning.tasks import StationKeeping
 from uwsim.learning.tasks.station_keeping import way_to
 from uwsim.missions import OwnVehicle, Steps, wait
+from uwsim.navigation.control import Controller
 from uwsim.scenario.read.assets import assets_folder
 
 PLACE_M = StationKeeping.place_m

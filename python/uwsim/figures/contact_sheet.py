@@ -1,6 +1,6 @@
 """A contact sheet: pictures of one size laid out in rows, with thin gaps.
 
-`uwsim camera` writes one; tools/assets/make_contact_sheet.py draws docs/cameras.jpg with it.
+`uwsim camera` writes one; tools/assets/make_contact_sheet.py draws docs/guides/cameras.jpg with it.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 
 Levels = NDArray[np.float32]
 

@@ -11,9 +11,9 @@ from matplotlib.patches import Arc
 from numpy.typing import NDArray
 
 from uwsim.figures.style import ACCENT, add_legend, label_axes
-from uwsim.sonars.imaging import Profiles, SonarImage, Waterfall
-from uwsim.sonars.imaging import pixels as sonar_pixels
-from uwsim.sonars.imaging.pixels import NIGHT, fan_pixels, shown_range
+from uwsim.instruments.sonars.imaging import Profiles, SonarImage, Waterfall
+from uwsim.instruments.sonars.imaging import pixels as sonar_pixels
+from uwsim.instruments.sonars.imaging.pixels import NIGHT, fan_pixels, shown_range
 
 AMBER = LinearSegmentedColormap.from_list("amber", sonar_pixels.AMBER)
 RING = "#9fd3e6"

@@ -19,7 +19,7 @@ from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 
 PIXELS_PER_INCH = 150
 PAD_IN = 0.15

@@ -13,8 +13,8 @@ from uwsim.link.ashore import placed_points
 from uwsim.link.carried import carried_channels
 from uwsim.link.table import LinkRow, link_rows
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.network import STATION
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION
+from uwsim.simulator.simulator import Simulator
 
 
 class Ashore:

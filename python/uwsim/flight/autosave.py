@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
-from uwsim.stoppable import Stoppable, stop_on_signals
+from uwsim.base.stoppable import Stoppable, stop_on_signals
 
 AUTOSAVE_S = 30.0
 MAX_SHARE_OF_TIME = 0.5  # largest share of the wall time for saving, where a save takes longer than the interval

@@ -24,10 +24,10 @@ from pathlib import Path
 
 import numpy as np
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.npz import read_npz
 from uwsim.flight.saved_flight import SavedFlight, read_state
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.npz import read_npz
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
 BEFORE_ONE_ENGINE = "survey.state"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from uwsim.simulator import Simulator
-from uwsim.wall_timer import Measurement
+from uwsim.base.wall_timer import Measurement
+from uwsim.simulator.simulator import Simulator
 
 
 class FlightOverError(Exception):

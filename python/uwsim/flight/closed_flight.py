@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.vehicle_chain import chain_of
 from uwsim.mapping import OccupancyMap
+from uwsim.mapping.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.scenario import ScenarioError
-from uwsim.simulator import Simulator
-from uwsim.vehicle import Vehicle
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 

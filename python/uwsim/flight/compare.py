@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.flight.fly import fly
 from uwsim.flight.folder import made_folder
 from uwsim.flight.record import FlightRecord
@@ -22,7 +22,7 @@ from uwsim.flight.summary import vehicle_values
 from uwsim.missions.run import MissionFunction
 from uwsim.scenario import Scenario
 from uwsim.scoring.score_json import write_json
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 TABLE, VALUES, FIGURE = "compare.csv", "compare.json", "compare.png"
 Curve = tuple[list[float], list[float]]

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.wall_timer import WallTimer
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP, FlightCheckpoint
 from uwsim.flight.clock import FlightClock, FlightOverError
@@ -25,8 +26,7 @@ from uwsim.flight.stages import AUTOSAVE, MISSION, PHYSICS, STAGES, WAITING
 from uwsim.flight.terminal import Show
 from uwsim.flight.watched import Watched, linked, mapping, sampling
 from uwsim.missions.own_vehicle import Event, OwnVehicle
-from uwsim.simulator import Simulator
-from uwsim.wall_timer import WallTimer
+from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
     from uwsim.flight.ashore import Ashore

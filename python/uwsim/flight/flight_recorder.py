@@ -12,7 +12,7 @@ from uwsim.flight.pinging import TakePing
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.request import FlightRequest
 from uwsim.recording.recorder import MAP_TYPE, Recorder
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.folder_lock import alone_in, require_free
 from uwsim.flight.autosave import AUTOSAVE_S, FlightAutosave
 from uwsim.flight.checkpoint import FlightCheckpoint
 from uwsim.flight.engine import Flight
@@ -22,13 +23,12 @@ from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.setup import Setup
 from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import default_voxel_m, filters_outliers, require_sonar, survey_area_m
-from uwsim.folder_lock import alone_in, require_free
 from uwsim.mapping import MapEngine, OccupancyMap
 from uwsim.scenario import Scenario, Survey
 from uwsim.scenario.fingerprint import warn_of_other_build
 from uwsim.scenario.read.validated import validated
 from uwsim.scoring.surface_ahead import SurfaceAhead
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
     from uwsim.flight.flight_recorder import FlightRecorder

@@ -14,7 +14,7 @@ from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import PASSABLE_Z_M
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.scenario import Scenario, ScenarioError, Survey, start_pose
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 STEP_M = 1.0
 MARGIN_M = 2.0

@@ -25,7 +25,7 @@ from uwsim.recording.pings import recorded_pings
 from uwsim.recording.reader import Recording
 from uwsim.recording.recorder import Recorder
 from uwsim.recording.replay import new_simulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 PINGS = Channel(NAME, SONAR_PING, "out", "each ping of the survey, with the poses of body and sonar in the world")
 NOTED = (

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from uwsim.mapping import OccupancyMap
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 FIRST_S, FACTOR = 5.0, 1.25  # the times: FIRST_S x FACTOR^k, some 30 in an hour
 MOST_VOXELS = 20_000  # whose distances are measured, evenly picked among all

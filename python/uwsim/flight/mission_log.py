@@ -8,7 +8,7 @@ from typing import IO
 
 import orjson
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.missions.own_vehicle import Event
 
 LOG = "log.jsonl"

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from uwsim.control.protocols import Clock, SurveyVehicle
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.flight.flyable_lanes import LEAST_SHARE, SurveyAreaWarning, flyable_plan, required_survey, survey_plan
 from uwsim.flight.mission_file import FUNCTION, load_mission, mission_name, with_arguments
 from uwsim.missions import COVERED, AdaptiveLawnMower, LawnMowerPlan, Mission, ResumableMission, StoppedError
@@ -20,7 +19,8 @@ from uwsim.missions.mission import SteppedMission
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.run import MissionFunction, first_parameter, made, steps_of
 from uwsim.missions.steps import Steps, drive
-from uwsim.simulator import Simulator
+from uwsim.navigation.control.protocols import Clock, SurveyVehicle
+from uwsim.simulator.simulator import Simulator
 
 MakeMission = Callable[[SurveyVehicle, Clock, LawnMowerPlan], Mission]
 AnyMission = MissionFunction | MakeMission | str | Path | None

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
+from uwsim.base.wall_timer import WallTimer
 from uwsim.flight.map_growth import GrowthRow, GrowthWatch
 from uwsim.flight.ping_log import PANEL_WARNINGS, PingLog
 from uwsim.flight.record import FlightRecord
@@ -29,11 +30,10 @@ from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scoring.surface_ahead import SurfaceAhead
-from uwsim.simulator import Simulator
-from uwsim.wall_timer import WallTimer
+from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
-    from uwsim.closure import PingTrack
+    from uwsim.mapping.closure import PingTrack
 
 SURVEYED = ("telemetry", "placed_ping")
 """How the names end of what a surveying vehicle says over a link."""

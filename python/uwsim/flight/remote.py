@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
+from uwsim.base.folder_lock import alone_in
 from uwsim.bridges.remote import LockstepClock, RemoteClock, RemoteConnection, RemoteVehicle, vehicle_names
-from uwsim.control.protocols import Clock
 from uwsim.flight.autosave import FlightAutosave
 from uwsim.flight.checkpoint import MAP
 from uwsim.flight.clock import FlightOverError
@@ -29,12 +29,12 @@ from uwsim.flight.samples import COLUMNS, PERIOD_S, Samples
 from uwsim.flight.scored_area import scored_area_m
 from uwsim.flight.terminal import Silent
 from uwsim.flight.vehicle_chain import survey_area_m
-from uwsim.folder_lock import alone_in
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.run import MissionFunction, begin, first_parameter
 from uwsim.missions.steps import drive
-from uwsim.simulator import Simulator
+from uwsim.navigation.control.protocols import Clock
+from uwsim.simulator.simulator import Simulator
 
 VOXEL_M = 0.2
 NAN = math.nan

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.figures.html_page import data_uri, filled_page
 from uwsim.figures.truth_and_map import TruthAndMap
 from uwsim.flight.record import FlightRecord
@@ -20,7 +20,7 @@ from uwsim.link.table import HEADINGS
 from uwsim.missions.own_vehicle import Event
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.score_text import coverage_text, distance_text, order_met, order_rows
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 EVENTS_SHOWN = 300

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import ConfigDict
 
 from uwsim.mapping import MapEngine, OccupancyMap
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")

@@ -21,7 +21,7 @@ from uwsim.scoring.map_score import MapScore, score_map
 from uwsim.scoring.score_json import write_json
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.scoring.survey_track import TRACK
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
     from uwsim.figures.truth_and_map import TruthAndMap

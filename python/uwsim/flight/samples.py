@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import plain
-from uwsim.atomic_file import write_atomically
-from uwsim.axes import AXES
+from uwsim.base.arguments import plain
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.axes import AXES
+from uwsim.base.wall_timer import Measurement
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.simulator import Simulator
-from uwsim.vehicle import Vehicle
-from uwsim.wall_timer import Measurement
+from uwsim.simulator.simulator import Simulator
+from uwsim.simulator.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

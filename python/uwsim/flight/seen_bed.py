@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 CELL_M, PERIOD_S = 1.0, 1.0
 
 
 class SeenBed:
-    """Watches a simulator: once a second each vehicle pings, as it is; see uwsim.journal.Observer.
+    """Watches a simulator: once a second each vehicle pings, as it is; see uwsim.base.journal.Observer.
 
     Echoes are counted at their true places, whatever the vehicles believe. times_s, areas_m2: of each look. cells: all
     columns with an echo.

@@ -13,7 +13,7 @@ from uwsim.flight.request import EstimateKind, FlightRequest
 from uwsim.flight.saved_flight import SavedFlight
 from uwsim.flight.terminal import Silent
 from uwsim.missions import LawnMowerPlan
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 if TYPE_CHECKING:
     from uwsim.flight.flight_recorder import FlightRecorder

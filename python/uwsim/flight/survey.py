@@ -18,7 +18,7 @@ from uwsim.flight.terminal import Silent, Terminal
 from uwsim.flight.vehicle_chain import filters_outliers, require_sonar
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario import load
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 def run_survey(

@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.wall_timer import WallTimer
 from uwsim.flight.stages import CODEC
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap, depth_string
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.hull import hull_box_m
-from uwsim.simulator import Simulator
-from uwsim.wall_timer import WallTimer
+from uwsim.simulator.simulator import Simulator
 
 PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # of scenarios without a survey
 Array = NDArray[np.float64]

@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from uwsim.base.wall_timer import WallTimer
 from uwsim.flight.pinging import MapMaker
 from uwsim.flight.samples import Hear, Sampler
 from uwsim.flight.setup import Setup
 from uwsim.flight.stages import SAMPLING
 from uwsim.flight.vehicle_chain import ping_steps
 from uwsim.missions.own_vehicle import OwnVehicle
-from uwsim.wall_timer import WallTimer
 
 if TYPE_CHECKING:
     from uwsim.flight.ashore import Ashore

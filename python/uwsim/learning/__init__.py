@@ -6,10 +6,10 @@
     env = gymnasium.make("uwsim/StationKeeping-v0")
     envs = gymnasium.make_vec("uwsim/StationKeeping-v0", num_envs=256)  # on uwsim.Batch
 
-docs/learning.md lists the environments, their spaces, units and rewards.
+docs/guides/learning.md lists the environments, their spaces, units and rewards.
 """
 
-from uwsim.extras import need_extra
+from uwsim.base.extras import need_extra
 
 need_extra("gymnasium", "gym", "uwsim.learning")
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.extras import need_extra
+from uwsim.base.extras import need_extra
 from uwsim.learning.episodes import Episodes
 from uwsim.learning.options import EpisodeOptions
 from uwsim.learning.policy import LinearPolicy

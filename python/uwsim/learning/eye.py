@@ -9,13 +9,13 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Space
 from numpy.typing import NDArray
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch import Batch
-from uwsim.cameras.shared_scene import Snapshot
-from uwsim.did_you_mean import did_you_mean
+from uwsim.instruments.cameras.shared_scene import Snapshot
 from uwsim.learning.options import EpisodeOptions
 from uwsim.scenario import Scenario
 from uwsim.scenario.spec.fault import CameraFault
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exposure", "noise")
 

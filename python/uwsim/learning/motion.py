@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.batch import BatchMotion
-from uwsim.control import EstimateLike
+from uwsim.navigation.control import EstimateLike
 
 Floats = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.batch.arguments import FaultList
-from uwsim.did_you_mean import did_you_mean
 from uwsim.learning.task import Task
-from uwsim.parameters import Parameters
 from uwsim.scenario import Scenario
 from uwsim.scenario.spec.fault import CameraFault, FaultModel, LinkLoss, SensorFault, SonarFault
+from uwsim.simulator.parameters import Parameters
 
 Ranges = Mapping[str, tuple[float, float]]
 PICTURE_MAX = 1024

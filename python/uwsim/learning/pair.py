@@ -9,7 +9,7 @@ from gymnasium.spaces import Box, Space
 from gymnasium.utils.seeding import np_random
 from numpy.typing import NDArray
 
-from uwsim.extras import need_extra
+from uwsim.base.extras import need_extra
 
 need_extra("pettingzoo", "multi", "uwsim.learning.pair")
 

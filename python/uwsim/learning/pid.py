@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.axes import AXES
-from uwsim.control import Controller
+from uwsim.base.axes import AXES
 from uwsim.learning.episodes import Episodes
+from uwsim.navigation.control import Controller
 from uwsim.scenario import control_settings
 from uwsim.scenario.build.water import surface_density_kg_m3
 
@@ -49,7 +49,7 @@ class _Member:
 
 
 class Pid:
-    """Holds a position (3,) and a heading in all members by the vehicle file's loops; see uwsim.control.Controller.
+    """Holds a position (3,) and a heading in all members by the vehicle file's loops; see `Controller`.
 
     It gets the true motion and acts once per period, like policies. One Python call for each member and period.
     """

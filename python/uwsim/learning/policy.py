@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.read.assets import assets_folder
 
 Floats = NDArray[np.float64]

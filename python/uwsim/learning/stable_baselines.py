@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from uwsim.extras import need_extra
+from uwsim.base.extras import need_extra
 
 need_extra("stable_baselines3", "rl", "uwsim.learning.stable_baselines")
 

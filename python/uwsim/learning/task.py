@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
 from uwsim.batch import Batch
 from uwsim.learning.motion import Motion
 

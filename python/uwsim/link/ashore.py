@@ -16,8 +16,8 @@ from uwsim.channels.pings import Pings
 from uwsim.channels.source import Source
 from uwsim.channels.table import Table
 from uwsim.link.carried import Carried
-from uwsim.network import STATION, Network
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION, Network
+from uwsim.simulator.simulator import Simulator
 
 RANGE_MAX_M = 1000.0  # of a scan whose sender's limit has been applied
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from uwsim.channels import Channel
 from uwsim.link.packing import Packing, packing_of
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 class Carried(NamedTuple):

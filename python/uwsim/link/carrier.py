@@ -10,10 +10,10 @@ from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.agenda import NEVER, Rank
+from uwsim.base.agenda import NEVER, Rank
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.channels import Channel, Service, Table
 from uwsim.commands import COMMANDS
-from uwsim.did_you_mean import did_you_mean
 from uwsim.link import remote
 from uwsim.link.carried import Carried, carried_channels, is_chosen
 from uwsim.link.offline import Offline
@@ -22,8 +22,8 @@ from uwsim.link.rates import send_rates
 from uwsim.link.seen import seen_channels
 from uwsim.link.turns import Turn, turns
 from uwsim.live import LiveSimulator
-from uwsim.network import STATION, Network
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION, Network
+from uwsim.simulator.simulator import Simulator
 
 COMMAND_LIFE_S = 5.0
 """After which a command that still waits is not sent any more, or after two rounds of all nodes."""

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from uwsim.commands import bound_command
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 

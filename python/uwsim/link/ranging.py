@@ -6,7 +6,7 @@ from uwsim import _core
 from uwsim.link.rates import airtime_s
 from uwsim.scenario.spec.modem import Access, ModemModel
 from uwsim.scenario.spec.sensor import SensorMount
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 def ranging_share(sim: Simulator, vehicle: str, modem: ModemModel, access: Access, nodes: int) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
 
-from uwsim.arguments import plain
+from uwsim.base.arguments import plain
 from uwsim.commands import COMMANDS, bound_command
 from uwsim.live import LiveSimulator
 

@@ -12,8 +12,8 @@ from uwsim.channels.table import Table
 from uwsim.link.ashore import LookedFor, maps_ashore
 from uwsim.link.carried import Carried, carried_channels
 from uwsim.link.status import status_channels
-from uwsim.network import STATION, Network
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION, Network
+from uwsim.simulator.simulator import Simulator
 
 MODEM_HZ, QUICK_HZ = 20.0, 100.0
 """How often the station looks for what has arrived, in simulated time: it is seen up to one period later."""

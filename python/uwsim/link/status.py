@@ -8,8 +8,8 @@ from typing import Any
 
 from uwsim.channels import Channel, build
 from uwsim.channels.own_types import LINK
-from uwsim.network import STATION, Network
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION, Network
+from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 2.0
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from uwsim.network import STATION
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION
+from uwsim.simulator.simulator import Simulator
 
 HEADINGS = ("channel", "from", "given", "sent", "delivered", "lost", "late", "bytes", "delay")
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.link.table import LinkRow, link_rows
-from uwsim.network import STATION, Network
 from uwsim.scenario import Scenario
 from uwsim.scenario.build.link import link_spec
 from uwsim.scenario.build.station import in_world
 from uwsim.scenario.spec.link import LinkFault
-from uwsim.simulator import Simulator
+from uwsim.simulator.network import STATION, Network
+from uwsim.simulator.simulator import Simulator
 
 TOPIC = "trial"
 BEARINGS = 36

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 
-from uwsim.agenda import next_tick
+from uwsim.base.agenda import next_tick
 from uwsim.channels.channel import PICTURE
 from uwsim.link.carried import Carried
 

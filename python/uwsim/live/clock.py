@@ -6,7 +6,7 @@ from uwsim.live.step_loop import StepLoop
 
 
 class LiveClock:
-    """A Clock (uwsim.control.Clock) of one mission on one thread: simulated time as it passes.
+    """A Clock (uwsim.navigation.control.Clock) of one mission on one thread: simulated time as it passes.
 
     A wait ends duration_s after the last one ended if that is still to come, else after now: a control loop keeps its
     period although it thinks between waits.

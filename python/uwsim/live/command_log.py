@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from uwsim.commands import bound_command
 from uwsim.scenario import Scenario
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 ENTRIES_MAX = 1_000_000
 PAYLOAD_BYTES_MAX = 256_000_000

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from uwsim.arguments import plain
+from uwsim.base.arguments import plain
 from uwsim.commands import COMMANDS, bound_command
 from uwsim.live.clock import LiveClock, MissionClock
 from uwsim.live.command_log import CALL, RESET, CommandLog
@@ -22,7 +22,7 @@ from uwsim.live.step_loop import StepLoop
 from uwsim.live.subscription import Subscription
 from uwsim.live.vehicle import LiveVehicle
 from uwsim.scenario import Scenario
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ class LiveSimulator:
 
     @property
     def clock(self) -> LiveClock:
-        """A clock for one mission on one thread; see uwsim.control.Clock."""
+        """A clock for one mission on one thread; see uwsim.navigation.control.Clock."""
         return LiveClock(self._loop)
 
     @contextmanager

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any
 
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 class NotRunningError(RuntimeError):

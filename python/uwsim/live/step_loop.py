@@ -11,12 +11,12 @@ from concurrent.futures import Future
 from functools import partial
 from typing import Any, TypeVar
 
-from uwsim.agenda import Rank, act, due_tick
+from uwsim.base.agenda import Rank, act, due_tick
 from uwsim.live.command_log import CALL, RESET, CommandLog, Entry
 from uwsim.live.pace import Pace
 from uwsim.live.requests import NotRunningError, Request
 from uwsim.live.subscription import Subscription
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 

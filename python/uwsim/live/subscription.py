@@ -6,8 +6,8 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from uwsim.agenda import NEVER, next_tick
-from uwsim.simulator import Simulator
+from uwsim.base.agenda import NEVER, next_tick
+from uwsim.simulator.simulator import Simulator
 
 logger = logging.getLogger("uwsim.live")
 

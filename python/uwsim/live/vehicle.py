@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from uwsim.cameras import Camera, Lamp
+from uwsim.base.motion import Pose, Velocity
 from uwsim.commands import Placeable, command_named
-from uwsim.estimation import Navigator
-from uwsim.motion import Pose, Velocity
-from uwsim.sensors import Sensor
-from uwsim.sonars.multibeam import Sonar
-from uwsim.vehicle import Vehicle
+from uwsim.instruments.cameras import Camera, Lamp
+from uwsim.instruments.sensors import Sensor
+from uwsim.instruments.sonars.multibeam import Sonar
+from uwsim.navigation.estimation import Navigator
+from uwsim.simulator.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from uwsim import _core
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class LiveVehicle(Placeable):
-    """A vehicle with the public names of uwsim.vehicle.Vehicle, for missions and controllers on other threads.
+    """A vehicle with the public names of a Simulator's Vehicle, for missions and controllers on other threads.
 
     Readings are of the last step, which may be 20 ms ago; two of them may be of two ticks. Commands take effect at the
     start of the next step, return when they have, and raise what the command raises.
@@ -79,7 +79,7 @@ class LiveVehicle(Placeable):
 
 
 class LiveSonar:
-    """A multibeam sonar of a LiveVehicle; see uwsim.sonars.multibeam.Sonar."""
+    """A multibeam sonar of a LiveVehicle; see uwsim.instruments.sonars.multibeam.Sonar."""
 
     def __init__(self, live: LiveSimulator, vehicle: str, sonar: Sonar) -> None:
         self._live = live
@@ -100,7 +100,7 @@ class LiveSonar:
 
 
 class LiveCamera:
-    """A camera of a LiveVehicle; see uwsim.cameras.Camera."""
+    """A camera of a LiveVehicle; see uwsim.instruments.cameras.Camera."""
 
     def __init__(self, live: LiveSimulator, vehicle: str, key: str, camera: Camera) -> None:
         self._live = live
@@ -120,7 +120,7 @@ class LiveCamera:
 
 
 class LiveLamp:
-    """The lamps on one switch of a LiveVehicle; see uwsim.cameras.Lamp."""
+    """The lamps on one switch of a LiveVehicle; see uwsim.instruments.cameras.Lamp."""
 
     def __init__(self, live: LiveSimulator, vehicle: str, lamp: Lamp) -> None:
         self._live = live

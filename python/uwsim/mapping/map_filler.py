@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.wall_timer import WallTimer
 from uwsim.mapping.occupancy_map import OccupancyMap
-from uwsim.wall_timer import WallTimer
 
 MAPPING, VERIFICATION, WAITING = "map", "verification", "waiting for the map"
 """The stages of its wall time; WAITING is that of the inserting thread."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uwsim import _core
+from uwsim.base.sealed import Sealed
 from uwsim.mapping.occupancy_model import OccupancyModel, probability
 from uwsim.mapping.query_results import Cubes, MapChanges, MapStatistics, OccupancyChanges, RayCasts, VoxelCounts
-from uwsim.sealed import Sealed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

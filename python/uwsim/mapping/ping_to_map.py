@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim import _core, ranging
+from uwsim import _core
+from uwsim.base.sealed import Sealed
+from uwsim.mapping import ranging
 from uwsim.mapping.map_filler import MapFiller
-from uwsim.sealed import Sealed
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 """A box's low and high corners, (3,) each."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.protocols import PoseLike
+from uwsim.navigation.control.protocols import PoseLike
 
 
 def believed(world_from_part: NDArray[np.float64], truth: PoseLike, estimate: PoseLike) -> NDArray[np.float64]:
@@ -34,7 +34,7 @@ class EstimatedSonar:
         self._sonar, self._hull, self._estimate = sonar, hull, estimate
 
     def ping(self) -> EstimatedPing:
-        """Ping; see uwsim.sonars.multibeam."""
+        """Ping; see uwsim.instruments.sonars.multibeam."""
         ping = self._sonar.ping()
         return EstimatedPing(ping, believed(ping.world_from_sonar, self._hull.pose, self._estimate.pose))
 
@@ -49,7 +49,7 @@ class EstimatedCamera:
         self._camera, self._hull, self._estimate = camera, hull, estimate
 
     def capture(self, *arguments: Any, **options: Any) -> Any:
-        """Take a picture; see uwsim.cameras.Camera."""
+        """Take a picture; see uwsim.instruments.cameras.Camera."""
         frame = self._camera.capture(*arguments, **options)
         pose = believed(frame.world_from_camera, self._hull.pose, self._estimate.pose)
         return replace(frame, world_from_camera=pose)

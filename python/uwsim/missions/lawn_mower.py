@@ -19,8 +19,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.autopilot import wrap_angle
-from uwsim.control.protocols import Clock, PingLike, SurveyVehicle, Watch
+from uwsim.base.sealed import Sealed
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
@@ -32,7 +31,8 @@ from uwsim.missions.sonar_head import is_at
 from uwsim.missions.steps import Steps, drive
 from uwsim.missions.stopped import StoppedError
 from uwsim.missions.survey_pilot import Pilot, memory_of, remember, survey_pilot
-from uwsim.sealed import Sealed
+from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.protocols import Clock, PingLike, SurveyVehicle, Watch
 
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
@@ -47,7 +47,7 @@ TURN_FIRST_RAD = math.radians(30.0)
 
 
 class AdaptiveLawnMower(Sealed):
-    """Flies a plan with a vehicle and a clock, which need the names in uwsim.control.protocols; for `run` it must wait.
+    """Flies a plan with a vehicle and a clock, as `navigation/control/protocols.py` has them; for `run` it must wait.
 
     The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane; before a lane that is
     far away come a "transit" and another "tilt". On a long way to a lane the sonar looks farther ahead than on lanes.

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from uwsim.control.autopilot import wrap_angle
-from uwsim.control.protocols import PingLike
+from uwsim.base.sealed import Sealed
 from uwsim.missions.moves import CLIMB_M, steer
 from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.shoal_chart import ShoalChart
 from uwsim.missions.steps import Steps
-from uwsim.sealed import Sealed
+from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
 """The vehicle never climbs above this height on its own."""

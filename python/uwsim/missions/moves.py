@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
-from uwsim.control.autopilot import wrap_angle
-from uwsim.control.controller import Controller
+from uwsim.base.arguments import require_positive
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps, wait
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.controller import Controller
 
 Point = Sequence[float] | NDArray[Any]
 GRACE_S = 60.0  # time that a move may take beside three times what its length needs

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.control.protocols import PingLike
-from uwsim.sealed import Sealed
+from uwsim.base.sealed import Sealed
+from uwsim.navigation.control.protocols import PingLike
 
 Vector = NDArray[np.float64]
 WORLD = np.eye(4)  # of points that are in the world already

@@ -10,16 +10,16 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import plain
-from uwsim.axes import AXES
+from uwsim.base.arguments import plain
+from uwsim.base.axes import AXES
+from uwsim.base.named import Named
+from uwsim.base.sealed import Sealed
 from uwsim.commands import Commandable, command_named
-from uwsim.control.autopilot import Autopilot
-from uwsim.control.controller import Controller
-from uwsim.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
 from uwsim.missions.estimated_views import EstimatedCamera, EstimatedSonar
 from uwsim.missions.vehicle import CameraLike, LampLike, Panel
-from uwsim.named import Named
-from uwsim.sealed import Sealed
+from uwsim.navigation.control.autopilot import Autopilot
+from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLike, SonarLike, VelocityLike, Watch
 
 CONTROL_PERIOD_S = 0.1
 SAME_TIME_S = 1e-6
@@ -107,12 +107,12 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def authority(self) -> Any:
-        """The effect of full efforts, (6,), or None if it is not known; see uwsim.vehicle.Vehicle."""
+        """The effect of full efforts, (6,), or None if it is not known; see uwsim.simulator.vehicle.Vehicle."""
         return getattr(self._hull, "authority", None)
 
     @property
     def control(self) -> Any:
-        """The model and the gains of its file, for uwsim.control.Controller, or None if they are not known."""
+        """The model and the gains of its file, for a Controller, or None if they are not known."""
         return getattr(self._hull, "control", None)
 
     @property

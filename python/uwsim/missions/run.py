@@ -7,10 +7,10 @@ from collections.abc import Callable, Generator, Mapping
 from functools import partial
 from typing import Any
 
-from uwsim.control.protocols import Clock
 from uwsim.missions.mission import SteppedMission
 from uwsim.missions.own_vehicle import Event, OwnVehicle
 from uwsim.missions.steps import Steps, drive, parallel
+from uwsim.navigation.control.protocols import Clock
 
 MissionFunction = Callable[..., Steps[Any] | SteppedMission]
 """A generator function, or a class with `steps`, of one vehicle or of several by name."""

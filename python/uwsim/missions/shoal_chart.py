@@ -8,9 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from uwsim import _core
-from uwsim.control.protocols import PingLike
+from uwsim.base.sealed import Sealed
 from uwsim.missions.grid_ways import GridWays
-from uwsim.sealed import Sealed
+from uwsim.navigation.control.protocols import PingLike
 
 Point = tuple[float, float]
 Cell = tuple[int, int]

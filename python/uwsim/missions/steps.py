@@ -18,7 +18,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from uwsim.control.protocols import Clock
+from uwsim.navigation.control.protocols import Clock
 
 T = TypeVar("T")
 LONGEST_S = 1e9

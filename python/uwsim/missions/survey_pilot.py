@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from uwsim.control.autopilot import Autopilot
-from uwsim.control.controller import Controller
-from uwsim.control.protocols import SteeredVehicle
+from uwsim.navigation.control.autopilot import Autopilot
+from uwsim.navigation.control.controller import Controller
+from uwsim.navigation.control.protocols import SteeredVehicle
 
 Pilot = Autopilot | Controller
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.commands import Commandable
-from uwsim.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
+from uwsim.navigation.control.protocols import EstimateLike, PanelLike, PoseLike, SensorLike, SonarLike, VelocityLike
 
 
 class Panel(PanelLike, Protocol):
@@ -65,7 +65,7 @@ class CameraLike(Protocol):
     """A camera."""
 
     def capture(self) -> PictureLike:
-        """Take a picture; see uwsim.cameras.Camera."""
+        """Take a picture; see uwsim.instruments.cameras.Camera."""
 
 
 class Vehicle(Commandable, Protocol):

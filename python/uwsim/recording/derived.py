@@ -6,13 +6,13 @@ from collections.abc import Callable, Collection
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from uwsim import ranging
 from uwsim.channels import Channel, build
 from uwsim.channels.map import insert_ping
 from uwsim.channels.map_changes import MapChanges
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pings import TakenPing
 from uwsim.channels.scans import DEPTH_ARRAY, PING_TOPICS, PingTopic
+from uwsim.mapping import ranging
 from uwsim.recording.head import RecordedHead, recorded_head
 from uwsim.recording.ping_channel import NAME
 

@@ -8,13 +8,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from uwsim.agenda import NEVER
+from uwsim.base.agenda import NEVER
+from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel
 from uwsim.channels.cdr import encode
 from uwsim.channels.pictures import Pictures
-from uwsim.journal import JUMPS
 from uwsim.recording.reader import Recorded
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 
 class Moments:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
 from uwsim.scenario.dump import plain
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.fields import Model

@@ -11,7 +11,7 @@ from uwsim import _core
 from uwsim.channels import Channel, build
 from uwsim.channels.own_types import SONAR_PING
 from uwsim.channels.pings import Pings
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 NAME = "sonar_ping"
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from uwsim.arguments import plain
+from uwsim.base.arguments import plain
 from uwsim.channels import Channel, Table
 from uwsim.channels.feed import Feed, Reading
 from uwsim.link import is_seen
@@ -31,7 +31,7 @@ from uwsim.recording.queue import WAITING_BYTES, WritingQueue
 from uwsim.recording.sink import Sink
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import build_fingerprint
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 STATE = "start.state"
 MAP_TYPE = "octomap_msgs/msg/Octomap"

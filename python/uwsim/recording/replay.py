@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel, Table
 from uwsim.channels.cdr import encode
 from uwsim.channels.own_types import MAP_CHANGES
 from uwsim.channels.pictures import Stream
 from uwsim.channels.services import SET_STREAM
 from uwsim.commands import bound_command
-from uwsim.journal import JUMPS
 from uwsim.link import seen_channels
 from uwsim.recording.capsule import unpack
 from uwsim.recording.commands import COMMANDS, Command, command_of
@@ -29,7 +29,7 @@ from uwsim.recording.reader import Recorded, Recording
 from uwsim.recording.recorder import MAP_TYPE, STATE, state_digest
 from uwsim.recording.watch import Watch
 from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 OnTime = Callable[[int], None]
 """Called with the simulated time before each recorded message is compared: may wait, to keep a pace."""

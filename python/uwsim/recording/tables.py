@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.base.extras import need_extra
 from uwsim.channels.message_types import TIMES, Kind, fields
-from uwsim.extras import need_extra
 
 if TYPE_CHECKING:
     import pandas

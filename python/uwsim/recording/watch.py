@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from uwsim.agenda import Rank
+from uwsim.base.agenda import Rank
+from uwsim.base.journal import JUMPS
 from uwsim.channels import Channel
-from uwsim.journal import JUMPS
 from uwsim.live import Subscription
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 TakeMessage = Callable[[Channel, Any], object]
 TakeCommand = Callable[[str, dict[str, Any]], object]
@@ -19,7 +19,7 @@ class Watch:
     """Hands on each message of the channels, and each command, in the order in which they happen.
 
     Channels are read when `start` is called, after each jump of time and at all multiples of their period, before the
-    commands of that tick (uwsim.agenda). So a replay reads the same at the same ticks. A channel without a rate is read
+    commands of that tick. So a replay reads the same at the same ticks. A channel without a rate is read
     at the start and after jumps alone.
     """
 

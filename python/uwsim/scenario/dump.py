@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from ruamel.yaml import YAML
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.scenario import Scenario
 

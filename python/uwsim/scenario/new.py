@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.read.assets import YAML_SUFFIXES, assets_folder, find_yaml
 from uwsim.scenario.schema import schema_file
 from uwsim.scenario.spec.fields import NAME

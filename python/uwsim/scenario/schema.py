@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.actuator import ThrusterType
 from uwsim.scenario.spec.camera import CameraMount

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.atomic_file import write_atomically
-from uwsim.npz import read_npz
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.npz import read_npz
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,6 +1,6 @@
 """Foxglove: its app shows a live simulator and steers it. Needs the extra: pip install 'uwsim[foxglove]'."""
 
-from uwsim.extras import need_extra
+from uwsim.base.extras import need_extra
 
 need_extra("foxglove", "foxglove", "Foxglove")
 

@@ -12,7 +12,7 @@ from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.own_types import TELEMETRY
 from uwsim.live import LiveSimulator
-from uwsim.simulator import Simulator
+from uwsim.simulator.simulator import Simulator
 
 TRACK_S = 0.5
 Vector = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The five nodes of the paper's Fig. 11, each a function that sets its node up; what they compute is uwsim.ranging's.
+"""The five nodes of the paper's Fig. 11, each a function that sets its node up; `mapping/ranging.py` computes.
 
     depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
     propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from uwsim import ranging
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.bridges.nodes.node import Node
 from uwsim.channels.messages import default_message
 from uwsim.channels.scans import cloud
+from uwsim.mapping import ranging
 
 Publish = Callable[[Any], None]
 STRING, FLOATS, POSE = "std_msgs/msg/String", "misc/msg/floatarray", "geometry_msgs/msg/Pose"

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from uwsim import ranging
-from uwsim.mapping import OccupancyMap
+from uwsim.mapping import OccupancyMap, ranging
 
 VOXEL_M = 0.2
 CHAIN = (("odom", "base_footprint"), ("base_footprint", "base_scan"))

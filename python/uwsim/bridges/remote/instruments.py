@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from uwsim.base.named import Named
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import quaternion, seconds, vector
 from uwsim.bridges.remote.tree import RemoteTree
-from uwsim.cameras.frame import MOUNT_FROM_OPTICAL
-from uwsim.named import Named
+from uwsim.instruments.cameras.frame import MOUNT_FROM_OPTICAL
 
 IMAGE = "/image_raw/compressed"
 
@@ -50,7 +50,7 @@ READERS: dict[str, Callable[[Any], Any]] = {
     "std_msgs/msg/Float64": lambda message: float(message.data),
     "std_msgs/msg/Bool": lambda message: float(message.data),
 }
-"""How the message of each type that sensors have is read, into what uwsim.sensors.Sensor gives."""
+"""How the message of each type that sensors have is read, into what uwsim.instruments.sensors.Sensor gives."""
 
 
 class RemoteSensor:

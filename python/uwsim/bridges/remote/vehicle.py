@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
+from uwsim.base.motion import Pose, Velocity
+from uwsim.base.named import Named
 from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import matrix, quaternion, vector
 from uwsim.bridges.remote.instruments import IMAGE, READERS, RemoteCamera, RemoteCameras, RemoteLamp, RemoteSensor
@@ -20,8 +22,6 @@ from uwsim.channels.command_services import request_of
 from uwsim.channels.key import POSE, key_message
 from uwsim.channels.own_types import ALL_STOPPED
 from uwsim.commands import Commandable, command_named
-from uwsim.motion import Pose, Velocity
-from uwsim.named import Named
 
 LIGHT_SERVICE = "lights/"
 

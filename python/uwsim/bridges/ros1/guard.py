@@ -8,7 +8,7 @@ import socket
 import struct
 from typing import Any
 
-from uwsim.admission import Door
+from uwsim.bridges.admission import Door
 
 HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message's definition takes a few kB
 HEADER_S = 10.0  # in which each part of it must come

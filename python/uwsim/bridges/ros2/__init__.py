@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+from uwsim.base.extras import need_extra
 from uwsim.bridges.ros2.settings import Ros2Settings, settings_from
-from uwsim.extras import need_extra
 
 if TYPE_CHECKING:
     from uwsim.bridges.ros2.node import Ros2Node

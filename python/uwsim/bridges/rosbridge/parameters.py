@@ -11,7 +11,7 @@ from typing import Any
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse_value
 from uwsim.live import LiveSimulator
-from uwsim.parameters import Parameters as SimulatorParameters
+from uwsim.simulator.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
 LONGEST = 100_000  # characters of a value's JSON

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.batch import Batch
-from uwsim.docking import CAPTURE_DEG, CAPTURE_M_S
 from uwsim.learning.motion import Motion
 from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.build.station import dock_position
+from uwsim.simulator.docking import CAPTURE_DEG, CAPTURE_M_S
 
 CAUGHT_M = 0.5  # stricter than the 1.5 m of the command `dock`
 ARRIVED, STRUCK = 10.0, -1.0

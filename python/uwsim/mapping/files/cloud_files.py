@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.atomic_file import write_atomically
-from uwsim.cut_short import warn_if_cut_short
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.mapping.files import las, pcd, ply, xyz
 
 Points = NDArray[np.float64]

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
+from uwsim.base.arguments import require_positive
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.lanes import Lane, Span, cells_of, ordered, spans
 from uwsim.missions.lookout import HIGHEST_Z_M

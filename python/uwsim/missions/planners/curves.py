@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from uwsim.arguments import require_positive
-from uwsim.extras import need_extra
+from uwsim.base.arguments import require_positive
+from uwsim.base.extras import need_extra
 from uwsim.missions.moves import follow, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.wayfinder import Wayfinder

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from uwsim.control.autopilot import wrap_angle
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells, nearest
@@ -19,6 +18,7 @@ from uwsim.missions.planners.live_map import LOOK_PERIOD_S, LiveMap
 from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayfinder
 from uwsim.missions.steps import Steps
+from uwsim.navigation.control.autopilot import wrap_angle
 
 STUCK_S = 30.0  # time for a way beside four times what its length needs
 

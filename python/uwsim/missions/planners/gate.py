@@ -15,13 +15,13 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
-from uwsim.control.protocols import PingLike
+from uwsim.base.arguments import require_positive
 from uwsim.missions.moves import goto, hold, turn_to
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.control.protocols import PingLike
 
 Floats = NDArray[np.float64]
 STAND_OFF_M = 6.0  # in front of the gate and behind it

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.protocols import PingLike
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.cells import Cell, Cells
+from uwsim.navigation.control.protocols import PingLike
 
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 2.0
 LONGEST_RAY_M = 30.0  # a longer echo frees water up to here

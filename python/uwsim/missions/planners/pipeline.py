@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
+from uwsim.base.arguments import require_positive
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.planners.pipe_track import PipeTrack
 from uwsim.missions.planners.pipe_view import pipe_in_picture

@@ -14,7 +14,6 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.control.protocols import PingLike, PoseLike
 from uwsim.mapping import OccupancyMap
 from uwsim.missions.lanes import Lane
 from uwsim.missions.moves import goto, hold
@@ -28,6 +27,7 @@ from uwsim.missions.planners.unknown_water import find_bed
 from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.control.protocols import PingLike, PoseLike
 
 PING_PERIOD_S = 0.2
 PATCH = 3  # columns along each side of the patches that are flown over again

@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
-from uwsim.control.autopilot import wrap_angle
+from uwsim.base.arguments import require_positive
 from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
+from uwsim.navigation.control.autopilot import wrap_angle
 
 Floats = NDArray[np.float64]
 MIDDLE_SHARE = 0.5  # of the fan's beams that count as middle ones

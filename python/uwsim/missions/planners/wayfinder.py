@@ -8,12 +8,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.arguments import require_positive
-from uwsim.control.protocols import PingLike
+from uwsim.base.arguments import require_positive
 from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
+from uwsim.navigation.control.protocols import PingLike
 
 STOP_M, STOP_S = 2.5, 2.0  # what is at the vehicle's height stops it M + S x speed ahead of its middle
 CLEARANCE_M = 1.5  # of the vehicle at its highest

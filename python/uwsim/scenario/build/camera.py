@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.quaternions import of_yaw_pitch_roll_deg
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 from uwsim.scenario.spec.vehicle import VehicleModel

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from uwsim.atomic_file import write_atomically
+from uwsim.base.atomic_file import write_atomically
 from uwsim.scenario.build.hull import vehicle_hull
 from uwsim.scenario.build.scale import size_text
 from uwsim.scenario.read.errors import ScenarioError

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from uwsim import _core
-from uwsim.axes import AXES
+from uwsim.base.axes import AXES
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.craft import craft
 from uwsim.scenario.read.errors import ScenarioError

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.quaternions import of_yaw_pitch_roll_deg, turned
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
 from uwsim.scenario.build.surface_points import surface_points
 from uwsim.scenario.build.terrain import Terrain
 from uwsim.scenario.read.array_cache import cached_arrays

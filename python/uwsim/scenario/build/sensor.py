@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from uwsim import _core
-from uwsim.quaternions import of_yaw_pitch_roll_deg
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 

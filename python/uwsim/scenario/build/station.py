@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uwsim.quaternions import about_z, turned
+from uwsim.base.quaternions import about_z, turned
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.station import Station
 

@@ -18,7 +18,7 @@ from rasterio.fill import fillnodata
 from rasterio.io import DatasetReader
 from rasterio.warp import transform
 
-from uwsim.cut_short import warn_if_cut_short
+from uwsim.base.cut_short import warn_if_cut_short
 from uwsim.scenario.build.terrain_grid import grid_axes, resampled
 from uwsim.scenario.build.whole_tiff import require_whole_tiff
 from uwsim.scenario.read.errors import ScenarioError

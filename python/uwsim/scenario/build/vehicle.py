@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.quaternions import about_z
+from uwsim.base.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings

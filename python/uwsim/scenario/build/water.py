@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim import _core
-from uwsim.cut_short import warn_if_cut_short
-from uwsim.npz import read_npz
+from uwsim.base.cut_short import warn_if_cut_short
+from uwsim.base.npz import read_npz
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.validated import validated
 from uwsim.scenario.spec.water import (

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from uwsim.atomic_file import write_atomically
-from uwsim.npz import read_npz
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.npz import read_npz
 
 Arrays = tuple[NDArray[np.generic], ...]
 Input = str | bytes | float | NDArray[np.generic]

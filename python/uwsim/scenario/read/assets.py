@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.errors import ScenarioError
 
 YAML_SUFFIXES = (".yaml", ".yml")

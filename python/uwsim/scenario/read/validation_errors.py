@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 

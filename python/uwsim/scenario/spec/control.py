@@ -1,4 +1,4 @@
-"""A vehicle's control loops: gains and limits, for uwsim.control.Controller."""
+"""A vehicle's control loops: gains and limits, for uwsim.navigation.control.Controller."""
 
 from __future__ import annotations
 

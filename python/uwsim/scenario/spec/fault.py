@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from uwsim.axes import Axis
+from uwsim.base.axes import Axis
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, broken
 
 Share = Annotated[float, InRange(0, 1)]

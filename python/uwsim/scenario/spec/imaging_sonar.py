@@ -15,8 +15,9 @@ from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from uwsim import _core, quaternions
-from uwsim.did_you_mean import did_you_mean
+from uwsim import _core
+from uwsim.base import quaternions
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.spec.fields import Model, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures as kind_figures
 from uwsim.scenario.spec.json_schema import one_of_kinds
@@ -31,7 +32,7 @@ LOUDEST_DB = 300.0
 class ImagingMount(Model):
     """An imaging sonar of one of _core.imaging_kinds(), and its mount: x ahead, y to port, z up; pitch positive down.
 
-    Parameters that differ from the kind's defaults (see uwsim.sonars.imaging) stand beside the other keys in YAML,
+    Parameters that differ from the kind's defaults (see `sonars/imaging/`) stand beside the other keys in YAML,
     angles in degrees under names that end in _deg. position_m: in the body frame. figures: in Python, the parameters
     that stand beside the other keys in YAML, by their own names and in SI units.
     """

@@ -16,7 +16,7 @@ from pydantic_core import CoreSchema
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
-from uwsim.did_you_mean import did_you_mean
+from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, YawPitchRoll, broken
 from uwsim.scenario.spec.json_schema import figures, one_of_kinds

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from uwsim.quaternions import of_yaw_pitch_roll_deg
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg
 from uwsim.scenario.read.spec_file import read_spec
 from uwsim.scenario.spec.fields import InRange, Model, Name, Point3, YawPitchRoll, broken
 

@@ -79,7 +79,7 @@ class VehicleModel(Model):
     pieces, which `uwsim decompose` makes from the mesh. linear_damping, quadratic_damping: force or torque that opposes
     v and v|v|. added_mass: of the water that moves with the hull; zero by default. inertia_kg_m2: principal moments
     about the centre of mass along the body axes. max_force_n, max_torque_nm: at full effort along and about x, y, z,
-    for a vehicle without thrusters. control: gains and limits of the loops of uwsim.control.Controller. thrusters,
+    for a vehicle without thrusters. control: gains and limits of the loops of a Controller. thrusters,
     fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one. friction:
     Coulomb's coefficient; for two bodies in contact, the geometric mean applies. restitution: the share of the approach
     speed that is kept; for two bodies in contact, the larger value applies. material: of the hull, for cameras.

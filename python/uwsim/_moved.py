@@ -1,0 +1,76 @@
+"""Documented modules that have moved: for one version their old names lead to them, with a DeprecationWarning."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+MOVED = {
+    "uwsim.cameras": "uwsim.instruments.cameras",
+    "uwsim.closure": "uwsim.mapping.closure",
+    "uwsim.control": "uwsim.navigation.control",
+    "uwsim.datasets": "uwsim.campaigns.datasets",
+    "uwsim.estimation": "uwsim.navigation.estimation",
+    "uwsim.failures": "uwsim.simulator.failures",
+    "uwsim.fleet": "uwsim.campaigns.fleet",
+    "uwsim.motion": "uwsim.base.motion",
+    "uwsim.network": "uwsim.simulator.network",
+    "uwsim.parameters": "uwsim.simulator.parameters",
+    "uwsim.ranging": "uwsim.mapping.ranging",
+    "uwsim.readings": "uwsim.instruments.readings",
+    "uwsim.sample_stream": "uwsim.instruments.sample_stream",
+    "uwsim.scenario_check": "uwsim.evidence.scenario_check",
+    "uwsim.sensors": "uwsim.instruments.sensors",
+    "uwsim.sonars": "uwsim.instruments.sonars",
+    "uwsim.station": "uwsim.operator.station",
+    "uwsim.sweeps": "uwsim.campaigns.sweeps",
+    "uwsim.vehicle": "uwsim.simulator.vehicle",
+    "uwsim.survey": "uwsim.flight",
+    "uwsim.survey.run": "uwsim.flight.survey",
+}
+"""Old name: new name, of modules and of packages with all that is in them."""
+
+
+def new_name(old: str) -> str | None:
+    """Return the name to which an old one leads, None if it has not moved."""
+    if not old.startswith("uwsim."):
+        return None
+    parts = old.split(".")
+    for end in range(len(parts), 1, -1):
+        if (new := MOVED.get(".".join(parts[:end]))) is not None:
+            return ".".join([new, *parts[end:]])
+    return None
+
+
+class _OldNames(MetaPathFinder, Loader):
+    """Finds the module itself under its old name, so that there is one module, and one class of each name in it."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        new = new_name(fullname)
+        if new is None:
+            return None
+        warnings.warn(f"{fullname} has moved: import {new}", DeprecationWarning, stacklevel=2)
+        return ModuleSpec(fullname, self)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        module = import_module(str(new_name(spec.name)))
+        spec.loader_state = module.__spec__
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Give the module its own spec back, which the import has replaced: it has been executed under its new name."""
+        assert module.__spec__ is not None
+        module.__spec__ = module.__spec__.loader_state
+
+
+def lead_old_names_on() -> None:
+    """Let imports of old names find the modules that have moved."""
+    if not any(isinstance(finder, _OldNames) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _OldNames())

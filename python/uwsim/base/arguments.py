@@ -1,0 +1,78 @@
+"""Checks of the values that callers pass."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.did_you_mean import did_you_mean
+
+UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
+
+
+def number(value: Any, name: str, unit: str = "") -> float:
+    """Return a real number, NumPy's included, as float. Raises ValueError for text, booleans and anything else."""
+    if not isinstance(value, bool | np.bool_ | str | bytes):
+        try:
+            return float(value)
+        except (TypeError, ValueError, OverflowError):
+            pass
+    shown = f"{value!r:.60}"
+    raise ValueError(f"{name} = {shown}: must be a number{f' [{unit}]' if unit else ''}")
+
+
+def require_positive(step: str = "", /, **values: float) -> None:
+    """Raise ValueError unless all values, whose names end in their units, are positive and finite.
+
+    step: the function that they were given to, if that is not clear.
+    """
+    for name, value in values.items():
+        if not 0.0 < value < math.inf:
+            unit = next((f" {unit}" for end, unit in UNITS.items() if name.endswith(end)), "")
+            raise ValueError(f"{step and f'{step}: '}{name} = {value}{unit}: must be positive")
+
+
+def plain(value: Any, path: str) -> Any:
+    """Return a copy that shares nothing with value: JSON types and bytes only. Raises ValueError for other types."""
+    if value is None or isinstance(value, bool | int | float | str | bytes):
+        return value
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist(), path)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, f"{path}.{key}") for key, item in value.items()}
+    if isinstance(value, Sequence):
+        return [plain(item, f"{path}[{k}]") for k, item in enumerate(value)]
+    raise ValueError(f"{path} is {type(value).__name__}: must be a number, text, a list or a dict")
+
+
+def numbers_by_name(
+    values: Mapping[str, float], what: str, known: list[str], unit: str = ""
+) -> list[tuple[str, float]]:
+    """Return (name, value) pairs. Raises ValueError for an unknown name or a value that is not a number."""
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{what} = {values!r:.60}: must be numbers by name")
+    for name in values:
+        if name not in known:
+            rule = f"must be one of {', '.join(known)}" if known else "the vehicle has none"
+            raise ValueError(f"{what} = {name!r}: {rule}{did_you_mean(str(name), known)}")
+    return [(name, number(value, f"{what}.{name}", unit)) for name, value in values.items()]
+
+
+def checked_threads(threads: int | None) -> int:
+    """Return the number of threads to use, by default one per core. Raises ValueError."""
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or not 1 <= threads <= 1024:
+        raise ValueError(f"threads = {threads!r}: must be a whole number in [1, 1024]")
+    return int(threads)
+
+
+def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a read-only copy, so that nobody expects a write to change the state."""
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,50 @@
+"""Items by name, such as a vehicle's sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NoReturn, TypeVar
+
+from uwsim.base.did_you_mean import did_you_mean
+
+T = TypeVar("T")
+
+
+class UnknownNameError(KeyError, ValueError):
+    """Unknown name of a sensor, camera or vehicle. The message lists the known names and suggests the nearest."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])  # KeyError would show its repr
+
+
+class Named(dict[str, T]):
+    """A read-only dict whose lookups of unknown names raise UnknownNameError.
+
+    what: the collection's name in messages, such as `rov.sensors`. changed_by: the method to use instead of assignment.
+    """
+
+    def __init__(self, items: Mapping[str, T], what: str, changed_by: str = "") -> None:
+        super().__init__(items)
+        self._what = what
+        self._changed_by = changed_by
+
+    def __missing__(self, name: object) -> NoReturn:
+        rule = f"must be one of {', '.join(self)}" if self else "there is none"
+        raise UnknownNameError(f"{self._what}[{name!r}]: {rule}{did_you_mean(str(name), self)}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self), self._what, self._changed_by)
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError(f"{self._what}: read-only" + (f"; use {self._changed_by}" if self._changed_by else ""))
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    update = pop = popitem = clear = setdefault = _refuse
+
+
+def require_names(what: str, names: Iterable[str], known: Iterable[str]) -> None:
+    """Raise ValueError unless names and known hold the same names, in any order."""
+    told, expected = sorted(names), sorted(known)
+    if told != expected:
+        rule = f"must have {', '.join(expected) or 'none'}"
+        raise ValueError(f"state.{what}: has {', '.join(told) or 'none':.200}: {rule}")

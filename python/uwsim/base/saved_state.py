@@ -1,0 +1,103 @@
+"""Saved states: each part of a simulator saves its own, and gets it back checked by its own model.
+
+A saved state is the native simulation's, and beside it one JSON object with the state of each part that lives in
+Python, by name. It may come from a stranger, so nothing of it is used before all of it is checked.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Annotated, Any, ClassVar, Protocol, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+
+from uwsim import _core
+from uwsim.base.agenda import NEVER
+
+KEYS = ("lamps", "parameters", "cameras", "estimates", "programs", "events")  # in the order in which they are written
+Origin = tuple[str, str]
+"""The fingerprints of the scenario and of the build."""
+M = TypeVar("M", bound=BaseModel)
+
+
+class State(BaseModel):
+    """The model of a part's state: every key of it and no other, and no conversions."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+Tick = Annotated[int, Field(ge=0, le=2 * NEVER)]
+Nanoseconds = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class Part(Protocol):
+    """A part of a simulator on which its future depends. STATE: the type of its state, by which pydantic checks it."""
+
+    STATE: ClassVar[Any]
+
+    def save(self) -> Any:
+        """Return the state, as JSON values."""
+
+    def restore(self, state: Any) -> None:
+        """Continue from a state of the type STATE. Raises ValueError for that of another simulator."""
+
+
+class SavedState:
+    """Saves and restores a simulator."""
+
+    def __init__(
+        self,
+        core: _core.Simulation,
+        before: Mapping[str, Part],
+        after: Mapping[str, Part],
+        resume: Callable[[], object],
+    ) -> None:
+        """before, after: the parts that are restored before the native simulation, and after it, in their order.
+
+        resume: called when the native simulation has been restored.
+        """
+        self._core, self._before, self._after, self._resume = core, before, after, resume
+        self._parts = {**before, **after}
+
+    def save(self, origin: Origin) -> bytes:
+        """Return the state of everything."""
+        return self._core.save_state(*origin, json.dumps({key: self._parts[key].save() for key in KEYS}))
+
+    def restore(self, state: bytes, origin: Origin) -> None:
+        """Continue from what `save` returned. Raises ValueError, changing nothing."""
+        before, states = self.save(origin), self._read(state, origin)
+        try:
+            self._put(state, origin, states)
+        except Exception:
+            self._put(before, origin, self._read(before, origin))
+            raise
+
+    def _put(self, state: bytes, origin: Origin, states: Mapping[str, Any]) -> None:
+        for key, part in self._before.items():
+            part.restore(states[key])
+        self._core.restore_state(state, *origin)
+        self._resume()
+        for key, part in self._after.items():
+            part.restore(states[key])
+
+    def _read(self, state: bytes, origin: Origin) -> dict[str, Any]:
+        model = _model(tuple((key, part.STATE) for key, part in self._parts.items()))
+        return dict(checked(model, _core.saved_notes(state, *origin)))
+
+
+@cache
+def _model(types: tuple[tuple[str, Any], ...]) -> type[State]:
+    fields: dict[str, Any] = {key: (kind, ...) for key, kind in types}
+    return create_model("States", __base__=State, **fields)
+
+
+def checked(model: type[M], text: str) -> M:
+    """Return a state that was saved as JSON. Raises ValueError with the first value that it cannot have."""
+    try:
+        return model.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        path = ".".join(str(part) for part in ("state", *first["loc"]))
+        raise ValueError(f"{path} = {first['input']!r:.60}: {first['msg']}") from None

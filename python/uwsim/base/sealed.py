@@ -1,0 +1,48 @@
+"""Sealed: a base class whose objects refuse assignments that would have no effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from uwsim.base.did_you_mean import did_you_mean
+
+
+class Sealed:
+    """Base of classes whose public attributes cannot change once the object is made.
+
+    A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter may be assigned. Any
+    other assignment raises AttributeError, which names the nearest attribute or the method that changes the value.
+    """
+
+    _fixed_when: ClassVar[str] = "the simulator is made"
+    _changed_by: ClassVar[Mapping[str, str]] = {}
+    """The method that changes each attribute, such as {"effort": "set_effort()"}."""
+    _declared: ClassVar[frozenset[str]] = frozenset()
+    _assignable: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls._declared |= vars(cls).get("__annotations__", {}).keys()
+        cls._assignable |= {name for name, part in vars(cls).items() if isinstance(part, property) and part.fset}
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name[:1] == "_" or name in self._assignable or (name in self._declared and name not in self.__dict__):
+            object.__setattr__(self, name, value)
+        else:
+            raise AttributeError(self._refusal(name))
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name}: cannot be deleted")
+
+    def _refusal(self, name: str) -> str:
+        owner = type(self)
+        attribute = f"{owner.__name__}.{name}"
+        known = {each for each in (*dir(owner), *owner._declared) if not each.startswith("_")}
+        if name not in known:
+            return f"{attribute}: unknown attribute{did_you_mean(name, known)}"
+        if name in owner._changed_by:
+            return f"{attribute}: cannot be assigned; use {owner._changed_by[name]}"
+        if callable(getattr(owner, name, None)):
+            return f"{attribute}: cannot be assigned; it is a method: call it"
+        return f"{attribute}: cannot be assigned; it is fixed when {owner._fixed_when}"

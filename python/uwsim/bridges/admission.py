@@ -1,0 +1,166 @@
+"""Admission of clients to uwsim's servers: the browser's origin, the token, the number of clients, encryption."""
+
+from __future__ import annotations
+
+import hmac
+import ipaddress
+import logging
+import re
+import ssl
+import warnings
+from collections.abc import Iterable
+from http import HTTPStatus
+from pathlib import Path
+from typing import Any, Protocol
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.http11 import Request
+
+LOOPBACK_PAGE = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?", re.IGNORECASE)
+ORIGIN = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*://[^/?#@\s]*)/?")
+REFUSALS_LOGGED = 20
+
+logger = logging.getLogger("uwsim.bridges.admission")
+
+Refusal = tuple[HTTPStatus, str]
+
+
+class Fields(Protocol):
+    """The header fields of a request."""
+
+    def get_all(self, name: str, /) -> list[Any] | None:
+        """Return all values of a field; None or [] if it is absent."""
+
+
+class Door:
+    """The rule for browser pages: which may connect, and by which names of this machine.
+
+    pages: further origins, such as "https://station.example:8080", or of desktop programs made of web pages, such as
+    "app://station" or "file://" (which is the origin of every page that a browser opens from a file); host: the address
+    on which the server listens. Other programs send no Origin and may connect. A browser's page must come from this
+    machine, from this server itself or from one of `pages`; and the server's name in the request must be known, or be
+    an address. Otherwise a foreign page whose name is made to resolve to this machine would pass as the server's own
+    ("DNS rebinding"). Raises ValueError.
+    """
+
+    def __init__(self, pages: Iterable[str], host: str) -> None:
+        self._pages = set()
+        self._names = {"localhost", host.lower()}
+        for page in pages:
+            origin, parts = ORIGIN.fullmatch(page), urlsplit(page)
+            is_web = parts.scheme in ("http", "https")
+            if origin is None or (is_web and not parts.hostname):
+                raise ValueError(f"origin = '{page}': must be such as 'https://station.example:8080'")
+            self._pages.add(origin[1].lower())
+            if is_web and parts.hostname:
+                self._names.add(parts.hostname)
+
+    def refusal(self, fields: Fields, *, names_matter: bool) -> Refusal | None:
+        """Return the reason to refuse a request, or None. names_matter: check Host even without an Origin."""
+        origins, hosts = fields.get_all("Origin") or [], fields.get_all("Host") or []
+        if len(origins) > 1 or len(hosts) != 1:
+            return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"
+        if (origins or names_matter) and not self._is_known(hosts[0]):
+            return HTTPStatus.FORBIDDEN, f"the name '{hosts[0][:100]}' is not this server's (--page allows another)\n"
+        if origins and not self._may_come_from(origins[0].lower(), hosts[0].lower()):
+            return HTTPStatus.FORBIDDEN, f"pages of '{origins[0][:100]}' may not connect (--page allows one)\n"
+        return None
+
+    def _may_come_from(self, origin: str, host: str) -> bool:
+        own = origin in (f"http://{host}", f"https://{host}")
+        return own or origin in self._pages or LOOPBACK_PAGE.fullmatch(origin) is not None
+
+    def _is_known(self, host: str) -> bool:
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+            if name in self._names:
+                return True
+            ipaddress.ip_address(name)
+        except ValueError:
+            return False
+        return True
+
+
+def check_token(token: str | None) -> None:
+    """Raise ValueError for a token that is too short, or cannot be sent in a URL."""
+    if token is not None and not re.fullmatch(r"[A-Za-z0-9_.~-]{8,256}", token):
+        raise ValueError("token: must have 8 to 256 characters of A-Z a-z 0-9 _ . ~ -")
+
+
+def has_token(request: Request, token: str) -> bool:
+    """Return whether a request carries the token: `?token=...` in the URL, or `Authorization: Bearer ...`."""
+    offered = parse_qs(urlsplit(request.path).query).get("token", [])
+    bearer = request.headers.get_all("Authorization")
+    offered += [value.removeprefix("Bearer ") for value in bearer if value.startswith("Bearer ")]
+    return any(hmac.compare_digest(text.encode(), token.encode()) for text in offered)
+
+
+class Admission:
+    """The rules of one server: pages, token and maximum number of clients. Raises ValueError."""
+
+    def __init__(self, host: str, *, pages: Iterable[str] = (), token: str | None = None, places: int) -> None:
+        check_token(token)
+        self.door = Door(pages, host)
+        self.token = token
+        self._places = places
+        self._logged: set[str] = set()
+
+    def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
+        """Return the reason to refuse a request, or None; refusals are logged.
+
+        clients: how many are connected; None for a request of a page or a file, whose site checks the token itself.
+        """
+        reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
+        if reason is None and clients is not None:
+            if clients >= self._places:
+                reason = HTTPStatus.SERVICE_UNAVAILABLE, f"{self._places} clients are connected, which is the most\n"
+            elif self.token is not None and not has_token(request, self.token):
+                reason = (
+                    HTTPStatus.UNAUTHORIZED,
+                    "the token is missing or wrong: connect to ws://HOST:PORT/?token=TOKEN\n",
+                )
+        if reason is not None:
+            self._log(reason[1].rstrip())
+        return reason
+
+    def _log(self, why: str) -> None:
+        """Log a refusal once: browsers do not show the reason, and a page must not be able to fill the log."""
+        if why not in self._logged and len(self._logged) < REFUSALS_LOGGED:
+            self._logged.add(why)
+            logger.warning("a client was refused: %s", why.encode("ascii", "backslashreplace").decode())
+
+
+def is_socket(request: Request) -> bool:
+    """Return whether a request opens a WebSocket."""
+    return "websocket" in request.headers.get("Upgrade", "").lower()
+
+
+def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
+    """Return the TLS context of a server; None without a certificate. Raises ValueError, OSError."""
+    if certfile is None:
+        if keyfile is not None:
+            raise ValueError("keyfile: give the certfile, too")
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(certfile, keyfile)
+    except ssl.SSLError as error:
+        raise ValueError(f"certfile '{certfile}': no certificate with its key in PEM ({error.reason})") from None
+    except FileNotFoundError:
+        missing = next(p for p in (certfile, keyfile) if p is not None and not Path(p).exists())
+        raise FileNotFoundError(f"'{missing}': no such file") from None
+    return context
+
+
+def warn_beyond_loopback(host: str, token: str | None, tls: bool) -> None:
+    """Warn about the risks of listening on more than this machine's own address."""
+    try:
+        is_local = host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        is_local = False
+    if is_local:
+        return
+    gaps = [] if token else ["anyone who reaches this machine can drive the vehicle (a token would prevent that)"]
+    if not tls:
+        gaps.append("everything is sent in plain text (a certificate would prevent that)")
+    warnings.warn(f"listening on {host}, beyond this machine" + "".join(f"; {gap}" for gap in gaps), stacklevel=4)

@@ -1,0 +1,36 @@
+"""All examinations, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from uwsim.bridges.doctor.environment import environment
+from uwsim.bridges.doctor.finding import Finding
+from uwsim.bridges.doctor.network import network
+from uwsim.bridges.doctor.servers import foxglove_port, rosbridge_port
+from uwsim.bridges.doctor.software import extra, software
+from uwsim.bridges.ros2.settings import Ros2Settings
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The examinations' settings. listen_s: time to listen for others in the domain."""
+
+    settings: Ros2Settings
+    port: int = 9090
+    foxglove: int = 8765
+    listen_s: float = 3.0
+
+
+def examine(plan: Plan, variables: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield the findings as they are made. variables: the environment's."""
+    yield from software()
+    yield rosbridge_port(plan.port)
+    yield foxglove_port(plan.foxglove)
+    yield from environment(variables, plan.settings)
+    yield from network(plan.settings)
+    if extra("ros2").verdict == "ok":
+        from uwsim.bridges.doctor.discovery import discovery
+
+        yield from discovery(plan.settings, plan.listen_s)

@@ -1,0 +1,73 @@
+"""Whether the ports of `uwsim serve` are free, and if not, which server uses them."""
+
+from __future__ import annotations
+
+import json
+import socket
+from http import HTTPStatus
+
+from websockets.exceptions import InvalidStatus, WebSocketException
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
+
+from uwsim.bridges.doctor.finding import Finding
+
+ANSWER_S = 2.0
+FOXGLOVE = Subprotocol("foxglove.sdk.v1")
+LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
+
+
+def rosbridge_port(port: int) -> Finding:
+    """Return a finding about the rosbridge's port."""
+    what = f"rosbridge, port {port}"
+    if not _is_taken(port):
+        return Finding(what, "free")
+    try:
+        nodes = _rosbridge_nodes(port)
+    except PermissionError:
+        return Finding(what, LOCKED)
+    if nodes is None:
+        return Finding(what, "taken, but not by a rosbridge", "wrong", "end it, or uwsim serve --port N")
+    if "/uwsim" in nodes:
+        return Finding(what, "uwsim serves here")
+    return Finding(what, f"another rosbridge: {', '.join(nodes)[:60]}", "wrong", "end it, or uwsim serve --port N")
+
+
+def foxglove_port(port: int) -> Finding:
+    """Return a finding about Foxglove's port."""
+    what = f"Foxglove, port {port}"
+    if not _is_taken(port):
+        return Finding(what, "free")
+    try:
+        with connect(f"ws://127.0.0.1:{port}", subprotocols=[FOXGLOVE], open_timeout=ANSWER_S, max_size=None) as socket:
+            name = json.loads(socket.recv(ANSWER_S)).get("name", "")
+    except (OSError, ValueError, WebSocketException) as error:
+        if _is_locked(error):
+            return Finding(what, LOCKED)
+        return Finding(what, "taken, but not by a Foxglove server", "note", "end it, or uwsim serve --foxglove-port N")
+    return Finding(what, f"{name or 'a Foxglove server'} serves here")
+
+
+def _is_taken(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.settimeout(ANSWER_S)
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def _rosbridge_nodes(port: int) -> list[str] | None:
+    """Return the names of a rosbridge's nodes, or None if it is not a rosbridge. Raises PermissionError."""
+    try:
+        with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
+            bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))
+            for _ in range(10):
+                answer = json.loads(bridge.recv(ANSWER_S))
+                if answer.get("op") == "service_response":
+                    return [str(name) for name in answer.get("values", {}).get("nodes", [])]
+    except (OSError, ValueError, AttributeError, WebSocketException) as error:
+        if _is_locked(error):
+            raise PermissionError(LOCKED) from None
+    return None
+
+
+def _is_locked(error: Exception) -> bool:
+    return isinstance(error, InvalidStatus) and error.response.status_code == HTTPStatus.UNAUTHORIZED

@@ -1,0 +1,6 @@
+"""Datasets: labelled pictures of cameras and sonars, at drawn poses or along a track, in common formats."""
+
+from uwsim.campaigns.datasets.make import Dataset, make_dataset
+from uwsim.campaigns.datasets.spec import PRODUCTS
+
+__all__ = ["PRODUCTS", "Dataset", "make_dataset"]

@@ -1,0 +1,65 @@
+"""COCO's format for instances: boxes and masks of the objects in pictures. https://cocodataset.org/#format-data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
+
+STUFF = ("nothing", "terrain")
+"""Classes that are not objects: they have masks, but no boxes."""
+
+
+def annotations_of(
+    labels: NDArray[np.uint16], class_of_label: Sequence[int], names: Sequence[str], distances_m: NDArray[np.float32],
+    min_pixels: int,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """Return the annotations of a picture's objects, without ids.
+
+    labels: (H, W). class_of_label: by label; names: of the labels. distances_m: (H, W), of each pixel. In addition to
+    COCO's fields, there are the object's name, its label and the median distance of its pixels.
+    """
+    found = []
+    for label in np.flatnonzero(np.bincount(labels.ravel())).tolist():
+        if class_of_label[label] < len(STUFF):
+            continue
+        mask = labels == label
+        area = int(mask.sum())
+        if area >= min_pixels:
+            found.append(
+                {
+                    "category_id": class_of_label[label],
+                    "segmentation": run_lengths(mask),
+                    "area": area,
+                    "bbox": bounds(mask),
+                    "iscrowd": 0,
+                    "name": names[label],
+                    "instance": label,
+                    "distance_m": round(float(np.median(distances_m[mask])), 3),
+                }
+            )
+    return found
+
+
+def coco(
+    about: Mapping[str, Any],
+    class_names: Sequence[str],
+    pictures: Iterable[tuple[dict[str, Any], list[dict[str, Any]]]],
+) -> dict[str, Any]:
+    """Return the file's content. pictures: each one's `images` entry, with an id, and its annotations."""
+    images: list[dict[str, Any]] = []
+    annotations: list[dict[str, Any]] = []
+    for image, things in pictures:
+        images.append(image)
+        for thing in things:  # ids begin at 1: pycocotools treats annotation 0 as no match
+            annotations.append({"id": len(annotations) + 1, "image_id": image["id"], **thing})
+    categories = [
+        {"id": number, "name": name, "supercategory": "thing"}
+        for number, name in enumerate(class_names)
+        if number >= len(STUFF)
+    ]
+    return {"info": dict(about), "licenses": [], "images": images, "annotations": annotations, "categories": categories}

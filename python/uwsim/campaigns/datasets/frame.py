@@ -1,0 +1,164 @@
+"""One frame of a dataset, made by a worker: its pose, pictures and files, and its record for the dataset's tables."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.campaigns.datasets.formats.coco import annotations_of
+from uwsim.campaigns.datasets.formats.pixels import depth_pixels, level_pixels, normal_pixels, png
+from uwsim.campaigns.datasets.formats.yolo import yolo_lines
+from uwsim.campaigns.datasets.poses import Viewpoint
+from uwsim.campaigns.datasets.spec import OF_CAMERA, DatasetSpec
+from uwsim.campaigns.datasets.studio import Studio, studio_of
+from uwsim.campaigns.workers.tidy import tidy_now_and_then
+from uwsim.instruments.cameras import Frame
+from uwsim.instruments.cameras.image_file import encode_jpeg
+from uwsim.instruments.sonars.imaging import SonarImage
+from uwsim.instruments.sonars.imaging.pixels import shown_range
+
+JPEG_QUALITY = 95
+
+
+@dataclass(frozen=True)
+class FrameJob:
+    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: to be drawn.
+
+    digest: of the scenario (studio.digest_of).
+    """
+
+    spec: DatasetSpec
+    digest: str
+    number: int
+    out: str
+    pose: tuple[float, ...] | None = None
+    threads: int | None = None
+
+
+def folders(spec: DatasetSpec) -> dict[str, str]:
+    """Return the folder of each kind of file in a frame, with the files' suffix."""
+    suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
+    suffixes["yolo"] = "labels/.txt"  # where its loaders search: "images" in a path replaced by "labels"
+    found: dict[str, str] = {
+        name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
+    }
+    if spec.writes("sonar"):
+        found |= {name: f"{name}/.png" for name in ("sonar", "sonar_instances", "sonar_classes")}
+        if spec.writes("arrays"):
+            found["sonar_arrays"] = "sonar_arrays/.npz"
+    return found
+
+
+def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
+    """Return the path of a frame's file in the dataset, such as depth/000007.png."""
+    folder, suffix = folders(spec)[kind].split("/")
+    return f"{folder}/{number:06d}{suffix}"
+
+
+def make_frame(job: FrameJob) -> dict[str, Any]:
+    """Make a frame and write its files; return its record. Raises ValueError if no pose can be found, OSError."""
+    studio, spec, number = studio_of(job.spec, job.threads, job.digest), job.spec, job.number
+    values = studio.vary(number)
+    if job.pose is None:
+        viewpoint, time_ns = studio.viewpoint(number), studio.time_ns(number)
+    else:
+        viewpoint = Viewpoint(np.array(job.pose[1:4]), np.array(job.pose[4:]))
+        time_ns = round(1e9 * job.pose[0])
+    try:
+        studio.place(viewpoint)
+    except ValueError as error:
+        raise ValueError(f"frame {number}: {error}") from None
+    record: dict[str, Any] = {
+        "frame": number,
+        "seed": studio.sim.seed,
+        "time_ns": time_ns,
+        "world_from_body": studio.vehicle.pose.world_from_body.tolist(),
+        "target": viewpoint.target,
+        "distance_m": viewpoint.distance_m,
+        "values": values,
+    }
+    files: dict[str, bytes] = {}
+    if spec.writes(*OF_CAMERA):
+        _add_picture(studio, studio.picture(time_ns), record, files)
+    if spec.writes("sonar"):
+        _add_sonar(studio, studio.ping(time_ns), record, files)
+    if spec.writes("multibeam"):
+        _add_multibeam(studio, record, files)
+    for kind, content in files.items():
+        write_atomically(Path(job.out) / file_name(spec, kind, number), content)
+    tidy_now_and_then()
+    return record
+
+
+def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: dict[str, bytes]) -> None:
+    spec, distances = studio.spec, studio.distances_m(frame)
+    near = distances <= studio.label_range_m
+    labels = np.where(near, frame.labels, 0).astype(np.uint16)
+    if spec.writes("rgb"):
+        files["rgb"] = png(frame.rgb) if spec.pictures == "png" else encode_jpeg(frame.rgb, JPEG_QUALITY)
+    if spec.writes("depth"):
+        files["depth"] = png(depth_pixels(frame.depth_m))
+    if spec.writes("normals"):
+        files["normals"] = png(normal_pixels(frame.normals_world, frame.world_from_optical, studio.rays))
+    if spec.writes("instances"):
+        files["instances"] = png(labels)
+    if spec.writes("classes"):
+        files["classes"] = png(np.asarray(studio.class_of_label, np.uint8)[labels])
+    if spec.writes("arrays"):
+        files["arrays"] = _archive(
+            rgb=frame.rgb, depth_m=frame.depth_m, normals_world=frame.normals_world, labels=frame.labels
+        )
+    record["world_from_optical"] = frame.world_from_optical.tolist()
+    label_range = studio.label_range_m
+    record["label_range_m"] = float(label_range) if np.isfinite(label_range) else None
+    if spec.writes("boxes", "yolo"):
+        things = annotations_of(labels, studio.class_of_label, studio.label_names, distances, spec.min_pixels)
+        if spec.writes("boxes"):
+            record["annotations"] = things
+        if spec.writes("yolo"):
+            files["yolo"] = yolo_lines(things, frame.info.width, frame.info.height).encode()
+
+
+def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files: dict[str, bytes]) -> None:
+    """Add a picture in an operator's layout: the farthest range in the first row, port in the first column."""
+    assert image.labels is not None
+    limits_db = shown_range(image.level_db, image.noise_db[:, None])
+    labels = np.ascontiguousarray(image.labels[::-1, ::-1])
+    ranges = np.broadcast_to(image.ranges_m[::-1, None], labels.shape).astype(np.float32)
+    files |= {
+        "sonar": png(level_pixels(image.level_db[::-1, ::-1], limits_db)),
+        "sonar_instances": png(labels),
+        "sonar_classes": png(np.asarray(studio.class_of_label, np.uint8)[labels]),
+    }
+    if studio.spec.writes("arrays"):
+        files["sonar_arrays"] = _archive(
+            level_db=image.level_db, noise_db=image.noise_db, labels=image.labels, ranges_m=image.ranges_m,
+            bearings_rad=image.bearings_rad,
+        )  # fmt: skip
+    record["world_from_sonar"] = image.world_from_sonar.tolist()
+    record["sonar_limits_db"] = list(limits_db)
+    record["sonar_annotations"] = annotations_of(
+        labels, studio.class_of_label, studio.label_names, ranges, studio.spec.min_pixels
+    )
+
+
+def _add_multibeam(studio: Studio, record: dict[str, Any], files: dict[str, bytes]) -> None:
+    ping = studio.vehicle.sonar.ping()
+    files["multibeam"] = _archive(
+        ranges_m=ping.ranges_m, angles_rad=ping.angles_rad, labels=ping.labels, intensity_db=ping.intensity_db,
+        valid=ping.valid, points_sonar_m=ping.points_sonar_m,
+    )  # fmt: skip
+    record["world_from_multibeam"] = np.asarray(ping.world_from_sonar).tolist()
+
+
+def _archive(**arrays: NDArray[Any]) -> bytes:
+    """Return an .npz file; the same arrays give the same bytes."""
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()

@@ -1,0 +1,205 @@
+"""make_dataset: draws poses or takes them from a track, and writes labelled pictures. The job of `uwsim dataset`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from uwsim.base.folder_lock import alone_in
+from uwsim.campaigns.datasets.frame import FrameJob, folders, make_frame
+from uwsim.campaigns.datasets.spec import DatasetSpec
+from uwsim.campaigns.datasets.split import split_of_frames
+from uwsim.campaigns.datasets.studio import Studio, digest_of, require_effects, studio_of
+from uwsim.campaigns.datasets.tables import write_tables
+from uwsim.campaigns.datasets.track import Track, read_track, track_of
+from uwsim.campaigns.workers import Ledger, Workers, open_workers
+from uwsim.flight.folder import made_folder
+from uwsim.scenario.fingerprint import build_fingerprint
+from uwsim.scenario.read.validated import validated
+
+RETRIES = 2
+Show = Callable[[str], AbstractContextManager[object]]
+Tell = Callable[[int, int, int], None]
+"""Called with the numbers of frames finished, failed (always 0) and in all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """A dataset that is complete or in progress.
+
+    finished: number of its n frames. files: those that cover all frames, once all are there. made: number of frames
+    made by this call, in wall_s seconds.
+    """
+
+    spec: DatasetSpec
+    out: Path
+    finished: int
+    files: tuple[Path, ...]
+    made: int
+    wall_s: float
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether frames are missing; `resume=True` makes them."""
+        return self.finished < self.spec.n
+
+    @property
+    def frames_per_s(self) -> float:
+        """The number of frames made per second of wall time."""
+        return self.made / self.wall_s if self.wall_s > 0.0 else 0.0
+
+
+def make_dataset(
+    scenario: str | Path,
+    out: str | Path,
+    n: int,
+    *,
+    along: str | Path | None = None,
+    mission: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    stop_requested: Callable[[], bool] = lambda: False,
+    tell: Tell = lambda finished, failed, count: None,
+    show: Show = lambda activity: nullcontext(),
+    **options: Any,
+) -> Dataset:
+    """Write n labelled frames of a scenario into the folder `out`; the bytes do not depend on the workers.
+
+        uwsim.make_dataset("lake", "data", 1000, size=(320, 240), look_at=("gate", "pipeline"), workers=2)
+
+    Poses are drawn, or evenly spaced on a track: `along`, a file (datasets.track.read_track), or the track of a
+    `mission`'s file, which is flown first. workers: processes on this machine, by default one per core; 0: work in this
+    process. scheduler: of a Dask cluster, instead, whose workers find `out` under the same path. resume: make the
+    frames that are missing in `out`, which must have the same options, scenario and build. options: the others of
+    datasets.spec.DatasetSpec.
+
+    A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the
+    workers import it. Raises ValueError before anything is written, or for a frame without a possible pose; OSError.
+    """
+    source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
+    spec = validated(DatasetSpec, {"scenario": source, "n": n, **options})
+    require_effects(spec)
+    threads = None if workers == 0 else 1
+    with show("checking"):
+        digest = digest_of(spec)
+        studio = studio_of(spec, threads, digest)
+        track = _track(spec, studio, along, mission)
+        if track is None:
+            studio.vary(0)
+            studio.viewpoint(0)  # raises ValueError if there is none
+    into = made_folder(Path(out))
+    with alone_in(into):
+        ledger = Ledger(into)
+        _require_fresh(ledger, into, spec, resume)
+        plan = _plan(spec, digest, track)
+        made, wall_s = 0, 0.0
+        try:
+            ledger.resume(plan) if resume else ledger.begin(plan)
+            _make_folders(into, spec)
+            missing = {
+                number: FrameJob(spec, digest, number, str(into.resolve()), _pose(track, number), threads)
+                for number in range(spec.n)
+                if number not in ledger.results
+            }
+            tell(len(ledger.results), 0, spec.n)
+            if missing:
+                with show("starting workers"):
+                    crew = open_workers(workers, scheduler=scheduler)
+                with crew:
+                    made, wall_s = _make(
+                        crew, missing, ledger, stop_requested, lambda finished: tell(finished, 0, spec.n)
+                    )
+        finally:
+            ledger.close()
+        files: tuple[Path, ...] = ()
+        if len(ledger.results) == spec.n:
+            with show("writing tables"):
+                splits = split_of_frames(spec.n, spec.val_share, studio.sim.seed, in_sequence=track is not None)
+                records = [ledger.results[number] for number in range(spec.n)]
+                files = tuple(write_tables(into, studio, plan, records, splits))
+        return Dataset(spec, into, len(ledger.results), files, made, wall_s)
+
+
+def _make(
+    crew: Workers, missing: Mapping[int, FrameJob], ledger: Ledger, stop_requested: Callable[[], bool],
+    tell_finished: Callable[[int], None],
+) -> tuple[int, float]:  # fmt: skip
+    """Make the missing frames and note each in the ledger; return their number and the wall time [s]."""
+    begun_s, made = time.perf_counter(), 0
+    for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
+        if each.result is None:
+            raise OSError(f"frame {each.job}: {each.why}; --resume continues")
+        ledger.add(each.job, each.result)
+        made += 1
+        tell_finished(len(ledger.results))
+    return made, time.perf_counter() - begun_s
+
+
+def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
+    """Return the n poses of the track, if there is one. Raises ValueError for options that have no effect with it."""
+    if along is None and mission is None:
+        return None
+    if along is not None and mission is not None:
+        raise ValueError("along, mission: only one of them can be given")
+    for name in ("look_at", "distance_m", "clearance_m", "pitch_max_deg", "roll_max_deg"):
+        if name in spec.model_fields_set:
+            raise ValueError(f"{name}: is without effect along a track, whose poses are as they are")
+    if along is not None:
+        return read_track(along).spread(spec.n)
+    from uwsim.flight.fly import fly  # many imports that drawn poses do not need
+
+    assert mission is not None
+    name = studio.vehicle.name
+    flown = fly(mission, spec.scenario, vehicles=(name,), seed=spec.seed, autosave_s=0.0)
+    return track_of(flown.samples[name]).spread(spec.n)
+
+
+def _pose(track: Track | None, number: int) -> tuple[float, ...] | None:
+    if track is None:
+        return None
+    position, orientation = track.positions_m[number], track.orientations_xyzw[number]
+    return (float(track.times_s[number]), *position.tolist(), *orientation.tolist())
+
+
+def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) -> None:
+    if not resume and ledger.exists:
+        ledger.read()
+        rule = f"holds a dataset already, {len(ledger.results):,} frames of it finished: --resume, or another --out"
+        raise ValueError(f"--out {into}: {rule}")
+    if not resume and any(any((into / folder).glob("*")) for folder in _folder_names(spec)):
+        raise ValueError(f"--out {into}: holds pictures already, of no dataset that is known: choose another")
+    if resume and not ledger.exists:
+        raise ValueError(f"--resume: no dataset was begun in '{into}'")
+
+
+def _make_folders(into: Path, spec: DatasetSpec) -> None:
+    """Make the folders for files; remove partly written files of a killed process."""
+    for name in _folder_names(spec):
+        (into / name).mkdir(exist_ok=True)
+        for left_over in (into / name).glob(".[0-9]*"):
+            left_over.unlink()
+
+
+def _folder_names(spec: DatasetSpec) -> list[str]:
+    return [where.split("/")[0] for where in folders(spec).values()]
+
+
+def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]:
+    """Return everything that determines the files."""
+    poses = None
+    if track is not None:
+        arrays = (track.times_s, track.positions_m, track.orientations_xyzw)
+        poses = hashlib.blake2b(b"".join(array.tobytes() for array in arrays), digest_size=8).hexdigest()
+    return {
+        "options": json.loads(spec.model_dump_json(exclude={"scenario"})),
+        "track": poses,
+        "scenario_digest": digest,
+        "build": build_fingerprint(),
+    }

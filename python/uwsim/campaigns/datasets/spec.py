@@ -1,0 +1,93 @@
+"""The contents of a dataset: the checked options of `uwsim dataset`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import Field, model_validator
+
+from uwsim.instruments.cameras.effects import effects_on
+from uwsim.scenario.spec.camera import LARGEST_SIDE
+from uwsim.scenario.spec.fields import InRange, Model, broken
+from uwsim.scenario.variation import Variation
+
+Product = Literal["rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam"]
+PRODUCTS: tuple[str, ...] = get_args(Product)
+"""Everything that can be written for a frame."""
+USUAL: tuple[Product, ...] = ("rgb", "depth", "normals", "instances", "classes", "boxes")
+OF_CAMERA = {"rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays"}
+MAX_FRAMES = 1_000_000
+MIN_PIXELS = 16
+Pixels = Annotated[int, InRange(1, LARGEST_SIDE, "pixels")]
+Metres = Annotated[float, InRange(0.01, 1000, "m")]
+
+
+class DatasetSpec(Model):
+    """A dataset, apart from its poses along a track.
+
+    scenario: a packaged one's name, or a file. n: number of frames. seed: of all draws, and the scenario's seed; None:
+    the scenario's own. vehicle: its name; None: the first. camera: one of the vehicle's or the station's. size: width
+    and height in pixels; None: the camera's own. effects, without: of the pictures, as in Camera.capture. write: the
+    files of each frame. pictures: the format of rgb. sonar: a forward-looking sonar of the vehicle; None: the first.
+    look_at: names or classes of targets; None: everything. distance_m: smallest and largest distance to the target;
+    None: from the clearance to good visibility. clearance_m: free space around the vehicle's hull and the camera.
+    pitch_max_deg, roll_max_deg: of the vehicle, to either side. label_range_m: objects farther away have no labels;
+    None: the water's visibility. min_pixels: objects with fewer pixels have no annotation. val_share: share of the
+    frames for validation. vary: by the name of a parameter; each frame draws a value of each.
+    """
+
+    scenario: str
+    n: Annotated[int, InRange(1, MAX_FRAMES)]
+    seed: Annotated[int, InRange(0, 2**63 - 1)] | None = None
+    vehicle: str | None = None
+    camera: str = "front"
+    size: tuple[Pixels, Pixels] | None = None
+    effects: str | tuple[str, ...] = "on"
+    without: tuple[str, ...] = ()
+    write: Annotated[tuple[Product, ...], Field(min_length=1)] = USUAL
+    pictures: Literal["png", "jpg"] = "png"
+    sonar: str | None = None
+    look_at: tuple[str, ...] | None = None
+    distance_m: tuple[Metres, Metres] | None = None
+    clearance_m: Annotated[float, InRange(0, 100, "m")] = 0.2
+    pitch_max_deg: Annotated[float, InRange(0, 90, "deg")] = 15.0
+    roll_max_deg: Annotated[float, InRange(0, 180, "deg")] = 5.0
+    label_range_m: Annotated[float, InRange(0.01, 1e6, "m")] | None = None
+    min_pixels: Annotated[int, InRange(1, LARGEST_SIDE**2, "pixels")] = MIN_PIXELS
+    val_share: Annotated[float, InRange(0, 1)] = 0.2
+    vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
+
+    @model_validator(mode="after")
+    def _says_nothing_without_effect(self) -> DatasetSpec:
+        if len(set(self.write)) < len(self.write):
+            raise broken("names something twice", at=("write",), value=", ".join(self.write))
+        if self.distance_m is not None and self.distance_m[0] > self.distance_m[1]:
+            raise broken(
+                "must be the least, then the greatest", at=("distance_m",), value=list(self.distance_m), unit="m"
+            )
+        if self.sonar is not None and "sonar" not in self.write:
+            raise broken("is without effect unless `write` has sonar", at=("sonar",), value=self.sonar)
+        if self.pictures != "png" and "rgb" not in self.write:
+            raise broken("is without effect unless `write` has rgb", at=("pictures",), value=self.pictures)
+        if self.label_range_m is not None and not self.writes("instances", "classes", "boxes", "yolo"):
+            rule = "is without effect unless `write` has instances, classes, boxes or yolo"
+            raise broken(rule, at=("label_range_m",), value=self.label_range_m, unit="m")
+        if self.min_pixels != MIN_PIXELS and not self.writes("boxes", "yolo", "sonar"):
+            rule = "is without effect unless `write` has boxes, yolo or sonar"
+            raise broken(rule, at=("min_pixels",), value=self.min_pixels)
+        if "yolo" in self.write and "rgb" not in self.write:
+            raise broken("has yolo, whose files belong to pictures: needs rgb, too", at=("write",))
+        for name, variation in self.vary.items():
+            if variation.steps is not None:
+                raise broken("is for the grid of a sweep: here values are drawn", at=("vary", name, "steps"))
+        return self
+
+    @property
+    def effects_on(self) -> tuple[str, ...]:
+        """Return the names of the effects to apply. Raises ValueError for unknown names."""
+        off = effects_on(self.without)
+        return tuple(name for name in effects_on(self.effects) if name not in off)
+
+    def writes(self, *products: str) -> bool:
+        """Return whether one of these is written."""
+        return not set(products).isdisjoint(self.write)

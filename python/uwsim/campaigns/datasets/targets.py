@@ -1,0 +1,83 @@
+"""Targets of a camera: points on the surfaces of the world and of the other vehicles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.did_you_mean import did_you_mean
+from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.simulator.simulator import Simulator
+
+Floats = NDArray[np.float64]
+TERRAIN = "terrain"
+
+
+class Targets:
+    """Surfaces by name. All are chosen equally often, whatever their size."""
+
+    def __init__(self, sim: Simulator, carrier: str, classes: dict[str, str], look_at: Sequence[str] | None) -> None:
+        """carrier: the camera's vehicle, which is no target. classes: of each surface, by name.
+
+        look_at: names and classes. Raises ValueError if nothing is left.
+        """
+        self._world = sim.world
+        surfaces = {**_solids(sim), **_vehicles(sim, carrier)}
+        if sim.world.highest_m > -np.inf:
+            surfaces[TERRAIN] = np.empty((0, 3, 3))
+        known = {*surfaces, *(classes[name] for name in surfaces)}
+        for name in look_at or ():
+            if name not in known:
+                hint = did_you_mean(name, known)
+                raise ValueError(f"look_at = {name!r}: must be one of {', '.join(sorted(known)) or 'none'}{hint}")
+        wanted = [name for name in surfaces if not look_at or name in look_at or classes[name] in look_at]
+        if not wanted:
+            raise ValueError(f"scenario '{sim.scenario.name}': has no terrain and no obstacle to look at")
+        self.names = wanted
+        self._corners_m = {name: surfaces[name] for name in wanted}
+        self._heaps = {name: np.cumsum(_areas_m2(surfaces[name])) for name in wanted}
+
+    def draw(self, count: int, random: np.random.Generator) -> tuple[NDArray[np.intp], Floats]:
+        """Return `count` points (count, 3), and for each the index of its name."""
+        which = random.integers(len(self.names), size=count)
+        shares = random.random((count, 3))
+        points = np.empty((count, 3))
+        for index in np.unique(which):
+            chosen = which == index
+            points[chosen] = self._points(self.names[index], shares[chosen])
+        return which, points
+
+    def _points(self, name: str, shares: Floats) -> Floats:
+        """Return points spread evenly over a surface, for numbers (n, 3) in [0, 1)."""
+        if name == TERRAIN:
+            x0, y0, x1, y1 = self._world.terrain_extent_m
+            xy = np.array([x0, y0]) + shares[:, :2] * np.array([x1 - x0, y1 - y0])
+            return np.column_stack([xy, self._world.height_at(xy)])
+        heap, corners = self._heaps[name], self._corners_m[name]
+        a, b, c = np.moveaxis(corners[np.searchsorted(heap, shares[:, 0] * heap[-1], side="right")], 1, 0)
+        root, v = np.sqrt(shares[:, 1:2]), shares[:, 2:3]
+        return np.asarray((1 - root) * a + root * (1 - v) * b + root * v * c)
+
+
+def _solids(sim: Simulator) -> dict[str, Floats]:
+    """Return the corners (n, 3, 3) of each solid's triangles, by name."""
+    vertices, triangles, labels = sim.world.surface_mesh(with_terrain=False)
+    corners, names = vertices[triangles], sim.world.label_names
+    return {names[label]: corners[labels == label] for label in np.unique(labels)}
+
+
+def _vehicles(sim: Simulator, carrier: str) -> dict[str, Floats]:
+    found = {}
+    for entry in sim.scenario.vehicles:
+        if entry.name != carrier:
+            vertices, triangles = vehicle_hull(entry.model)
+            pose = sim.vehicles[entry.name].pose.world_from_body
+            found[entry.name] = (vertices @ pose[:3, :3].T + pose[:3, 3])[triangles]
+    return found
+
+
+def _areas_m2(corners: Floats) -> Floats:
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(0.5 * np.linalg.norm(across, axis=1))

@@ -1,0 +1,72 @@
+"""The picture of a fleet's work: the merged map from above, the tiles, and how much of each was mapped."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uwsim.campaigns.fleet.store import scores_file
+from uwsim.campaigns.fleet.tiles import Tile
+from uwsim.figures.style import (
+    ACCENT,
+    HEIGHTS,
+    MISSED,
+    add_colour_bar,
+    height_range,
+    label_axes,
+    new_figure,
+    save_figure,
+)
+from uwsim.mapping import OccupancyMap
+
+MAX_PIXELS = 1200
+FEW = 150
+"""Tiles, of which each has room for a text."""
+
+
+def draw_fleet(
+    path: Path, map_path: Path, tiles: list[Tile], results: Mapping[int, Mapping[str, Any]], figures: Mapping[str, Any]
+) -> None:
+    """Draw the lowest occupied voxel of each column, the tiles' outlines and their coverage. Raises OSError."""
+    occupied = OccupancyMap.read(map_path).occupied_voxels()
+    figure = new_figure(9.0, 8.0)
+    axes = figure.add_subplot()
+    if len(occupied):
+        low, high = occupied[:, :2].min(axis=0), occupied[:, :2].max(axis=0)
+        edge_m = max(float(figures["voxel_m"]), float((high - low).max()) / MAX_PIXELS)
+        columns, rows = ((high - low) / edge_m).astype(int) + 1
+        heights = np.full((rows, columns), np.inf)
+        i, j = ((occupied[:, :2] - low) / edge_m).astype(int).T
+        np.minimum.at(heights, (j, i), occupied[:, 2])
+        heights[np.isinf(heights)] = np.nan
+        limits = height_range(heights[np.isfinite(heights)])
+        extent = (low[0], low[0] + columns * edge_m, low[1], low[1] + rows * edge_m)
+        axes.imshow(heights, origin="lower", extent=extent, cmap=HEIGHTS, norm=limits, interpolation="nearest")
+        add_colour_bar(figure, axes, limits, HEIGHTS, "z [m]")
+    scores = json.loads(scores_file(map_path.parent).read_text()) if "coverage" in figures else {}
+    for tile in tiles:
+        outline = np.array([*tile.area_m, tile.area_m[0]])
+        mapped = "metrics" in results[tile.number]
+        axes.plot(*outline.T, color="white" if mapped else MISSED, linewidth=0.8)
+        if len(tiles) <= FEW:
+            x, y = np.array(tile.area_m).mean(axis=0)
+            text = _text(results[tile.number], scores.get(str(tile.number)))
+            axes.text(x, y, text, ha="center", va="center", fontsize=7, color="white" if mapped else ACCENT)
+    axes.set_aspect("equal")
+    share = figures.get("coverage")
+    mapped_text = f", {100 * share:.1f} % of the visible surface mapped" if share else ""
+    title = f"{figures['tiles_flown']:,} tiles{mapped_text}"
+    label_axes(axes, title, "x, east [m]", "y, north [m]")
+    save_figure(figure, path)
+
+
+def _text(result: Mapping[str, Any], score: Mapping[str, Any] | None) -> str:
+    if result["error"]:
+        return "failed"
+    if result["dry"]:
+        return "dry"
+    return f"{100 * score['covered'] / score['visible']:.1f} %" if score and score["visible"] else ""

@@ -1,0 +1,229 @@
+"""run_fleet: surveys a large area by tiles on many workers, merges their maps and scores the whole."""
+
+from __future__ import annotations
+
+import heapq
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.folder_lock import alone_in
+from uwsim.campaigns.fleet.score import scored
+from uwsim.campaigns.fleet.store import MAP, TILES, map_file, path_file
+from uwsim.campaigns.fleet.tile_job import DryTileError, TileJob, fly_tile
+from uwsim.campaigns.fleet.tiles import Grid, Tile, grid_over, tiles_of
+from uwsim.campaigns.workers import Ledger, Workers, open_workers
+from uwsim.flight.flyable_lanes import required_survey
+from uwsim.flight.folder import made_folder
+from uwsim.mapping import OccupancyMap
+from uwsim.mapping.merge import merge_files
+from uwsim.scenario import Scenario, ScenarioError, load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scoring.score_json import write_json
+
+SUMMARY, FIGURE = "summary.json", "tiles.png"
+RETRIES = 2
+Show = Callable[[str], AbstractContextManager[object]]
+Tell = Callable[[int, int, int], None]
+"""Called with the numbers of tiles that are finished, that failed, and of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet:
+    """An area that was surveyed by tiles, or begun.
+
+    results: by the number of the tile. figures: of the whole. interrupted: whether tiles or the score are missing;
+    `resume=True` continues.
+    """
+
+    out: Path
+    tiles: list[Tile]
+    results: Mapping[int, Mapping[str, Any]]
+    figures: dict[str, Any]
+    interrupted: bool = False
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """The errors of tiles that could not be surveyed, by number."""
+        return {number: str(result["error"]) for number, result in self.results.items() if result["error"]}
+
+
+def run_fleet(
+    scenario: str | Path,
+    out: str | Path,
+    *,
+    tile_m: float,
+    voxel_m: float | None = None,
+    seed: int | None = None,
+    vehicles: int = 1,
+    score: bool = True,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    retry_failed: bool = False,
+    stop_requested: Callable[[], bool] = lambda: False,
+    tell: Tell = lambda finished, failed, count: None,
+    show: Show = lambda activity: nullcontext(),
+) -> Fleet:
+    """Survey a scenario's area by tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
+
+    Each tile is flown from a start of its own, by the scenario's first vehicle, in its part of the terrain. voxel_m,
+    seed: instead of the scenario's. vehicles: among how many the tiles are shared out, which decides how long the fleet
+    is out, and no byte of the map. workers, scheduler, resume, retry_failed: see uwsim.campaigns.sweeps.run_sweep.
+    Raises ScenarioError, ValueError, OSError.
+    """
+    base = load(scenario)
+    survey = required_survey(base)
+    if not 1.0 <= tile_m <= 1e5:
+        raise ValueError(f"tile_m = {tile_m:g} m: must be in [1, 100000] m")
+    if not 1 <= vehicles <= 100_000:
+        raise ValueError(f"vehicles = {vehicles}: must be in [1, 100000]")
+    if base.terrain.window_m is not None:
+        raise ScenarioError("terrain.window_m: must be left out for a fleet: each tile has its own")
+    if base.faults:
+        raise ScenarioError("faults: must be left out for a fleet: each tile has a vehicle of its own")
+    edge_m = voxel_m if voxel_m is not None else survey.voxel_m
+    if not 0.02 <= edge_m <= 10.0:
+        raise ValueError(f"voxel_m = {edge_m:g} m: must be in [0.02, 10] m")
+    grid = grid_over(survey.area_m, tile_m)
+    tiles, left_m2 = tiles_of(survey.area_m, grid, edge_m)
+    name = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
+    jobs = {tile.number: TileJob(name, base.seed if seed is None else seed, tile, edge_m) for tile in tiles}
+    with show("checking the tiles"):
+        _require_water(base, jobs)
+    plan = {
+        "scenario": scenario_fingerprint(base), "tile_m": tile_m, "voxel_m": edge_m,
+        "seed": base.seed if seed is None else seed, "build": build_fingerprint(),
+    }  # fmt: skip
+    if retry_failed and not resume:
+        raise ValueError("retry_failed: needs resume")
+    into = made_folder(Path(out))
+    with alone_in(into):
+        (into / TILES).mkdir(exist_ok=True)
+        ledger = _ledger(into, plan, resume)
+        try:
+            with show("starting workers"):
+                crew = open_workers(workers, scheduler=scheduler)
+            with crew:
+                done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+                missing = {number: job for number, job in jobs.items() if number not in done}
+                _fly(crew, missing, len(jobs), ledger, into, stop_requested, tell)
+                if len(ledger.results) < len(tiles):
+                    return Fleet(into, tiles, ledger.results, {}, interrupted=True)
+                figures = _flown_figures(base, grid, tiles, left_m2, ledger.results, plan, vehicles)
+                figures |= _merged(into, ledger.results, show)
+                if score:
+                    with show("scoring the map"):
+                        scores = scored(crew, jobs, grid, ledger.results, into, stop_requested)
+                    if scores is None:
+                        return Fleet(into, tiles, ledger.results, figures, interrupted=True)
+                    figures |= scores
+        finally:
+            ledger.close()
+        write_json(into / SUMMARY, figures)
+        with show("drawing the tiles"):
+            from uwsim.campaigns.fleet.figure import draw_fleet  # here, since matplotlib takes a second to import
+
+            draw_fleet(into / FIGURE, into / MAP, tiles, ledger.results, figures)
+        return Fleet(into, tiles, ledger.results, figures)
+
+
+def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
+    """Raise what makes the first tile with water wrong, or ScenarioError if there is none."""
+    for job in jobs.values():
+        try:
+            job.scenario_of_tile(base)
+        except DryTileError:
+            continue
+        return
+    raise ScenarioError("survey.area_m: there is no tile with water deep enough to fly in")
+
+
+def _ledger(into: Path, plan: dict[str, Any], resume: bool) -> Ledger:
+    ledger = Ledger(into)
+    if resume and not ledger.exists:
+        raise ValueError(f"--resume: no fleet has flown into '{into}'")
+    if not resume and ledger.exists:
+        ledger.read()
+        raise ValueError(f"--out {into}: holds {len(ledger.results):,} tiles already: --resume, or another --out")
+    ledger.resume(plan) if resume else ledger.begin(plan)
+    return ledger
+
+
+def _fly(
+    crew: Workers,
+    missing: Mapping[int, TileJob],
+    count: int,
+    ledger: Ledger,
+    into: Path,
+    stop_requested: Callable[[], bool],
+    tell: Tell,
+) -> None:
+    finished = count - len(missing)
+    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
+    tell(finished, failed, count)
+    for each in crew.finished(fly_tile, missing, retries=RETRIES, stop_requested=stop_requested):
+        result = dict(each.result or {"error": f"{each.why} ({each.trials} trials)", "dry": None})
+        for key, file in (("map", map_file), ("path", path_file)):
+            if key in result:
+                write_atomically(file(into, each.job), result.pop(key))
+        ledger.add(each.job, result)
+        finished, failed = finished + 1, failed + bool(result["error"])
+        tell(finished, failed, count)
+
+
+def _flown_figures(
+    base: Scenario, grid: Grid, tiles: list[Tile], left_m2: float, results: Mapping[int, Mapping[str, Any]],
+    plan: Mapping[str, Any], vehicles: int,
+) -> dict[str, Any]:  # fmt: skip
+    flown = [result["metrics"] for result in results.values() if "metrics" in result]
+    times_s = [float(metrics["simulated_s"]) for metrics in flown]
+    return {
+        "scenario": base.name,
+        **{key: plan[key] for key in ("seed", "voxel_m", "build")},
+        "tile_edge_m": list(grid.edge_m),
+        "tiles": len(tiles),
+        "tiles_flown": len(flown),
+        "tiles_dry": sum(bool(result["dry"]) for result in results.values()),
+        "tiles_failed": sum(bool(result["error"]) for result in results.values()),
+        "area_left_out_m2": left_m2,
+        **{key: sum(metrics[key] for metrics in flown) for key in ("pings", "echoes", "path_length_m", "collisions")},
+        "simulated_s": sum(times_s),
+        "vehicles": vehicles,
+        "fleet_out_s": max(shares(times_s, vehicles), default=0.0),
+        "fly_worker_s": sum(float(result.get("wall_s", 0.0)) for result in results.values()),
+        "fly_cpu_s": sum(float(result.get("cpu_s", 0.0)) for result in results.values()),
+    }
+
+
+def shares(times_s: list[float], vehicles: int) -> list[float]:
+    """Return how long each vehicle is out: the longest tile first, to the one that is free first (LPT; Graham 1969).
+
+    Without the ways from tile to tile.
+    """
+    busy = [0.0] * min(vehicles, max(len(times_s), 1))
+    for time_s in sorted(times_s, reverse=True):
+        heapq.heapreplace(busy, busy[0] + time_s)
+    return sorted(busy, reverse=True)
+
+
+def _merged(into: Path, results: Mapping[int, Mapping[str, Any]], show: Show) -> dict[str, Any]:
+    maps = [map_file(into, number) for number, result in sorted(results.items()) if "metrics" in result]
+    if not maps:
+        raise ValueError("no tile was surveyed: see the errors in the ledger")
+    begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
+    with show(f"merging {len(maps):,} maps"):
+        if len(maps) > 1:
+            merge_files(maps, into / MAP)
+        else:
+            OccupancyMap.read(maps[0]).write(into / MAP)
+    return {
+        "merge_s": time.perf_counter() - begun_s,
+        "merge_cpu_s": time.process_time() - begun_cpu_s,
+        "tiles_bytes": sum(path.stat().st_size for path in maps),
+        "map_bytes": (into / MAP).stat().st_size,
+    }

@@ -1,0 +1,109 @@
+"""Scores a fleet's map tile by tile, so that no process needs the whole world."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.campaigns.fleet.store import MAP, path_file, scores_file
+from uwsim.campaigns.fleet.tile_job import ScoreJob, TileJob, score_tile
+from uwsim.campaigns.fleet.tiles import Grid, Tile
+from uwsim.campaigns.workers import Workers
+from uwsim.mapping import OccupancyMap
+from uwsim.scoring.polygon import inside_polygon
+
+RETRIES = 2
+
+
+class _ScoreJobs(Mapping[int, ScoreJob]):
+    """The jobs that score the tiles, made one at a time: a voxel and a ping may be wanted by several."""
+
+    def __init__(self, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path):
+        self._jobs, self._grid, self._results = jobs, grid, results
+        flown = [number for number, result in sorted(results.items()) if "metrics" in result]
+        self._numbers = flown
+        self._range_m = max(float(results[number]["range_m"]) for number in flown)
+        self._path_m = np.concatenate([np.load(path_file(out, number)) for number in flown])
+        occupied = OccupancyMap.read(out / MAP).occupied_voxels()
+        self._of_tile = by_tile(occupied.astype(np.float32), grid, [jobs[number].tile for number in flown])
+        self.unscored = len(occupied) - sum(map(len, self._of_tile.values()))
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._numbers)
+
+    def __getitem__(self, number: int) -> ScoreJob:
+        job = self._jobs[number]
+        area_m = np.array(job.tile.area_m)
+        low, high = area_m.min(axis=0) - self._range_m, area_m.max(axis=0) + self._range_m
+        near = ((self._path_m[:, :2] >= low) & (self._path_m[:, :2] <= high)).all(axis=1)
+        return ScoreJob(job, self._grid, self._of_tile[number], self._path_m[near], self._range_m)
+
+
+def by_tile(occupied_m: NDArray[np.float32], grid: Grid, tiles: list[Tile]) -> dict[int, NDArray[np.float32]]:
+    """Share voxels (n, 3) out among tiles by their cells; in a cell with several, by their outlines."""
+    codes = grid.cells_of(occupied_m) @ (grid.count[1], 1) if len(occupied_m) else np.empty(0, np.int64)
+    order = np.argsort(codes, kind="stable")
+    occupied_m, codes = occupied_m[order], codes[order]
+    by_cell: dict[int, list[Tile]] = defaultdict(list)
+    for tile in tiles:
+        by_cell[tile.cell[0] * grid.count[1] + tile.cell[1]].append(tile)
+    found = {}
+    for code, there in by_cell.items():
+        rest = occupied_m[np.searchsorted(codes, code) : np.searchsorted(codes, code, side="right")]
+        for tile in there[1:]:
+            inside = inside_polygon(rest, np.array(tile.area_m))
+            found[tile.number], rest = rest[inside], rest[~inside]
+        found[there[0].number] = rest
+    return found
+
+
+def scored(
+    crew: Workers, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path,
+    stop_requested: Callable[[], bool],
+) -> dict[str, Any] | None:  # fmt: skip
+    """Score each tile's part of the merged map on workers; return the score of the whole by name.
+
+    None once stop_requested(). Raises OSError if a tile cannot be scored.
+    """
+    begun_s = time.perf_counter()
+    wanted = _ScoreJobs(jobs, grid, results, out)
+    parts: dict[int, dict[str, Any]] = {}
+    for each in crew.finished(score_tile, wanted, retries=RETRIES, stop_requested=stop_requested):
+        if each.result is None:
+            raise OSError(f"tile {each.job}: cannot be scored: {each.why}")
+        parts[each.job] = each.result
+    if len(parts) < len(wanted):
+        return None
+    in_order = [parts[number] for number in sorted(parts)]
+    total = {key: sum(part[key] for part in in_order) for key in ("visible", "covered", "occupied", "false")}
+    write_atomically(scores_file(out), (json.dumps(parts, sort_keys=True) + "\n").encode())
+    share = {
+        "coverage": total["covered"] / total["visible"] if total["visible"] else None,
+        "precision": 1.0 - total["false"] / total["occupied"] if total["occupied"] else None,
+    }
+    shares = [part["covered"] / part["visible"] for part in in_order if part["visible"]]
+    sums = sum(part["distance_sum_m"] for part in in_order)
+    return {
+        **share,
+        "visible_truth_voxels": total["visible"],
+        "occupied_voxels": total["occupied"] + wanted.unscored,
+        "occupied_voxels_unscored": wanted.unscored,
+        "false_voxels": total["false"],
+        "distance_mean_m": sums / total["occupied"] if total["occupied"] else None,
+        "distance_p95_of_the_worst_tile_m": max((p["distance_p95_m"] or 0.0 for p in in_order), default=None),
+        "distance_max_m": max((p["distance_max_m"] or 0.0 for p in in_order), default=None),
+        "coverage_of_the_worst_tile": min(shares, default=None),
+        "score_cpu_s": sum(part["cpu_s"] for part in in_order),
+        "score_s": time.perf_counter() - begun_s,
+    }

@@ -1,0 +1,31 @@
+"""Flies one run again, the same to the last bit, with all that a sweep leaves out: recording, map and report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.base.folder_lock import require_free
+from uwsim.campaigns.sweeps.job import Job
+from uwsim.flight.fly import fly
+from uwsim.flight.folder import made_folder
+from uwsim.scenario.dump import write_scenario
+
+WORST = "worst"
+SCENARIO, RECORDING = "scenario.yaml", "run.mcap"
+
+
+def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
+    """Write scenario.yaml, run.mcap, map and report of a run into a folder. Raises what a flight does.
+
+    report: see fly.
+    """
+    made_folder(folder)
+    require_free(folder)
+    (folder / RECORDING).unlink(missing_ok=True)
+    scenario = folder / SCENARIO
+    write_scenario(scenario, job.varied_scenario())
+    is_recordable = job.mission is not None or job.estimate == "truth"  # no other survey can be recorded
+    fly(
+        job.mission, scenario, folder, autosave_s=0.0, threads=1, report=report,
+        record=folder / RECORDING if is_recordable else None, **job.flight(),
+    )  # fmt: skip

@@ -1,0 +1,144 @@
+"""One run of a sweep, as a worker flies it: a scenario with the run's values, the flight, its figures."""
+
+from __future__ import annotations
+
+import math
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from uwsim.campaigns.sweeps.vary import varied
+from uwsim.campaigns.sweeps.wall_limit import WallLimitError, wall_limit
+from uwsim.campaigns.workers.tidy import tidy_now_and_then
+from uwsim.flight.fly import fly
+from uwsim.flight.flyable_lanes import SurveyAreaWarning
+from uwsim.flight.mission_file import MissionError
+from uwsim.flight.pinging import SURVEYED
+from uwsim.flight.request import EstimateKind, file_digest
+from uwsim.flight.results import scored
+from uwsim.flight.summary import flight_values
+from uwsim.scenario import Scenario, ScenarioError, load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.simulator.simulator import Simulator
+
+OF_THE_WALL = ("wall_s", "stage_wall_s", "threads", "seed", "scenario")
+"""Figures of a flight that the clock on the wall decides, or that the table has elsewhere."""
+MAX_LIST = 16
+"""Longer lists of a flight's figures have no columns in the table."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run. values: by the names of parameters and keys. mission: a file; None for a survey."""
+
+    scenario: str
+    seed: int | None
+    values: dict[str, Any]
+    mission: str | None = None
+    mission_digest: str | None = None
+    arguments: dict[str, Any] = field(default_factory=dict)
+    map: bool = False
+    voxel_m: float | None = None
+    estimate: EstimateKind = "truth"
+    time_limit_s: float | None = None
+    wall_limit_s: float | None = None
+
+    def varied_scenario(self) -> Scenario:
+        """Return the run's scenario. Raises ScenarioError."""
+        return varied(_loaded(self.scenario), self.values).with_changes(seed=self.seed)
+
+    @property
+    def makes_map(self) -> bool:
+        """Whether a map is made: always in a survey."""
+        return self.map or self.mission is None
+
+    def flight(self) -> dict[str, Any]:
+        """Return its arguments for `fly`; a survey does not measure how its map grows."""
+        is_survey = self.mission is None
+        return {
+            "arguments": self.arguments, "map": self.makes_map, "map_growth": not is_survey,
+            "voxel_m": self.voxel_m, "estimate": self.estimate, "time_limit_s": self.time_limit_s,
+            "carried": SURVEYED if is_survey else None,
+        }  # fmt: skip
+
+
+@lru_cache(maxsize=8)  # a worker flies the same few for hours
+def _loaded(scenario: str) -> Scenario:
+    return load(scenario)
+
+
+def fly_job(job: Job) -> dict[str, Any]:
+    """Fly a run; return its figures by name, its provenance, and the error that ended it, if one did.
+
+    A mistake of scenario or mission is an error in the result. Raises OSError and MemoryError, which may go away.
+    """
+    begun_s = time.perf_counter()
+    result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None}
+    try:
+        with wall_limit(job.wall_limit_s), warnings.catch_warnings():
+            warnings.simplefilter("ignore", SurveyAreaWarning)  # the figures say lanes_left_out
+            _fly(job, result)
+    except (OSError, MemoryError):
+        raise
+    except (Exception, WallLimitError) as error:
+        kind = "" if isinstance(error, ScenarioError | MissionError | WallLimitError) else f"{type(error).__name__}: "
+        result["error"] = kind + " ".join(str(error).split())
+    tidy_now_and_then()
+    result["run_wall_s"] = time.perf_counter() - begun_s
+    return result
+
+
+def _fly(job: Job, result: dict[str, Any]) -> None:
+    scenario = job.varied_scenario()
+    sim = Simulator(scenario, threads=1)
+    result |= {"seed": sim.seed, "scenario_digest": scenario_fingerprint(sim.scenario), "build": build_fingerprint()}
+    begun_s = time.perf_counter()
+    try:
+        figures = _flown(job, sim)
+    finally:
+        result["flight_wall_s"] = time.perf_counter() - begun_s
+    result["metrics"] = flat(figures)
+
+
+def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
+    """Fly a run; return its values, scored, with the map's once, beside the others."""
+    if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
+        raise MissionError(f"mission '{job.mission}': is missing here, or is not the file with which the sweep began")
+    flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
+    if flown.interrupted:
+        raise KeyboardInterrupt  # which the flight has swallowed: half a run is no result
+    values = flight_values(scored(flown, sim)) | {"result": flown.result}
+    values.pop("map", None)
+    return values
+
+
+def _is_same_file(path: Path, digest: str | None) -> bool:
+    return path.is_file() and file_digest(path) == digest
+
+
+def flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return nested figures as one level, with dotted names; without what is no figure, text or boolean."""
+    found: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in OF_THE_WALL:
+            _flatten(name, value, found)
+    return found
+
+
+def _flatten(name: str, value: Any, found: dict[str, Any]) -> None:
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            _flatten(f"{name}.{key}", item, found)
+    elif isinstance(value, list | tuple):
+        for k, item in enumerate(value if len(value) <= MAX_LIST else ()):
+            _flatten(f"{name}.{k}", item, found)
+    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # NumPy's
+        _flatten(name, value.item(), found)
+    elif isinstance(value, float):
+        found[name] = value if math.isfinite(value) else None
+    elif value is None or isinstance(value, bool | int | str):
+        found[name] = value

@@ -1,0 +1,173 @@
+"""What a sweep's YAML file may say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core.core_schema import ValidationInfo
+
+from uwsim.flight.request import EstimateKind
+from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
+from uwsim.scenario.spec.fields import AssetFile, InRange, Model, Name, broken
+from uwsim.scenario.variation import Bound, Variation
+
+Method = Literal["grid", "random", "latin_hypercube", "sobol", "saltelli"]
+MAX_RUNS = 1_000_000
+SeedNumber = Annotated[int, InRange(0, 2**63 - 1)]
+
+
+def _scenario(value: object, info: ValidationInfo) -> object:
+    """Return the absolute path of a file beside the sweep's; anything else as it is, such as a packaged name."""
+    return beside((info.context or {}).get("folder", Path()), value)
+
+
+def beside(folder: Path, value: Any) -> Any:
+    """Return a value in which each text that names a file in the folder is that file's path."""
+    if isinstance(value, str) and value and len(value) < 1000 and "\n" not in value and (folder / value).is_file():
+        return str((folder / value).resolve())
+    if isinstance(value, Mapping):
+        return {key: beside(folder, item) for key, item in value.items()}
+    return [beside(folder, item) for item in value] if isinstance(value, list | tuple) else value
+
+
+class Seeds(Model):
+    """Consecutive seeds.
+
+    first: the first one. count: each sample is flown with so many; without it sample k has the seed first + k alone.
+    """
+
+    first: SeedNumber = 0
+    count: Annotated[int, InRange(1, MAX_RUNS)] | None = None
+
+
+class Objective(Model):
+    """The figure that tells good runs from bad ones.
+
+    metric: a column of the table. best: whether high or low is good.
+    """
+
+    metric: str
+    best: Literal["high", "low"]
+
+
+class Limits(Model):
+    """What a figure of every run must be within, or `uwsim sweep` ends with exit code 1.
+
+    low: the least value that is allowed. high: the greatest.
+    """
+
+    low: Bound | None = None
+    high: Bound | None = None
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> Limits:
+        if self.low is None and self.high is None:
+            raise broken("must have low, high or both")
+        return self
+
+
+class SweepSpec(Model):
+    """A sweep: what is flown, and what is varied.
+
+    scenario: a packaged one's name, or a file. mission: a Python file, as of `uwsim run`; without one the scenario's
+    survey is flown. arguments: for the mission's other parameters. vary: by name: a parameter (as `uwsim parameters`
+    lists them), a key of the scenario's file such as survey.altitude_m, faults or faults[0].at_s, `mission` or
+    `scenario` for several files, mission.NAME for a parameter of the mission.
+    method: how samples are taken: all combinations (grid), at random, or spread evenly (latin_hypercube, sobol);
+    saltelli: as Sobol' indices need them. samples: how many; saltelli flies so many times the number of variations and
+    two more, and each is flown with all seeds. seed: of the
+    samples. seeds: of the simulations; by default the scenario's own.
+    map: whether a mission makes a map, which is scored; surveys always do. voxel_m: instead of the scenario's.
+    estimate: what vehicles know of their pose, the truth or their own filter's. time_limit_s: of a mission, simulated.
+    wall_limit_s: of wall time, after which a run counts as failed. retries: how often a run is repeated whose process
+    died. objective: which runs are good. require: limits of figures, by column, that every run must be within.
+    show: columns that the report draws; by default the objective and others that vary. worst: how many of the worst
+    runs are flown again, with a recording and a report each.
+    """
+
+    name: Name | None = None
+    description: str = ""
+    scenario: Annotated[str, BeforeValidator(_scenario)] = "lake"
+    mission: AssetFile | None = None
+    arguments: dict[str, Any] = Field({})
+    vary: Annotated[dict[str, Variation], Field(max_length=200)] = Field({})
+    method: Method = "grid"
+    samples: Annotated[int, InRange(1, MAX_RUNS)] | None = None
+    seed: SeedNumber = 0
+    seeds: tuple[SeedNumber, ...] | Seeds | None = None
+    map: bool = False
+    voxel_m: Annotated[float, InRange(0.02, 10, "m")] | None = None
+    estimate: EstimateKind = "truth"
+    time_limit_s: Annotated[float, InRange(0.1, 1e6, "s")] | None = None
+    wall_limit_s: Annotated[float, InRange(0.1, 1e6, "s")] | None = None
+    retries: Annotated[int, InRange(0, 100)] = 2
+    objective: Objective | None = None
+    require: dict[str, Limits] = Field({})
+    show: tuple[str, ...] = ()
+    worst: Annotated[int, InRange(0, 100)] = 3
+
+    @property
+    def flies_missions(self) -> bool:
+        """Whether missions are flown, not surveys."""
+        return self.mission is not None or "mission" in self.vary
+
+    @model_validator(mode="after")
+    def _says_how_many(self) -> SweepSpec:
+        if self.method == "grid":
+            if self.samples is not None:
+                raise broken("is without effect on a grid, which has all combinations", at=("samples",))
+            for name, variation in self.vary.items():
+                if variation.choices is None and variation.steps is None:
+                    raise broken("must be given on a grid", at=("vary", name, "steps"))
+            return self
+        if self.samples is None:
+            raise broken(f"must be given for `method: {self.method}`", at=("samples",))
+        if self.method in ("sobol", "saltelli") and self.samples & (self.samples - 1):
+            rule = "must be a power of two, for which these points are balanced"
+            raise broken(rule, at=("samples",), value=self.samples)
+        if not self.vary:
+            raise broken(f"must have something for `method: {self.method}`", at=("vary",))
+        for name, variation in self.vary.items():
+            if variation.steps is not None:
+                raise broken("is for `method: grid`", at=("vary", name, "steps"), value=variation.steps)
+        return self
+
+    @model_validator(mode="after")
+    def _says_nothing_without_effect(self) -> SweepSpec:
+        if not self.flies_missions:
+            for key in ("map", "time_limit_s", "arguments"):
+                if key in self.model_fields_set:
+                    raise broken("is for a mission, not for a survey", at=(key,))
+            if any(name.startswith("mission.") for name in self.vary):
+                raise broken("there is no mission", at=("vary", next(n for n in self.vary if n.startswith("mission."))))
+        elif self.voxel_m is not None and not self.map:
+            raise broken("is without effect without `map: true`", at=("voxel_m",), value=self.voxel_m, unit="m")
+        for key in ("mission", "scenario"):
+            if key in self.vary and key in self.model_fields_set:
+                raise broken("is varied: leave it out here", at=(key,))
+            if key in self.vary and self.vary[key].choices is None:
+                raise broken("must have choices: files or names", at=("vary", key))
+        for name in self.arguments:
+            if f"mission.{name}" in self.vary:
+                raise broken("is varied: leave it out here", at=("arguments", name))
+        if self.seeds == ():
+            raise broken("must have at least one", at=("seeds",))
+        return self
+
+
+def read_sweep(source: str | Path | Mapping[str, Any]) -> tuple[SweepSpec, SourceFile, Path]:
+    """Read a sweep's file, or take its values; return it, what it was read from, and its folder.
+
+    Raises ScenarioError, one line for each mistake.
+    """
+    if isinstance(source, Mapping):
+        return validated(SweepSpec, dict(source)), SourceFile(), Path.cwd()
+    path = Path(source)
+    document: YamlDocument = read_yaml(path, str(source))
+    folder = path.resolve().parent
+    return validated(SweepSpec, document.values, document, folder), SourceFile(document), folder

@@ -1,0 +1,177 @@
+"""run_sweep: flies all runs of a sweep on workers, and writes table and report. The job of `uwsim sweep`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from uwsim.base.folder_lock import alone_in
+from uwsim.campaigns.sweeps.again import WORST, fly_run_again
+from uwsim.campaigns.sweeps.check import FILES, Jobs, require_flyable
+from uwsim.campaigns.sweeps.design import Run, runs_of
+from uwsim.campaigns.sweeps.job import Job, fly_job
+from uwsim.campaigns.sweeps.rows import Rows
+from uwsim.campaigns.sweeps.spec import SweepSpec, read_sweep
+from uwsim.campaigns.sweeps.table import TABLE, write_table
+from uwsim.campaigns.workers import Ledger, Workers, open_workers
+from uwsim.flight.folder import made_folder
+from uwsim.scenario import load
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
+from uwsim.scenario.variation import choices
+
+REPORT = "report.html"
+Show = Callable[[str], AbstractContextManager[object]]
+Tell = Callable[[int, int, int], None]
+"""Called with the numbers of runs that are finished, that failed, and of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """A sweep that was flown, or begun.
+
+    rows: of the table. out: the folder. interrupted: whether runs are missing.
+    """
+
+    spec: SweepSpec
+    rows: Rows
+    out: Path
+    runs: list[Run] = field(repr=False)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether it was stopped before the last run; `resume=True` flies the others."""
+        return len(self.rows) < len(self.runs)
+
+    @property
+    def failed(self) -> int:
+        """How many runs ended with an error."""
+        return len(self.rows.failed)
+
+    @property
+    def missed(self) -> dict[str, int]:
+        """How many runs are outside each of the sweep's `require`."""
+        return self.rows.missed(self.spec.require)
+
+
+def run_sweep(
+    source: str | Path | Mapping[str, Any],
+    out: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    retry_failed: bool = False,
+    report: bool = True,
+    stop_requested: Callable[[], bool] = lambda: False,
+    tell: Tell = lambda finished, failed, count: None,
+    show: Show = lambda activity: nullcontext(),
+) -> Sweep:
+    """Fly all runs of a sweep; write `out`/runs.parquet and, if asked, report.html with the worst runs flown again.
+
+    source: a YAML file, or its values. workers: processes on this machine, by default one for each core; 0: none, it
+    flies here. scheduler: of a Dask cluster, instead. resume: fly what is missing in `out`, which must be of the same
+    sweep and build. retry_failed: then also what failed. A run that fails is a row with its error.
+
+    A program of yours that calls this must do so under `if __name__ == "__main__":`, since the workers import it.
+    Raises ScenarioError for mistakes in the file, before anything is written; ValueError, OSError.
+    """
+    spec, read_from, folder = read_sweep(source)
+    with show("checking the sweep"):
+        runs, jobs = runs_of(spec), Jobs(spec, folder)
+        require_flyable(spec, read_from, folder)
+        plan = _plan(spec, jobs)
+    if retry_failed and not resume:
+        raise ValueError("retry_failed: needs resume")
+    into = made_folder(Path(out))
+    with alone_in(into):
+        ledger = Ledger(into)
+        if not resume and ledger.exists:
+            ledger.read()
+            rule = f"holds a sweep already, {len(ledger.results):,} runs of it finished: --resume, or another --out"
+            raise ValueError(f"--out {into}: {rule}")
+        if resume and not ledger.exists:
+            raise ValueError(f"--resume: no sweep was begun in '{into}'")
+        name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
+        try:
+            ledger.resume(plan) if resume else ledger.begin(plan)
+            done = {number for number, result in ledger.results.items() if not (retry_failed and result["error"])}
+            missing = {run.number: jobs.of(run) for run in runs if run.number not in done}
+            if missing:
+                with show("starting workers"):
+                    crew = open_workers(workers, scheduler=scheduler)
+                with crew:
+                    _fly(crew, missing, ledger, len(runs), spec.retries, stop_requested, tell)
+        finally:
+            ledger.close()
+        sweep = Sweep(spec, Rows.of(runs, ledger.results, plan), into, runs)
+        with show("writing the table"):
+            write_table(into / TABLE, sweep.rows, {"uwsim sweep": json.dumps(plan), "uwsim": version("uwsim")})
+        if report:
+            _report(sweep, name, jobs, show)
+        return sweep
+
+
+def _fly(
+    crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
+    stop_requested: Callable[[], bool], tell: Tell,
+) -> None:  # fmt: skip
+    """Fly what is missing, and note each run in the ledger as it is finished."""
+    finished = count - len(missing)
+    failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
+    tell(finished, failed, count)
+    for each in crew.finished(fly_job, missing, retries=retries, stop_requested=stop_requested):
+        result = each.result or {"metrics": {}, "error": f"{each.why} ({each.trials} trials)"}
+        ledger.add(each.job, {**result, "trials": each.trials})
+        finished, failed = finished + 1, failed + bool(result["error"])
+        tell(finished, failed, count)
+
+
+def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
+    from uwsim.campaigns.sweeps.report import write_report  # here, since matplotlib takes a second to import
+
+    again = {}
+    if not sweep.interrupted:
+        for number in sweep.rows.worst(sweep.spec.objective, sweep.spec.worst):
+            with show(f"flying run {number} again, with a recording"):
+                folder = sweep.out / WORST / f"{number:06d}"
+                fly_run_again(jobs.of(sweep.runs[number]), folder)
+                again[number] = folder
+    with show("drawing the report"):
+        write_report(sweep.out / REPORT, name, sweep.spec, sweep.rows, len(sweep.runs), again)
+
+
+def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
+    """Fly one run of a sweep again: its scenario, recording, map and full report go into a folder.
+
+    It gives the same figures to the last bit, with the same build. Raises ScenarioError, ValueError, OSError.
+    """
+    spec, _, beside = read_sweep(source)
+    runs = runs_of(spec)
+    if not 0 <= number < len(runs):
+        raise ValueError(f"run = {number}: must be in [0, {len(runs) - 1}]")
+    fly_run_again(Jobs(spec, beside).of(runs[number]), Path(folder), report)
+
+
+def _plan(spec: SweepSpec, jobs: Jobs) -> dict[str, Any]:
+    """Return what the figures of all runs follow from."""
+    files = {}
+    for kind in FILES:
+        levels = choices(spec.vary[kind]) if kind in spec.vary else []
+        for job in [jobs.with_levels({kind: level}) for level in levels] or [jobs.with_levels({})]:
+            if kind == "scenario":
+                files[job.scenario] = scenario_fingerprint(load(job.scenario))
+            elif job.mission is not None:
+                files[job.mission] = str(job.mission_digest)
+    decisive = spec.model_dump(mode="json", exclude={"name", "description", "objective", "require", "show", "worst"})
+    text = json.dumps(decisive, sort_keys=True).encode()
+    return {
+        "sweep": hashlib.blake2b(text, digest_size=8).hexdigest(),
+        "files": files,
+        "build": build_fingerprint(),
+    }

@@ -1,0 +1,40 @@
+"""The table of a sweep: one Parquet file, a row for each run."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.extras import need_extra
+from uwsim.campaigns.sweeps.rows import Rows
+
+TABLE = "runs.parquet"
+
+
+def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
+    """Write the rows atomically. notes: metadata of the file. Raises OSError, MissingExtraError.
+
+    The same rows give the same bytes with the same pyarrow. A column of mixed kinds becomes text.
+    """
+    need_extra("pyarrow", "sweeps", "the table of a sweep")
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    columns = {name: pa.array(_of_one_kind([row.get(name) for row in rows.rows])) for name in rows.columns}
+    columns = {n: c.cast(pa.string()) if c.type == pa.null() else c for n, c in columns.items()}  # such as no errors
+    table = pa.table(columns).replace_schema_metadata(dict(notes))
+    content = io.BytesIO()
+    parquet.write_table(table, content, compression="zstd")
+    write_atomically(path, content.getvalue())
+
+
+def _of_one_kind(values: list[Any]) -> list[Any]:
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {int, float}:
+        return [None if value is None else float(value) for value in values]
+    if kinds == {int} and max(abs(value) for value in values if value is not None) >= 2**63:
+        kinds.add(str)
+    return values if len(kinds) < 2 else [None if value is None else str(value) for value in values]

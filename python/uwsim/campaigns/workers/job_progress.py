@@ -1,0 +1,57 @@
+"""The progress bar of many jobs, and the handling of Ctrl-C."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from uwsim.base.stoppable import Stoppable
+
+
+class JobProgress(Stoppable):
+    """A progress bar of jobs on stderr. Ctrl-C stops the jobs; SIGTERM, or a second Ctrl-C, at once."""
+
+    def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
+        self._bar, self._task, self._doing = bar, task, doing
+
+    def tell(self, finished: int, failed: int, count: int) -> None:
+        """Show the numbers of finished and failed jobs."""
+        note = f"[red]{failed:,} failed" if failed else ""
+        self._bar.update(self._task, completed=finished, total=count, note=note, activity=self._doing)
+
+    @contextmanager
+    def activity(self, activity: str) -> Iterator[None]:
+        """Show an activity during the block."""
+        self._bar.update(self._task, activity=activity)
+        yield
+
+    def stop(self, *, in_haste: bool = False) -> None:
+        """End early; jobs in progress are lost. In haste: at once, since finished jobs are on disk."""
+        super().stop(in_haste=in_haste)
+        if in_haste:
+            raise KeyboardInterrupt
+
+
+@contextmanager
+def job_progress(what: str, doing: str = "flying") -> Iterator[JobProgress]:
+    """Show a progress bar during the block. what: the jobs, such as "runs"; doing: the activity."""
+    console = Console(stderr=True)
+    bar = Progress(
+        TextColumn("{task.fields[activity]}"),
+        BarColumn(),
+        TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + what),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[note]}"),
+        console=console,
+        disable=not console.is_terminal,
+    )
+    try:
+        with bar:
+            yield JobProgress(bar, bar.add_task("", total=0, note="", activity=""), doing)
+    except KeyboardInterrupt:
+        console.print("interrupted; finished jobs are kept: --resume continues", highlight=False, soft_wrap=True)
+        raise

@@ -1,0 +1,99 @@
+"""Workers: processes that take jobs and return results, in the order in which these are finished."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Protocol, Self
+
+from uwsim.base.extras import need_extra
+
+Work = Callable[[Any], dict[str, Any]]
+"""A module's function that takes a job and returns its result, plain values; it raises only transient errors."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A finished job. result: None if no worker survived it, or every trial failed. why: the reason, in that case."""
+
+    job: int
+    result: dict[str, Any] | None
+    trials: int = 1
+    why: str = ""
+
+
+class Workers(Protocol):
+    """Processes that run jobs. A context manager, which ends them."""
+
+    count: int
+    """Number of jobs that run at once."""
+
+    def finished(
+        self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
+    ) -> Iterator[Finished]:
+        """Run jobs, given by number; yield each when it is finished.
+
+        retries: number of further trials of a job whose worker died, or that raised OSError or MemoryError. Ends early,
+        without the jobs in progress, once stop_requested() is true.
+        """
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class ThisProcess:
+    """Runs jobs in this process, one after the other: for tests and debuggers."""
+
+    count = 1
+
+    def finished(
+        self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
+    ) -> Iterator[Finished]:
+        """Run jobs; see Workers."""
+        for number, job in jobs.items():
+            if stop_requested():
+                return
+            yield self._tried(work, number, job, retries)
+
+    @staticmethod
+    def _tried(work: Work, number: int, job: Any, retries: int) -> Finished:
+        why = ""
+        for trial in range(retries + 1):
+            try:
+                return Finished(number, work(job), trial + 1)
+            except (OSError, MemoryError) as error:
+                why = f"{type(error).__name__}: {error}"
+        return Finished(number, None, retries + 1, why)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Do nothing."""
+
+
+def open_workers(count: int | None = None, *, scheduler: str | None = None) -> Workers:
+    """Return workers, for a `with` statement.
+
+    count: processes on this machine, by default one per core; 0: none, jobs run in this process. scheduler: the address
+    of a Dask cluster, such as tcp://10.0.0.1:8786, whose workers are used instead. Raises ValueError.
+    """
+    if count is not None and not 0 <= count <= 4096:
+        raise ValueError(f"workers = {count}: must be in [0, 4096]")
+    if scheduler is not None and count is not None:
+        raise ValueError(f"workers = {count}: is without effect with a scheduler, which has its own")
+    if count == 0:
+        return ThisProcess()
+    need_extra("distributed", "sweeps", "work on several processes")
+    from uwsim.campaigns.workers.dask_workers import ClusterWorkers, local_workers
+
+    if scheduler is not None:
+        return ClusterWorkers.connected(scheduler)
+    return local_workers(count or len(os.sched_getaffinity(0)))

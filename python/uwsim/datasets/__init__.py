@@ -1,6 +1,0 @@
-"""Datasets: labelled pictures of cameras and sonars, at drawn poses or along a track, in common formats."""
-
-from uwsim.datasets.make import Dataset, make_dataset
-from uwsim.datasets.spec import PRODUCTS
-
-__all__ = ["PRODUCTS", "Dataset", "make_dataset"]

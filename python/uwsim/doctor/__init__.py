@@ -1,6 +1,0 @@
-"""`uwsim doctor`: finds out what keeps two sides from seeing each other, and suggests a remedy."""
-
-from uwsim.doctor.examine import Plan, examine
-from uwsim.doctor.finding import Finding, Verdict
-
-__all__ = ["Finding", "Plan", "Verdict", "examine"]

@@ -1,0 +1,1 @@
+"""Evidence for the results: validation, reproduced figures, checks of scenarios, fingerprints."""

@@ -1,0 +1,108 @@
+"""The published lawn-mower's flight, and the chain's map of its pings (Fig. 12)."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
+from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.channels import build, channels
+from uwsim.evidence.reproduce.figure import Figure
+from uwsim.figures.style import ACCENT, HEIGHTS, add_colour_bar, height_range, label_axes, new_figure, save_figure
+from uwsim.live import LiveSimulator
+from uwsim.mapping import ranging
+from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, Key, Seen, published_mower
+
+CONTROL_S = 0.1
+FALL_S = 5.0  # the published node's wait after the release
+LONGEST_S = 2000.0
+
+
+class Flight:
+    """The scenario `paper`, flown over its channels as by nodes, in step with a paused simulator."""
+
+    def __init__(self, live: LiveSimulator) -> None:
+        self._live = live
+        self._table = {c.name: c for c in channels(live.simulator, wire="published", origin="published")}
+        self._last_ping = ""
+        self.builder = MapBuilder()
+        self.track_m: list[tuple[float, float, float]] = []
+
+    def fly(self) -> list[Key]:
+        """Fly to the end; return the keys pressed. Raises RuntimeError if it takes too long."""
+        mower, keys = published_mower(), []
+        key = next(mower)
+        while self._live.simulator.time_s < LONGEST_S:
+            keys.append(key)
+            message = build.pose((key.surge, key.sway, key.heave), (0.0, 0.0, key.yaw, key.function))
+            self._table["key"].apply(self._live, message)
+            self._live.step(round((FALL_S if key.function else CONTROL_S) / self._live.simulator.step_s))
+            try:
+                key = mower.send(self._look())
+            except StopIteration:
+                return keys
+        raise RuntimeError(f"the lawn-mower did not end within {LONGEST_S:g} s")
+
+    def _look(self) -> Seen:
+        pose, text = self._read("propPos"), self._read("depthArray").data
+        ranges = ranging.decode_depth_string(text, 2)
+        if text != self._last_ping:
+            self._insert(pose, text)
+        turn = pose.orientation
+        yaw_rad = float(Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_euler("ZYX")[0])
+        position = pose.position.x, pose.position.y, pose.position.z
+        self.track_m.append(position)
+        first, middle, last = (float(ranges[beam]) for beam in BEAMS)
+        return Seen(position, yaw_rad, (first, middle, last), float(self._read("proximitySensor").data))
+
+    def _insert(self, pose: Any, text: str) -> None:
+        self._last_ping = text
+        stamp, model = build.time(self._live.simulator.time_ns), 2
+        self.builder.add_transforms(to_transform(pose, stamp, "odom", "base_footprint"))
+        self.builder.add_transforms(to_transform(self._read("scanPos"), stamp, "base_footprint", "base_scan"))
+        self.builder.add_cloud(to_cloud(to_scan(decode(self._read("depthArray"), model), model, stamp), model))
+        self.builder.insert_ready()
+
+    def _read(self, topic: str) -> Any:
+        return self._table[topic].read(self._live.simulator)
+
+
+def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64]) -> None:
+    figure = new_figure(9.0, 7.0)
+    axes, limits = figure.add_axes((0.0, 0.0, 0.95, 1.0)), height_range(voxels_m[:, 2])
+    x, y, z = voxels_m[np.argsort(voxels_m[:, 2])].T  # the highest last
+    axes.scatter(x, y, c=z, s=3, marker="s", linewidths=0, cmap=HEIGHTS, norm=limits)
+    axes.plot(track_m[:, 0], track_m[:, 1], color=ACCENT, linewidth=1.0)
+    axes.plot(*track_m[0, :2], "o", color=ACCENT)
+    axes.set_aspect("equal")
+    label_axes(axes, "The map from above, and the lawn-mower's track", "x [m]", "y [m]")
+    add_colour_bar(figure, axes, limits, HEIGHTS, "height of occupied voxels, z [m]")
+    save_figure(figure, path)
+
+
+def mown_map(path: Path, map_file: Path) -> Figure:
+    """Draw Fig. 12."""
+    with LiveSimulator("paper", paused=True) as live:
+        flight = Flight(live)
+        keys = flight.fly()
+        seconds, collisions = live.simulator.time_s, live.rov.collisions
+    flight.builder.write(map_file)
+    track, voxels = np.array(flight.track_m), flight.builder.map.occupied_voxels()
+    _draw(path, track, voxels)
+    ahead = [key.surge == FULL_AHEAD for key in keys[1:]]
+    lanes = sum(now and not before for before, now in zip([False, *ahead], ahead, strict=False))
+    length_m = float(np.linalg.norm(np.diff(track, axis=0), axis=1).sum())
+    return Figure(
+        12, "The map", "The OctoMap that the published lawn-mower leaves, in odom; its surface is at z = 75.3 m.",
+        values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.builder.inserted,
+                "path_m": round(length_m, 1), "collisions": collisions,
+                "occupied_voxels": len(voxels), "voxel_m": 0.2},
+        columns=("x [m]", "y [m]", "z [m]"),
+        rows=[tuple(round(value, 3) for value in point) for point in track[:: math.ceil(len(track) / 200)].tolist()],
+    )  # fmt: skip

@@ -1,0 +1,88 @@
+"""All figures in order, the table of their values, and a page with all of them."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.base.folder_lock import alone_in
+from uwsim.evidence.reproduce import drawn_graphs, mown_map, place_and_release, running_system, scenes, sonar
+from uwsim.evidence.reproduce.figure import PAPER, Figure
+from uwsim.simulator.simulator import Simulator
+
+TEMPLATE = Path(__file__).with_name("page.html.j2")
+
+
+def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None) -> list[Figure]:
+    """Make Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
+
+    said: called with each finished file. Pictures and values are the same each time, except the rates in Fig. 10.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    with alone_in(out):
+        return _make_all(out, said)
+
+
+def _make_all(out: Path, said: Callable[[str], object]) -> list[Figure]:
+    sim, began_s = Simulator("paper"), time.monotonic()
+    figures: list[Figure] = []
+
+    def add(figure: Figure) -> None:
+        figures.append(figure)
+        said(f"{figure.name}.png  {figure.title}  ({time.monotonic() - began_s:.0f} s)")
+
+    with running_system.running(out / "nodes.bt") as (published, standard):
+        trees = running_system.transforms(published), running_system.transforms(standard)
+        edges = running_system.connections(published)
+    add(drawn_graphs.transform_tree(*trees, out / "fig10.png"))
+    add(drawn_graphs.node_map(edges, out / "fig11.png"))
+    add(place_and_release.place(sim, out / "fig03.png"))
+    add(scenes.start_screen(out / "fig04.png"))
+    add(place_and_release.release(sim, out / "fig06.png"))
+    add(scenes.vehicle(sim, out / "fig01.png"))
+    add(scenes.scene(sim, out / "fig02.png"))
+    add(scenes.main_screen(sim, out / "fig05.png"))
+    add(sonar.depth_image(sim, out / "fig07.png"))
+    add(sonar.coverage(out / "fig08.png"))
+    add(sonar.ping(sim, out / "fig09.png"))
+    add(mown_map.mown_map(out / "fig12.png", out / "map.bt"))
+    figures.sort(key=lambda figure: figure.number)
+    table = json.dumps([_plain(asdict(figure)) for figure in figures], indent=1, allow_nan=False)
+    write_atomically(out / "figures.json", (table + "\n").encode())
+    write_atomically(out / "index.html", _page(figures, out).encode())
+    said(f"index.html, figures.json, map.bt  ({time.monotonic() - began_s:.0f} s)")
+    return figures
+
+
+def _page(figures: list[Figure], out: Path) -> str:
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    pictures = {
+        figure.number: "data:image/png;base64," + base64.b64encode((out / f"{figure.name}.png").read_bytes()).decode()
+        for figure in figures
+    }
+    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
+    return template.render(paper=PAPER, figures=figures, pictures=pictures, shown=_shown)
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    """Return JSON values; numbers that JSON does not have, such as a range without echo, become null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

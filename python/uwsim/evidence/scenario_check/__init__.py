@@ -1,0 +1,7 @@
+"""Checks of scenario files: mistakes, a description of the scene, and likely oversights. `uwsim scenario check`."""
+
+from uwsim.evidence.scenario_check.check import check_file
+from uwsim.evidence.scenario_check.parts import check_part
+from uwsim.evidence.scenario_check.report import CheckReport
+
+__all__ = ["CheckReport", "check_file", "check_part"]

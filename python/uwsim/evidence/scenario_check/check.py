@@ -1,0 +1,107 @@
+"""check_file: all mistakes of a scenario's file at once; if it has none, its scene and likely oversights in it."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+from uwsim.evidence.scenario_check.report import CheckReport
+from uwsim.evidence.scenario_check.scene import measured_scene
+from uwsim.evidence.scenario_check.surprises import surprises
+from uwsim.flight.flyable_lanes import flyable_plan, survey_plan
+from uwsim.scenario import Scenario, ScenarioError, build_world, load
+from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
+from uwsim.scenario.read.assets import find_yaml, shown_name
+from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.remainder import Remainder
+from uwsim.scenario.read.source_file import SourceFile
+from uwsim.scenario.read.validated import what_holds
+from uwsim.scenario.read.yaml_document import YamlDocument, read_yaml
+from uwsim.simulator.simulator import Simulator
+
+STAND_INS: dict[str, Any] = {
+    "name": "unnamed",
+    "vehicles": [{"name": "stand_in", "model": "rov", "start": {"position_m": [0, 0, 0]}}],
+}
+"""Stand-ins for values at fault that cannot be left out, so that the rest of the file can be checked."""
+
+
+def check_file(source: str | Path) -> CheckReport:
+    """Return the report on a packaged scenario or a YAML file. Mistakes in it raise nothing."""
+    try:
+        path = find_yaml(source, "scenarios")
+        document = read_yaml(path, shown_name(path))
+    except ScenarioError as error:
+        return CheckReport(str(source), error.mistakes)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", UserWarning)
+        mistakes = _mistakes(document, path.resolve().parent)
+        sim = None
+        if not mistakes:
+            try:
+                sim = Simulator(load(source))
+                left_out = _survey_left_out(sim)
+            except ScenarioError as error:
+                mistakes = error.mistakes
+    if mistakes or sim is None:
+        return CheckReport(document.name, tuple(mistakes))
+    scene = measured_scene(sim)
+    notes = [str(each.message) for each in told if issubclass(each.category, UserWarning)]
+    notes += [left_out] if left_out else []
+    return CheckReport(document.name, (), (*dict.fromkeys(notes), *surprises(sim, scene)), scene, sim)
+
+
+def _survey_left_out(sim: Simulator) -> str | None:
+    survey = sim.scenario.survey
+    if survey is None:
+        return None
+    left_out = flyable_plan(sim, survey_plan(survey))[1]
+    return None if left_out is None else f"{sim.scenario.source_file.line_prefix('survey', 'area_m')}{left_out}"
+
+
+def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
+    """Return the mistakes of single values, then those of the rest in the world that it defines."""
+    holding = what_holds(Scenario, document.values, document, folder)
+    scenario = holding.model
+    if scenario is None:
+        values = {**STAND_INS, **holding.left.values}
+        scenario = what_holds(Scenario, values, None, folder).model
+    if scenario is None or ("terrain",) in {path[:1] for path in holding.left.left_out}:
+        return tuple(holding.mistakes)
+    sound = _sound(scenario, document, holding.left)
+    found = Collected()
+    with found.noted():
+        build_world(sound)
+    for index, vehicle in enumerate(sound.vehicles):
+        with found.noted(), vehicle_errors_at(sound, index):
+            spec = vehicle_spec(sound, vehicle)
+            vehicle_control(sound, vehicle.model, spec)
+    return (*holding.mistakes, *found.mistakes)
+
+
+def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scenario:
+    """Return the scenario without the obstacles and vehicles from which something was left out."""
+    spoilt = {path[:2] for path in left.left_out}
+    is_spoilt = {path[0] for path in left.left_out}
+    kept: dict[str, Any] = {}
+    order: dict[str, list[int]] = {}
+    for kind in ("obstacles", "vehicles"):
+        items = enumerate(getattr(scenario, kind))
+        sound = [(left.in_file((kind, k))[1], item) for k, item in items if left.in_file((kind, k)) not in spoilt]
+        if kind not in left.values:  # stand-ins
+            sound = []
+        if "station" in is_spoilt and kind == "vehicles":
+            sound = [(k, vehicle) for k, vehicle in sound if vehicle.start is not None]
+        order[kind] = [int(k) for k, _ in sound]
+        kept[kind] = tuple(item for _, item in sound)
+    if "survey" in is_spoilt:
+        kept["survey"] = None
+    source = SourceFile(document, in_file=lambda keys: _in_file(tuple(keys), order))
+    return scenario.model_copy(update=kept).read_from(source)
+
+
+def _in_file(keys: tuple[str | int, ...], order: dict[str, list[int]]) -> tuple[str | int, ...]:
+    if len(keys) > 1 and keys[0] in order and isinstance(keys[1], int):
+        return (keys[0], order[str(keys[0])][keys[1]], *keys[2:])
+    return keys

@@ -1,0 +1,155 @@
+"""The mounts of a vehicle's instruments and actuators: their distance from its hull, and what their beams meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull
+
+from uwsim import _core
+from uwsim.base.quaternions import of_yaw_pitch_roll_deg, turned
+from uwsim.scenario.build.hull import vehicle_hull
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.vehicle import VehicleModel
+
+Floats = NDArray[np.float64]
+AHEAD, DOWN = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
+DVL_BEAMS = 4
+SKIN_M = 1e-3
+"""A surface nearer to an instrument than this is the skin that the instrument sits in."""
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A part that is fixed to the hull.
+
+    key: in the model's file, such as "sensors"; name: empty for a single part. away_m: its distance from the hull's
+    bounding box; 0 inside. off_down_deg: of a DVL's axis from straight down on a level vehicle; None for others.
+    beams_in_hull: the share of its beams, or of its line of sight, that enters the hull from outside; 0 for
+    parts without beams, or within an open frame, whose members the beams may miss.
+    """
+
+    key: str
+    name: str
+    position_m: tuple[float, float, float]
+    away_m: float
+    off_down_deg: float | None = None
+    beams_in_hull: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """The place in the file, such as `sensors.dvl`."""
+        return f"{self.key}.{self.name}" if self.name else self.key
+
+
+def mounts(model: VehicleModel) -> tuple[Mount, ...]:
+    """Return all mounts of a model. Raises ScenarioError for a mesh that is not a valid hull."""
+    vertices, triangles = vehicle_hull(model)
+    sides = ConvexHull(vertices).equations
+    return tuple(_mount(vertices[triangles], sides, *each) for each in _mounted(model))
+
+
+def _mount(
+    corners_m: Floats, sides: Floats, key: str, name: str, position_m: ArrayLike, beams: Floats, is_dvl: bool
+) -> Mount:
+    """Return one mount. corners_m: (m, 3, 3) of the hull; sides: (k, 4) planes round it, from ConvexHull."""
+    at = np.asarray(position_m, np.float64)
+    outside = np.maximum(0.0, np.maximum(corners_m.min(axis=(0, 1)) - at, at - corners_m.max(axis=(0, 1))))
+    is_within = bool(np.all(sides[:, :3] @ at + sides[:, 3] <= SKIN_M))
+    blocked = [not is_within and enters(at, beam, corners_m) for beam in beams]
+    axis = beams.mean(axis=0) if is_dvl else None
+    x, y, z = (float(along) for along in at)
+    return Mount(
+        key=key,
+        name=name,
+        position_m=(x, y, z),
+        away_m=float(np.linalg.norm(outside)),
+        off_down_deg=None if axis is None else _degrees_between(axis, DOWN),
+        beams_in_hull=float(np.mean(blocked)) if blocked else 0.0,
+    )
+
+
+def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats, bool]]:
+    """Yield key, name, position, directions of its beams (n, 3), body frame, and whether it is a DVL."""
+    blind = np.zeros((0, 3))
+    for name, sensor in model.sensors.items():
+        yield "sensors", name, sensor.position_m, _beams(sensor), sensor.kind == "dvl"
+    for name, camera in model.cameras.items():
+        if camera.follows == "body":
+            yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
+    for name, sonar in model.imaging_sonars.items():
+        looks = sonar.kind != "side_scan"  # which has a transducer on either side
+        ahead = _turned(sonar.yaw_pitch_roll_deg, AHEAD)
+        yield "imaging_sonars", name, sonar.position_m, ahead if looks else blind, False
+    if model.sonar is not None:
+        yield "sonar", "", model.sonar.position_m, _turned((0.0, 0.0, 0.0), AHEAD), False
+    for name, lamps in model.lamps.items():
+        for spot in lamps.spots:
+            yield "lamps", name, spot.position_m, _turned(spot.yaw_pitch_roll_deg, AHEAD), False
+    for name, thruster in model.thrusters.items():
+        yield "thrusters", name, thruster.position_m, blind, False
+    for name, fin in model.fins.items():
+        yield "fins", name, fin.position_m, blind, False
+    if model.ballast_kg > 0.0:
+        yield "ballast_position_m", "", model.ballast_position_m, blind, False
+
+
+def _beams(sensor: SensorMount) -> Floats:
+    """Return the directions of a sensor's beams in the body frame: see cpp/uwsim/sensors/."""
+    if sensor.kind == "dvl":
+        slant, first = (_angle_rad(sensor, key) for key in ("beam_slant_deg", "beam_azimuth_deg"))
+        azimuths = first + np.radians(90.0) * np.arange(DVL_BEAMS)
+        down = np.column_stack(
+            [
+                np.sin(slant) * np.cos(azimuths),
+                np.sin(slant) * np.sin(azimuths),
+                np.full(DVL_BEAMS, -np.cos(slant)),
+            ]
+        )
+        return turned(of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg), down)
+    if sensor.kind == "altitude":  # stabilised: vertical in any mount
+        return np.array([DOWN])
+    if sensor.kind == "proximity":
+        return _turned(sensor.yaw_pitch_roll_deg, AHEAD)
+    return np.zeros((0, 3))
+
+
+def _angle_rad(sensor: SensorMount, key: str) -> float:
+    default = _core.sensor_kind(sensor.kind).parameters[key].by_default
+    return float(np.radians(sensor.parameters.get(key, (default,))[0]))
+
+
+def _turned(yaw_pitch_roll_deg: tuple[float, float, float], direction: tuple[float, float, float]) -> Floats:
+    return turned(of_yaw_pitch_roll_deg(yaw_pitch_roll_deg), np.array([direction]))
+
+
+def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
+    a, b = np.asarray(one, np.float64), np.asarray(other, np.float64)
+    cosine = float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
+    """Return whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, meets it.
+
+    A ray from inside first meets a back face. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
+    intersection".
+    """
+    a = corners_m[:, 0]
+    ab, ac = corners_m[:, 1] - a, corners_m[:, 2] - a
+    across = np.cross(direction, ac)
+    determinant = np.einsum("ij,ij->i", ab, across)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_a = origin_m - a
+        u = np.einsum("ij,ij->i", from_a, across) / determinant
+        over = np.cross(from_a, ab)
+        v = over @ direction / determinant
+        distance = np.einsum("ij,ij->i", ac, over) / determinant
+        hits = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > SKIN_M)
+    if not hits.any():
+        return False
+    nearest = np.flatnonzero(hits)[np.argmin(distance[hits])]
+    return bool(determinant[nearest] > 0.0)  # the front

@@ -1,0 +1,36 @@
+"""The result of a check: mistakes, warnings, and values of what was built."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from uwsim.evidence.scenario_check.scene import Scene, plain
+from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures
+from uwsim.simulator.simulator import Simulator
+
+
+@dataclass(frozen=True, eq=False)
+class CheckReport:
+    """mistakes, warnings: one line each. scene: None for a file with mistakes, or of another kind than a scenario.
+
+    vehicle: for a vehicle's file, in fresh water.
+    """
+
+    file: str
+    mistakes: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    scene: Scene | None = None
+    simulator: Simulator | None = None
+    vehicle: VehicleFigures | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as plain values, for JSON."""
+        return {
+            "file": self.file,
+            "ok": not self.mistakes,
+            "mistakes": list(self.mistakes),
+            "warnings": list(self.warnings),
+            "scene": None if self.scene is None else self.scene.to_dict(),
+            "vehicle": None if self.vehicle is None else plain(asdict(self.vehicle)),
+        }

@@ -1,0 +1,237 @@
+"""A scenario's scene in numbers: the bed, each obstacle on it, each vehicle at its start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, vehicle_figures
+from uwsim.scenario import Terrain, VehicleEntry, build_terrain, start_pose
+from uwsim.scenario.build.hull import rigid_body, vehicle_hull
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.build.station import exit_position
+from uwsim.scenario.build.surface_points import surface_points
+from uwsim.scenario.build.water import build_water, surface_density_kg_m3
+from uwsim.scenario.spec.water import StillSurface
+from uwsim.simulator.simulator import Simulator
+
+CONTRAST = 0.02
+"""The smallest visible contrast: Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53:214."""
+
+STILL_M_S = 0.005
+"""A slower current has no relevant effect on a vehicle, and is shown as 0.00 m/s."""
+
+CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
+"""The current that is not exceeded during this share of the mission, at this number of times: tides and gusts vary."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bed:
+    """The terrain. extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: of its area."""
+
+    extent_m: tuple[float, float, float, float]
+    lowest_m: float
+    highest_m: float
+    dry_share: float
+
+
+@dataclass(frozen=True)
+class ObstacleScene:
+    """An obstacle. lowest_m, highest_m: z. clearance_m: of its lowest point above the bed below; negative: sunk in.
+
+    size_m: along x, y and z of the world. buried_share: share of its surface below the bed. above_water_share: of its
+    surface.
+    """
+
+    name: str
+    kind: str
+    size_m: tuple[float, float, float]
+    lowest_m: float
+    highest_m: float
+    clearance_m: float
+    buried_share: float
+    above_water_share: float
+    beside_terrain: bool
+
+
+@dataclass(frozen=True)
+class VehicleScene:
+    """A vehicle at its start.
+
+    altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is outside it.
+    free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: of a sphere round its
+    hull. weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: its largest thrust up and
+    down. current_m_s: at its start, see CURRENT_SHARE. holds_current: whether it can stay there in it. figures: of its
+    own file, in this water.
+    """
+
+    name: str
+    model: str
+    position_m: tuple[float, float, float]
+    yaw_deg: float
+    docked: bool
+    altitude_m: float
+    beside_terrain: bool
+    free_m: float
+    radius_m: float
+    weight_n: float
+    net_buoyancy_n: float
+    lift_n: tuple[float, float]
+    current_m_s: float
+    holds_current: bool
+    figures: VehicleFigures
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The whole scene. sight_m: the range at which cameras see a dark target, see CONTRAST.
+
+    station_bed_m: z of the bed.
+    """
+
+    name: str
+    bed: Bed
+    density_kg_m3: float
+    sight_m: float
+    station_m: tuple[float, float, float]
+    station_bed_m: float
+    obstacles: tuple[ObstacleScene, ...]
+    vehicles: tuple[VehicleScene, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, with None for numbers that are not finite."""
+        values: dict[str, Any] = plain(asdict(self))
+        return values
+
+
+def plain(value: Any) -> Any:
+    """Return plain values, for JSON, with None for numbers that are not finite."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def measured_scene(sim: Simulator) -> Scene:
+    """Return the scene of a simulator at its start."""
+    scenario = sim.scenario
+    terrain = build_terrain(scenario.terrain)
+    part = terrain.window(scenario.terrain.window_m)
+    station = scenario.station.position_m
+    return Scene(
+        name=scenario.name,
+        bed=Bed(
+            part.extent_m,
+            part.lowest_m,
+            float(part.heights_m.max()),
+            float((part.heights_m > 0.0).mean()),
+        ),
+        density_kg_m3=float(sim.world.water.density_at_kg_m3(0.0)),
+        sight_m=sight_m(core_optics(scenario.optics).water.beam_attenuation),
+        station_m=station,
+        station_bed_m=float(terrain.height_at([station[:2]])[0]),
+        obstacles=tuple(_obstacle(sim, k, terrain) for k in range(len(scenario.obstacles))),
+        vehicles=tuple(_vehicle(sim, entry, terrain) for entry in scenario.vehicles),
+    )
+
+
+def sight_m(beam_attenuation: Floats) -> float:
+    """Return the distance at which contrast falls to CONTRAST, exp(-c r), in the clearest of the bands [1/m]."""
+    return float(-math.log(CONTRAST) / np.min(beam_attenuation))
+
+
+def _obstacle(sim: Simulator, index: int, terrain: Terrain) -> ObstacleScene:
+    obstacle = sim.scenario.obstacles[index]
+    vertices, triangles, _ = obstacle_solid(obstacle, terrain)
+    points = surface_points(vertices, triangles)
+    beds = terrain.height_at(points[:, :2])
+    beside = bool(np.isnan(beds).any())
+    clear = points[:, 2] - beds
+    corners = vertices[:, 2] - terrain.height_at(vertices[:, :2])
+    every = np.concatenate([clear, corners])
+    return ObstacleScene(
+        name=obstacle.name,
+        kind=obstacle.kind,
+        size_m=_three(np.ptp(vertices, axis=0)),
+        lowest_m=float(vertices[:, 2].min()),
+        highest_m=float(vertices[:, 2].max()),
+        clearance_m=float(np.nanmin(every)) if not np.isnan(every).all() else math.nan,
+        buried_share=float(np.mean(clear < 0.0)),
+        above_water_share=float(np.mean(points[:, 2] > 0.0)),
+        beside_terrain=beside,
+    )
+
+
+def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleScene:
+    position, yaw_rad = start_pose(sim.scenario, entry)
+    hull = Rotation.from_euler("z", yaw_rad).apply(np.array(vehicle_hull(entry.model)[0])) + np.asarray(position)
+    docked = entry.start is None
+    radius_m = float(np.linalg.norm(vehicle_hull(entry.model)[0], axis=1).max())
+    if docked:
+        free_m = float(sim.scene.distance_m(exit_position(sim.scenario.station)[None])[0]) - radius_m
+    else:
+        free_m = float(sim.scene.distance_m(hull[:: max(1, len(hull) // 2000)]).min())
+    water = sim.world.water
+    control = sim.vehicles[entry.name].control.model
+    current_m_s = _current_m_s(sim, position)
+    net_n = sim.vehicles[entry.name].control.net_buoyancy_n
+    displaced_kg = float(water.density_at_kg_m3(0.0)) * rigid_body(entry.model, 1000.0).volume_m3
+    clear_m = hull[:, 2] - terrain.height_at(hull[:, :2])
+    density_kg_m3 = surface_density_kg_m3(sim.scenario.water)
+    return VehicleScene(
+        name=entry.name,
+        model=entry.model.name,
+        position_m=position,
+        yaw_deg=float(np.degrees(yaw_rad)),
+        docked=docked,
+        altitude_m=float(np.nanmin(clear_m)),
+        beside_terrain=bool(np.isnan(clear_m).any()),
+        free_m=free_m,
+        radius_m=radius_m,
+        weight_n=displaced_kg * water.gravity_m_s2 - net_n,
+        net_buoyancy_n=net_n,
+        lift_n=_lift_n(control),
+        current_m_s=current_m_s,
+        holds_current=_holds(control, current_m_s),
+        figures=vehicle_figures(entry.model, control, density_kg_m3, entry.trim),
+    )
+
+
+def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
+    """Return the speed of the current there, without waves, whose orbital motion only moves a vehicle to and fro."""
+    calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
+    water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
+    times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
+    speeds = [float(np.linalg.norm(water.velocity_m_s([position_m], time_s))) for time_s in times_s]
+    return float(np.quantile(speeds, CURRENT_SHARE))
+
+
+def _three(values: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
+    """Return the thrusters' largest forces downward (negative) and upward."""
+    down, up = (float(control.reachable((0.0, 0.0, sign * 1e5, 0.0, 0.0, 0.0))[2]) for sign in (-1.0, 1.0))
+    return down, up
+
+
+def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
+    """Return whether the thrusters can drive the vehicle ahead at a speed through the water; in still water, true."""
+    if speed_m_s < STILL_M_S:
+        return True
+    ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])
+    needed = float(control.wrench_body(np.eye(3), ahead, np.zeros(6))[0])
+    reached = control.reachable((needed, 0.0, 0.0, 0.0, 0.0, 0.0))[0]
+    return bool(reached >= 0.999 * needed)

@@ -1,0 +1,146 @@
+"""Derived properties of a vehicle: size, mass, attitude at rest, stability, its mounts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.axes import AXES
+from uwsim.evidence.scenario_check.mounts import Mount, mounts
+from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.ballast import mass_with_ballast, trim_weights
+from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull
+from uwsim.scenario.spec.vehicle import Trim, VehicleModel
+
+Floats = NDArray[np.float64]
+NO_LEVER_M = 1e-3
+"""Distance of the two centres below which righting moments are negligible: the vehicle has no attitude at rest."""
+UNDER_WAY_M_S = 1.5
+"""The speed at which course stability is assessed, typical of AUVs."""
+SURGE, SWAY, YAW = 0, 1, 5
+
+
+@dataclass(frozen=True)
+class VehicleFigures:
+    """A vehicle with its ballast and trim, fully submerged in water of water_density_kg_m3.
+
+    size_m: of the hull's bounding box. righting_lever_m: from the centre of mass up to the centre of buoyancy in the
+    body frame, which is also the metacentric height of a submerged body; negative: it turns over. righting_nm_rad:
+    the moment per radian from rest. nose_down_deg, roll_to_starboard_deg: at rest, None without a righting moment.
+    gyration_m: radii of gyration about the body axes, without ballast and trim; hull_gyration_m: those of the hull
+    as a solid; reach_m: of the hull's farthest point from each axis. drives: axes with thrusters or fins.
+    course_growth_1_s: growth rate of a yaw disturbance without control, at UNDER_WAY_M_S; negative: it decays; None
+    if thrusters push it sideways.
+    """
+
+    size_m: tuple[float, float, float]
+    volume_m3: float
+    mass_kg: float
+    density_kg_m3: float
+    water_density_kg_m3: float
+    net_buoyancy_n: float
+    centre_of_mass_m: tuple[float, float, float]
+    centre_of_buoyancy_m: tuple[float, float, float]
+    righting_lever_m: float
+    righting_nm_rad: float
+    nose_down_deg: float | None
+    roll_to_starboard_deg: float | None
+    gyration_m: tuple[float, float, float]
+    hull_gyration_m: tuple[float, float, float]
+    reach_m: tuple[float, float, float]
+    drives: tuple[str, ...]
+    course_growth_1_s: float | None
+    mounts: tuple[Mount, ...]
+
+
+def vehicle_figures(
+    model: VehicleModel, control: _core.ControlModel, density_kg_m3: float, trim: Trim | None
+) -> VehicleFigures:
+    """Return a vehicle's properties. control: its model in that water; trim: instead of the model's. ScenarioError."""
+    body = rigid_body(model, density_kg_m3)
+    weights = trim_weights(model, body, trim or model.trim, density_kg_m3)
+    mass_kg, centre_m, _ = mass_with_ballast(model, body, weights)
+    lever_m = body.centre_of_buoyancy_m - centre_m
+    buoyancy_n = density_kg_m3 * body.volume_m3 * _core.Water().gravity_m_s2
+    nose_down_deg, roll_deg = rest_attitude_deg(lever_m)
+    vertices, _ = vehicle_hull(model)
+    return VehicleFigures(
+        size_m=_three(np.ptp(vertices, axis=0)),
+        volume_m3=body.volume_m3,
+        mass_kg=mass_kg,
+        density_kg_m3=mass_kg / body.volume_m3,
+        water_density_kg_m3=density_kg_m3,
+        net_buoyancy_n=buoyancy_n - mass_kg * _core.Water().gravity_m_s2,
+        centre_of_mass_m=_three(centre_m),
+        centre_of_buoyancy_m=_three(body.centre_of_buoyancy_m),
+        righting_lever_m=float(lever_m[2]),
+        righting_nm_rad=buoyancy_n * float(np.linalg.norm(lever_m)),
+        nose_down_deg=nose_down_deg,
+        roll_to_starboard_deg=roll_deg,
+        gyration_m=_three(np.sqrt(body.inertia_kg_m2 / body.mass_kg)),
+        hull_gyration_m=_three(np.sqrt(_solid_inertia(model, density_kg_m3) / body.mass_kg)),
+        reach_m=_reach_m(vertices, body),
+        drives=tuple(axis for axis, is_driven in zip(AXES, control.driven, strict=True) if is_driven),
+        course_growth_1_s=None if control.driven[SWAY] else course_growth_1_s(model, control, density_kg_m3),
+        mounts=mounts(model),
+    )
+
+
+def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:
+    """Return pitch (nose down) and roll (to starboard) at which the centre of buoyancy is right above that of mass.
+
+    lever_m: (3,) from the centre of mass to that of buoyancy, body frame. There buoyancy and weight have no moment,
+    whatever their size, and a body that is turned away from it turns back.
+    """
+    length_m = float(np.linalg.norm(lever_m))
+    if length_m < NO_LEVER_M:
+        return None, None
+    up = lever_m / length_m
+    return float(-np.degrees(np.arcsin(np.clip(up[0], -1.0, 1.0)))) + 0.0, float(np.degrees(np.arctan2(up[1], up[2])))
+
+
+def course_growth_1_s(model: VehicleModel, control: _core.ControlModel, density_kg_m3: float) -> float:
+    """Return the largest growth rate of sway and yaw, linear about a straight course with fins held amidships.
+
+    M nu' = f(nu), with Munk's moment in f and the lift of fins, -1/2 rho U C_La A n (n . v), at each fin: Fossen 2021,
+    "Handbook of Marine Craft Hydrodynamics and Motion Control", sec. 6.5; the fin's slope is FinParameters.lift_slope.
+    """
+    ahead, step = np.eye(6)[SURGE] * UNDER_WAY_M_S, 1e-3
+    pair = [SWAY, YAW]
+
+    def force(velocity: Floats) -> Floats:
+        hull = -control.wrench_body(np.eye(3), velocity, np.zeros(6))
+        return hull + sum((_lift(fin, velocity, density_kg_m3) for fin in actuators_spec(model).fins), np.zeros(6))
+
+    still = control.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))
+    mass = np.column_stack([control.wrench_body(np.eye(3), np.zeros(6), axis) - still for axis in np.eye(6)])
+    slopes = [(force(ahead + step * axis) - force(ahead - step * axis)) / (2.0 * step) for axis in np.eye(6)[pair]]
+    damping = np.column_stack(slopes)[pair]
+    return float(np.linalg.eigvals(np.linalg.solve(mass[np.ix_(pair, pair)], damping)).real.max())
+
+
+def _lift(fin: _core.FinParameters, velocity: Floats, density_kg_m3: float) -> Floats:
+    """Return force and moment (6,) of a fin amidships in flow at a small angle from ahead."""
+    at = np.asarray(fin.position_body_m)
+    across = np.cross((1.0, 0.0, 0.0), np.asarray(fin.span_body))
+    sideways_m_s = float(across @ (velocity[:3] + np.cross(velocity[3:], at)))
+    force = -0.5 * density_kg_m3 * velocity[SURGE] * fin.lift_slope() * fin.area_m2 * sideways_m_s * across
+    return np.concatenate([force, np.cross(at, force)])
+
+
+def _solid_inertia(model: VehicleModel, density_kg_m3: float) -> Floats:
+    """Return the moments of inertia of the hull as a solid of the model's mass, about its own centre."""
+    return rigid_body(model.model_copy(update={"inertia_kg_m2": None}), density_kg_m3).inertia_kg_m2
+
+
+def _reach_m(vertices_m: Floats, body: RigidBody) -> tuple[float, float, float]:
+    arms = vertices_m - body.centre_of_mass_m
+    return _three(np.array([np.hypot(arms[:, (k + 1) % 3], arms[:, (k + 2) % 3]).max() for k in range(3)]))
+
+
+def _three(values: Floats) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

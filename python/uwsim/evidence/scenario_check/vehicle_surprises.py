@@ -1,0 +1,117 @@
+"""Likely oversights in a valid vehicle file: it hangs upside down, a propeller is far away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from uwsim.evidence.scenario_check.mounts import Mount
+from uwsim.evidence.scenario_check.vehicle_figures import NO_LEVER_M, VehicleFigures
+from uwsim.scenario.build.scale import size_text
+
+TILT_DEG = 5.0
+"""Tilt at rest beyond which a warning is given."""
+AWAY_LENGTHS = 0.5
+"""Distance of a mount from the hull's box, as a share of its longest side, beyond which a warning is given."""
+OFF_DOWN_DEG = 60.0
+"""Angle of a DVL from straight down beyond which a warning is given: two of its beams are then above the horizon."""
+BLOCKED_SHARE = 0.5
+GYRATION_SHARES = (0.3, 3.0)
+"""Limits of the radii of gyration over those of the hull as a solid: no distribution of parts explains others."""
+GROWTH_1_S = 0.05
+"""Growth rate of a yaw disturbance beyond which a warning is given: slower ones take a helmsman 20 s to notice."""
+EXTREME_SHARE = 0.2
+"""Net buoyancy over weight, in fresh and in sea water, beyond which trimming cannot help."""
+FRESH_KG_M3, SEA_KG_M3 = 1000.0, 1026.0
+
+Found = tuple[tuple[str | int, ...], str]
+
+
+def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
+    """Yield keys of the vehicle's file with a sentence for each."""
+    yield from _of_attitude(figures)
+    yield from _of_inertia(figures)
+    yield from _of_steering(figures)
+    for mount in figures.mounts:
+        yield from ((_keys(mount), text) for text in _of_mount(mount, figures))
+
+
+def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
+    """Yield warnings about the buoyancy in any water, for a file that names no water."""
+    density = figures.density_kg_m3
+    if density > SEA_KG_M3 / (1.0 - EXTREME_SHARE):
+        yield (), f"its mean density is {density:.0f} kg/m3: it sinks like a stone in any water"
+    elif density < FRESH_KG_M3 / (1.0 + EXTREME_SHARE):
+        yield (), f"its mean density is {density:.0f} kg/m3: it floats like a cork on any water"
+
+
+def _of_attitude(figures: VehicleFigures) -> Iterator[Found]:
+    lever_m = figures.righting_lever_m
+    if lever_m < -NO_LEVER_M:
+        yield (
+            ("centre_of_mass_m",),
+            f"its centre of mass is {-lever_m:.3g} m above its centre of buoyancy: left alone it hangs upside down",
+        )
+    elif figures.nose_down_deg is not None and figures.roll_to_starboard_deg is not None:
+        pitch, roll = figures.nose_down_deg, figures.roll_to_starboard_deg
+        if max(abs(pitch), abs(roll)) > TILT_DEG:
+            x, y, _ = np.subtract(figures.centre_of_mass_m, figures.centre_of_buoyancy_m)
+            yield (
+                ("centre_of_mass_m",),
+                f"left alone it rests {attitude_text(pitch, roll)}: its centre of mass is {x:+.3g} m ahead and "
+                f"{y:+.3g} m to port of its centre of buoyancy, {lever_m:.3g} m below",
+            )
+
+
+def attitude_text(nose_down_deg: float, roll_to_starboard_deg: float) -> str:
+    """Return `level`, or `nose down 12.0 deg, listing 3.0 deg to port`."""
+    parts = []
+    if abs(nose_down_deg) >= 0.05:
+        parts.append(f"nose {'down' if nose_down_deg > 0 else 'up'} {abs(nose_down_deg):.1f} deg")
+    if abs(roll_to_starboard_deg) >= 0.05:
+        side = "starboard" if roll_to_starboard_deg > 0 else "port"
+        parts.append(f"listing {abs(roll_to_starboard_deg):.1f} deg to {side}")
+    return ", ".join(parts) or "level"
+
+
+def _of_inertia(figures: VehicleFigures) -> Iterator[Found]:
+    low, high = GYRATION_SHARES
+    for axis, own, solid, reach in zip(
+        "xyz", figures.gyration_m, figures.hull_gyration_m, figures.reach_m, strict=True
+    ):
+        what = f"its radius of gyration about {axis} is {own:.3g} m"
+        if own > reach:
+            yield ("inertia_kg_m2",), f"{what}, but no point of its hull is farther than {reach:.3g} m from that axis"
+        elif not low * solid <= own <= high * solid:
+            yield ("inertia_kg_m2",), f"{what}, that of its hull as a solid {solid:.3g} m: is the inertia in kg m2?"
+
+
+def _of_steering(figures: VehicleFigures) -> Iterator[Found]:
+    drives = figures.drives
+    if "surge" not in drives:
+        yield (), "neither thrusters nor forces drive it ahead"
+    if "yaw" not in drives:
+        yield (), "nothing turns it: neither thrusters nor fins give yaw"
+    if "heave" not in drives and "pitch" not in drives:
+        yield (), "nothing takes it up or down: neither thrusters nor fins give heave or pitch"
+    growth = figures.course_growth_1_s
+    if growth is not None and growth > GROWTH_1_S:
+        seconds = np.log(2.0) / growth
+        yield (), f"it does not keep its course under way: a yaw doubles in {seconds:.1f} s; has it a tail?"
+
+
+def _of_mount(mount: Mount, figures: VehicleFigures) -> Iterator[str]:
+    what = mount.label
+    if mount.away_m > AWAY_LENGTHS * max(figures.size_m):
+        yield f"{what} is {mount.away_m:.3g} m away from its hull of {size_text(np.array(figures.size_m))}"
+    elif mount.beams_in_hull >= BLOCKED_SHARE:
+        share = "looks" if mount.beams_in_hull == 1.0 else f"looks with {100 * mount.beams_in_hull:.0f} % of its beams"
+        yield f"{what} {share} into its own hull"
+    if mount.off_down_deg is not None and mount.off_down_deg > OFF_DOWN_DEG:
+        where = "up" if mount.off_down_deg > 90.0 else "sideways"
+        yield f"{what} looks {where}, {mount.off_down_deg:.0f} deg off straight down: its beams need the bottom"
+
+
+def _keys(mount: Mount) -> tuple[str | int, ...]:
+    return (mount.key, mount.name) if mount.name else (mount.key,)

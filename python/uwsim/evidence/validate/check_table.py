@@ -1,0 +1,36 @@
+"""A validation's checks as a printed table: expected, got, error and tolerance."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from uwsim.evidence.validate.check import Check
+
+
+def print_checks(checks: list[Check], title: str, console: Console | None = None) -> None:
+    """Print the table and the number of misses."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("what")
+    table.add_column("figure", overflow="fold")
+    for column in ("expected", "got", "error", "tolerance"):
+        table.add_column(column, justify="right")
+    table.add_column("")
+    previous = ""
+    for check in checks:
+        unit = f" {check.unit}" if check.unit else ""
+        table.add_row(
+            "" if check.group == previous else check.group,
+            check.name,
+            f"{check.expected:.7g}{unit}",
+            f"{check.got:.7g}{unit}",
+            f"{check.error:.1e}",
+            f"{check.tolerance:.0e}",
+            "[green]ok[/]" if check.passed else "[bold red]MISS[/]",
+            end_section=False,
+        )
+        previous = check.group
+    target = console or Console()
+    target.print(table)
+    misses = sum(not check.passed for check in checks)
+    target.print(f"{len(checks)} checks, {misses} missed" if misses else f"{len(checks)} checks, all within tolerance")

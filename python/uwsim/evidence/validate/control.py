@@ -1,0 +1,44 @@
+"""The control loops of the packaged vehicles: step responses, and flights in gusts, against limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.evidence.validate.check import Check, at_most, relative
+from uwsim.evidence.validate.gust_flights import gust_checks, top_speed_m_s
+from uwsim.evidence.validate.step_responses import StepResponse, step_responses
+from uwsim.scenario import load_vehicle
+
+VEHICLES = ("rov", "paper", "bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_wu", "bluerov2_tank", "remus100")
+"""All packaged vehicles; remus100, which steers by fins, is tested under way."""
+RISE_S = {"m": 5.0, "rad": 5.0, "m/s": 2.5, "rad/s": 1.5}
+SETTLING_S = {"m": 10.0, "rad": 10.0, "m/s": 5.0, "rad/s": 4.0}
+GUST_VEHICLE, MAKERS_SPEED_M_S, SPEED_TOLERANCE = "bluerov2_heavy_cfd", 1.5, 0.1  # Blue Robotics' data sheet: 3 knots
+OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
+
+
+def run(out: Path | None) -> list[Check]:
+    """Return the checks of all vehicles; draw their step responses into the folder `out`."""
+    checks = []
+    for name in VEHICLES:
+        responses = step_responses(name, load_vehicle(name))
+        checks += [check for response in responses for check in response_checks(response)]
+        if out is not None:
+            from uwsim.evidence.validate.step_figures import draw_steps
+
+            draw_steps(responses, out / f"control-{name}.png")
+    fast = load_vehicle(GUST_VEHICLE)
+    top = relative(GUST_VEHICLE, "speed at full thrust", MAKERS_SPEED_M_S, top_speed_m_s(fast), SPEED_TOLERANCE, "m/s")
+    return [*checks, top, *gust_checks(GUST_VEHICLE, fast)]
+
+
+def response_checks(response: StepResponse) -> list[Check]:
+    """Compare one step's rise, overshoot, settling and steady error with their limits."""
+    step, unit = response.step, response.step.unit
+    name = f"{step.name} {step.size:.3g} {unit}"
+    return [
+        at_most(response.vehicle, f"{name}: rise", RISE_S[unit], response.rise_s, "s"),
+        at_most(response.vehicle, f"{name}: overshoot", OVERSHOOT, response.overshoot),
+        at_most(response.vehicle, f"{name}: settling", SETTLING_S[unit], response.settling_s, "s"),
+        at_most(response.vehicle, f"{name}: steady error", STEADY, response.steady_error),
+    ]

@@ -1,0 +1,182 @@
+"""Navigation: the filter's errors against its covariance, and its drift without DVL and USBL against a closed form.
+
+Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has the
+mean n (here 9 errors: position, velocity, attitude), and N x its average is chi-square distributed with N n degrees of
+freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", ch. 5.4).
+
+Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): the position error
+is e_p + e_v t - R [f]x (e_attitude t^2 / 2 - e_rate t^3 / 6) - R e_force t^2 / 2, plus the integrals of white noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+
+from uwsim.evidence.validate.check import Check, relative, within
+from uwsim.navigation.estimation import Navigator, Start
+from uwsim.simulator.simulator import Simulator
+
+Array = NDArray[np.float64]
+SEEDS = 50
+LEGS, LEG_S, LEGS_PER_LOOK = 36, 3.0, 3
+ERRORS = 9
+PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 9)}
+START_WORLD_M = (-30.0, -40.0, -12.0)
+POSITION_STD_M, VELOCITY_STD_M_S = 0.5, 0.05
+DROP_OUT_AFTER_S, DROP_OUT_S = 60.0, 60.0
+LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
+
+
+def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
+    """Return all checks; draw the curves into the folder `out`. seeds: number of flights; by default SEEDS."""
+    sim, seeds = Simulator("lake"), seeds or SEEDS
+    nees = np.array([list(flownnees_of(sim, seed)) for seed in range(seeds)])
+    drifts = [drop_out(sim, seed) for seed in range(seeds)]
+    if out is not None:
+        _draw(nees, drifts, out / "estimation.png")
+    from uwsim.evidence.validate.after_contact import contact_checks  # these import this module
+    from uwsim.evidence.validate.turning_flights import turning_checks
+
+    return [
+        *consistency_checks(nees), *turning_checks(seeds), *drop_out_checks(drifts), *contact_checks(sim, seeds)
+    ]  # fmt: skip
+
+
+def start_navigation(
+    sim: Simulator,
+    seed: int,
+    start_world_m: tuple[float, float, float] = START_WORLD_M,
+    velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> tuple[Navigator, np.random.Generator]:
+    """Begin a flight, heading east, whose navigation starts with errors drawn from its own covariance."""
+    sim.reset(seed=seed)
+    sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
+    draws = np.random.default_rng(seed)
+    position = np.asarray(start_world_m) + POSITION_STD_M * draws.standard_normal(3)
+    velocity = np.asarray(velocity_m_s) + VELOCITY_STD_M_S * draws.standard_normal(3)
+    start = Start(tuple(position.tolist()), POSITION_STD_M, tuple(velocity.tolist()), VELOCITY_STD_M_S)
+    station, gravity = sim.scenario.station.position_m, sim.world.water.gravity_m_s2
+    return Navigator(sim.rov, start, station_world_m=station, gravity_m_s2=gravity), draws
+
+
+def errors(sim: Simulator, navigator: Navigator) -> Array:
+    """Return the errors (9,): position and velocity, world axes; attitude, body axes."""
+    pose, true = navigator.pose, sim.rov.pose
+    turn, true_turn = pose.world_from_body[:3, :3], true.world_from_body[:3, :3]
+    velocity = true_turn @ sim.rov.velocity.linear_body_m_s - turn @ navigator.velocity.linear_body_m_s
+    attitude = Rotation.from_matrix(turn.T @ true_turn).as_rotvec()
+    return np.concatenate([true.position_world_m - pose.position_world_m, velocity, attitude])
+
+
+def flownnees_of(sim: Simulator, seed: int) -> Iterator[list[float]]:
+    """Fly about; yield the NEES of all errors, and of each of PARTS, at intervals."""
+    navigator, draws = start_navigation(sim, seed)
+    for leg in range(LEGS):
+        sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
+        sim.advance(LEG_S)
+        if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
+            error, covariance = errors(sim, navigator), navigator.covariance
+            yield [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
+
+
+def nees_of(error: Array, covariance: Array, part: slice) -> float:
+    """Return the normalised estimation error squared of some errors."""
+    return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
+
+
+def consistency_checks(nees: Array, how: str = "") -> list[Check]:
+    """Return the checks of NEES, (flights, looks, 1 + PARTS). how: the way in which they were flown."""
+    flights, looks = nees.shape[:2]
+    group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
+    mean = nees.mean(axis=0)
+    low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
+    inside = float(np.mean((mean[:, 0] > low) & (mean[:, 0] < high)))
+    checks = [within(group, f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)]
+    # Over a whole flight, errors are correlated, so the bounds apply to a single time.
+    checks.append(within(group, "mean of all 9 errors", ERRORS, float(mean[:, 0].mean()), ERRORS, high / ERRORS - 1.0))
+    for k, name in enumerate(PARTS, 1):
+        most = chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0
+        checks.append(within(group, f"mean of {name}", 3.0, float(mean[:, k].mean()), 3.0, float(most)))
+    return checks
+
+
+def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
+    """Hover, then lose DVL and USBL.
+
+    Returns the filter's final covariance of the horizontal position, the closed form's, and the error, (2,).
+    """
+    navigator, draws = start_navigation(sim, seed)
+    for _ in range(round(DROP_OUT_AFTER_S / LEG_S) - 3):
+        sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
+        sim.advance(LEG_S)
+    sim.rov.set_effort()
+    sim.advance(3 * LEG_S)
+    expected = closed_form(sim, navigator, DROP_OUT_S)
+    sim.parameters.update({"rov.sensors.dvl.on": False, "rov.sensors.usbl.on": False})
+    sim.advance(DROP_OUT_S)
+    return navigator.covariance[:2, :2], expected, errors(sim, navigator)[:2]
+
+
+def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
+    """Return the covariance (2, 2) of the horizontal position after t s on the IMU alone, at constant attitude."""
+    turn, gravity = navigator.pose.world_from_body[:3, :3], sim.world.water.gravity_m_s2
+    imu = sim.rov.sensors["imu"].spec.noise
+    force = turn @ _cross(turn.T @ [0.0, 0.0, gravity])
+    eye = np.eye(3)
+    growth = np.hstack([eye, t * eye, -0.5 * t**2 * force, t**3 / 6.0 * force, -0.5 * t**2 * turn])[:2]
+    rate, accel = imu["angular_velocity"], imu["linear_acceleration"]
+    variance = accel.density**2 * t**3 / 3.0 + gravity**2 * rate.density**2 * t**5 / 20.0
+    # A drift is treated as a random walk of the bias, of 2 std^2 / time.
+    variance += 2.0 * accel.bias_std**2 / accel.bias_time_s * t**5 / 20.0
+    variance += gravity**2 * 2.0 * rate.bias_std**2 / rate.bias_time_s * t**7 / 252.0
+    return np.asarray(growth @ navigator.covariance @ growth.T + variance * np.eye(2))
+
+
+def _cross(v: Array) -> Array:
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def drop_out_checks(drifts: list[tuple[Array, Array, Array]]) -> list[Check]:
+    """Return the checks of the drift."""
+    group = f"{DROP_OUT_S:.0f} s without DVL and USBL"
+    filters, closed, error = (np.array(part) for part in zip(*drifts, strict=True))
+    expected, got = (np.sqrt(np.trace(c, axis1=1, axis2=2).mean()) for c in (closed, filters))
+    nees = [float(e @ np.linalg.solve(p, e)) for e, p in zip(error, filters, strict=True)]
+    band = chi2.ppf([0.025, 0.975], 2 * len(error)) / len(error) / 2.0
+    return [
+        relative(group, "growth that the filter expects", float(expected), float(got), 0.1, "m"),
+        within(group, "NEES of the horizontal position", 2.0, float(np.mean(nees)), 2.0, float(max(abs(band - 1.0)))),
+    ]
+
+
+def _draw(nees: Array, drifts: list[tuple[Array, Array, Array]], path: Path) -> None:
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+    flights, looks = nees.shape[:2]
+    times_s = LEG_S * LEGS_PER_LOOK * np.arange(1, looks + 1)
+    low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
+    left.fill_between(times_s, low, high, alpha=0.2, label="95 % bounds")
+    left.plot(times_s, nees[:, :, 0].mean(axis=0), "o-", label=f"mean of {flights} flights")
+    left.axhline(ERRORS, color="grey", lw=0.8)
+    left.set(xlabel="time [s]", ylabel="NEES of 9 errors", title="Consistency", ylim=(0.0, 1.5 * high))
+    left.legend()
+    filters, closed, error = (np.array(part) for part in zip(*drifts, strict=True))
+    reach = np.linalg.norm(error, axis=1)
+    right.plot(np.sort(reach), np.linspace(0.0, 1.0, len(reach)), drawstyle="steps-post", label="flights")
+    std = np.sqrt(np.trace(filters, axis1=1, axis2=2).mean() / 2.0)
+    radius = np.linspace(0.0, 3.5 * std, 100)
+    right.plot(radius, chi2.cdf((radius / std) ** 2, 2), label="as the filter expects")
+    std = np.sqrt(np.trace(closed, axis1=1, axis2=2).mean() / 2.0)
+    right.plot(radius, chi2.cdf((radius / std) ** 2, 2), "--", label="closed form")
+    right.set(
+        xlabel="horizontal error [m]", ylabel="share of flights", title=f"{DROP_OUT_S:.0f} s without DVL and USBL"
+    )
+    right.legend()
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

@@ -1,0 +1,69 @@
+"""Motions flown by the simulator in deep still water, for comparison with reference solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from uwsim.evidence.validate.reference_solution import Array, Flight
+from uwsim.scenario import Scenario, VehicleModel
+from uwsim.simulator.simulator import Simulator
+
+START_M = (0.0, 0.0, -400.0)
+BED_DEPTH_M = 1000.0
+SAMPLE_S = 0.05
+
+
+def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0) -> Simulator:
+    """Return a simulator with one free vehicle in still water of one density, far from the surface and the flat bed."""
+    return Simulator(
+        Scenario.model_validate(
+            {
+                "name": "validation",
+                "water": {"density_kg_m3": density_kg_m3},
+                "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
+                "station": {"position_m": [0, 0, 0]},
+                "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}}],
+            }
+        )
+    )
+
+
+def times(duration_s: float) -> Array:
+    """Return the sample times from 0 to duration_s."""
+    return np.linspace(0.0, duration_s, round(duration_s / SAMPLE_S) + 1)
+
+
+def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: float) -> Flight:
+    """Return the motion from START_M, level, with velocity_body (6,), under the present efforts."""
+    rov = sim.rov
+    rov.place(START_M, velocity_body=np.asarray(velocity_body, np.float64))
+    samples = times(duration_s)
+    poses, velocities = [rov.pose], [rov.velocity]
+    for _ in samples[1:]:
+        sim.advance(SAMPLE_S)
+        poses.append(rov.pose)
+        velocities.append(rov.velocity)
+    return Flight(
+        samples,
+        np.array([pose.position_world_m for pose in poses]) - START_M,
+        np.array([pose.world_from_body[:3, :3] for pose in poses]),
+        np.array([np.concatenate([v.linear_body_m_s, v.angular_body_rad_s]) for v in velocities]),
+    )
+
+
+def attitude_error_rad(got: Array, expected: Array) -> Array:
+    """Return the angles (n,) between attitudes (n, 3, 3)."""
+    between = np.einsum("nji,njk->nik", expected, got)
+    axis = np.stack(
+        [
+            between[:, 2, 1] - between[:, 1, 2],
+            between[:, 0, 2] - between[:, 2, 0],
+            between[:, 1, 0] - between[:, 0, 1],
+        ],
+        axis=-1,
+    )
+    sine = 0.5 * np.linalg.norm(axis, axis=-1)
+    cosine = 0.5 * (np.trace(between, axis1=1, axis2=2) - 1.0)
+    return np.asarray(np.arctan2(sine, cosine), np.float64)

@@ -1,0 +1,78 @@
+"""Bent rays against closed forms: Snell's circle, and the "smile" of a flat bed sounded with the wrong profile."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.evidence.validate.check import Check, along, relative
+from uwsim.evidence.validate.sonar_instrument import LOOKING_DOWN_XYZW, flat_world
+from uwsim.instruments.sonars.soundings import beam_directions, sound_points
+
+GROUP = "refraction, constant gradient"
+SURFACE_M_S, GRADIENT_1_S, BED_M = 1500.0, -0.5, 60.0
+DIPS_RAD = np.radians([20.0, 30.0, 45.0, 60.0, 80.0])
+
+
+def circle(dip_rad: float) -> tuple[float, float]:
+    """Return the horizontal distance and the one-way time from the surface to the bed, by Snell's circle."""
+    bed_m_s = SURFACE_M_S + GRADIENT_1_S * BED_M
+    arrival_rad = math.acos(math.cos(dip_rad) * bed_m_s / SURFACE_M_S)
+    across_m = SURFACE_M_S / (GRADIENT_1_S * math.cos(dip_rad)) * (math.sin(dip_rad) - math.sin(arrival_rad))
+    slowing = (1 + math.sin(dip_rad)) * bed_m_s / ((1 + math.sin(arrival_rad)) * SURFACE_M_S)
+    return across_m, math.log(slowing) / GRADIENT_1_S
+
+
+def refraction_checks() -> list[Check]:
+    """Return the checks of the path and of the smile."""
+    return [*path_checks(), *smile_checks()]
+
+
+def path_checks() -> list[Check]:
+    """Check that soundings with the true profile lie on the bed, at the distance of Snell's circle."""
+    levels = [0.0, BED_M + 10]
+    profile = _core.SoundSpeedProfile(levels, [SURFACE_M_S + GRADIENT_1_S * depth for depth in levels])
+    directions = np.stack([np.cos(DIPS_RAD), 0 * DIPS_RAD, -np.sin(DIPS_RAD)], axis=1)
+    across_m, time_s = np.array([circle(dip) for dip in DIPS_RAD]).T
+    points = _core.soundings(directions, 2 * time_s, (0.0, 0.0, 0.0), profile)
+    return [
+        along(GROUP, "horizontal distance after a known time", across_m, points[:, 0], BED_M, 1e-6, "m"),
+        along(GROUP, "depth after a known time", np.full(len(directions), -BED_M), points[:, 2], BED_M, 1e-6, "m"),
+    ]
+
+
+def smile_checks() -> list[Check]:
+    """Check physics mode with bending over a flat bed, sounded with the constant speed of sound at the head."""
+    ping, sonar = bent_ping()
+    wrong_m = sound_points(ping, _core.SoundSpeedProfile.even(sonar.profile.at(0.0)))[:, 2]
+    right_m = sound_points(ping, sonar.profile)[:, 2]
+    dips = np.arcsin(np.clip(-beam_directions(ping)[:, 2], -1, 1))
+    expected_m = np.array([-SURFACE_M_S * circle(dip)[1] * math.sin(dip) for dip in dips])
+    bent_m = float(wrong_m[0] - np.median(wrong_m))
+    closed_m = float(expected_m[0] - np.median(expected_m))
+    return [
+        along(GROUP, "flat bed, true profile", np.full(len(dips), -BED_M), right_m, BED_M, 2e-3, "m"),
+        along(GROUP, "flat bed, constant speed assumed", expected_m, wrong_m, BED_M, 2e-3, "m"),
+        relative(GROUP, "the smile: outermost beam above the median", closed_m, bent_m, 0.05, "m"),
+    ]
+
+
+def bent_ping() -> tuple[_core.PhysicsPing, _core.AcousticMultibeam]:
+    """Return one ping straight down from the surface, 120 degrees wide, almost without noise, and its sonar."""
+    fan = _core.MultibeamModel(
+        name="refraction", beams=121, field_of_view_rad=math.radians(120), range_max_m=400.0, frequency_hz=400e3
+    )
+    spec, figures = _core.AcousticSpec(), _core.SonarFigures()
+    figures.source_level_db = 240.0
+    figures.beam_width_along_rad = figures.beam_width_across_rad = 0.005
+    spec.figures = figures
+    spec.false_detections = spec.range_noise = False
+    spec.bending = True
+    water = _core.Water()
+    depths = [0.0, 100.0]
+    speeds = [SURFACE_M_S + GRADIENT_1_S * depth for depth in depths]
+    water.profile = _core.WaterProfile(depths, [8.0, 8.0], [0.0, 0.0], [1000.0, 1000.0], speeds)
+    sonar = _core.AcousticMultibeam(fan, spec, water)
+    return sonar.ping(_core.RayScene(flat_world(BED_M)), (0.0, 0.0, 0.0), LOOKING_DOWN_XYZW), sonar

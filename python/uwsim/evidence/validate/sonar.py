@@ -1,0 +1,71 @@
+"""The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against its formula.
+
+Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. Flat rock, one receiver.
+Each instrument has one set of values per frequency, none for single cells of the table. Refraction: closed forms.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uwsim.evidence.validate.check import Check, relative
+from uwsim.evidence.validate.refraction import refraction_checks
+from uwsim.evidence.validate.sonar_curves import draw_detections, draw_smile, draw_table
+from uwsim.evidence.validate.sonar_instrument import half_detected_m, half_detected_swath_m
+from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, WATERS, Cell
+
+TABLE_TOLERANCE = 0.1
+INSTRUMENT_TOLERANCE = 0.05
+SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, where vertical and outer beams differ by 1 dB
+BEYOND = 1.15  # times the depth of the widest swath: beyond it, weak outer beams limit the swath, not the fan
+TOWARDS_DEEPEST = 1 / 3  # largest share of the way to the maximum depth, near which 0.06 dB are 8 % of the swath
+
+
+def run(out: Path | None = None) -> list[Check]:
+    """Return all checks; draw depths, coverages, detection rates and the refraction's smile into the folder `out`."""
+    simulated = {cell: half_detected_m(cell) for cell in DEPTH_M}
+    if out is not None:
+        draw_table(simulated, out / "sonar_depths.png")
+        draw_detections(out / "sonar_detections.png")
+        draw_smile(out / "sonar_smile.png")
+    return [*table_checks(), *instrument_checks(simulated), *swath_checks(), *refraction_checks()]
+
+
+def table_checks() -> list[Check]:
+    """Check each known depth and coverage of the manufacturer's table against the values of the instruments' files."""
+    depths = [_in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
+    coverages = [_in_table("coverage", cell, table_m, cell.coverage().width_m) for cell, table_m in COVERAGE_M.items()]
+    return [*depths, *coverages]
+
+
+def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
+    """Check the depth at which physics mode detects half of the beams against the formula with the same values."""
+    return [
+        relative(
+            f"{cell.array} depth simulated, {cell.water}",
+            f"{cell.frequency_khz} kHz",
+            cell.depth_m(),
+            depth_m,
+            INSTRUMENT_TOLERANCE,
+            "m",
+        )
+        for cell, depth_m in simulated.items()
+    ]
+
+
+def swath_checks() -> list[Check]:
+    """Check physics mode's swath, where it detects half of the beams, against the formula, one depth per frequency."""
+    checks = []
+    for cell in (cell for cell in DEPTH_M if cell.array == "em2040-04" and cell.water == "ocean"):
+        widest_m = cell.coverage().depth_m
+        depth_m = min(BEYOND * widest_m, widest_m + TOWARDS_DEEPEST * (cell.depth_m() - widest_m))
+        name = f"{cell.frequency_khz} kHz, {depth_m:.0f} m deep"
+        simulated_m = half_detected_swath_m(cell, depth_m)
+        group = f"{cell.array} swath simulated, {cell.water}"
+        checks.append(relative(group, name, cell.swath_m(depth_m), simulated_m, SWATH_TOLERANCE, "m"))
+    return checks
+
+
+def _in_table(column: str, cell: Cell, table_m: float, got_m: float) -> Check:
+    group = f"{cell.array} {column}, {WATERS[cell.water].text}"
+    return relative(group, f"{cell.frequency_khz} kHz", table_m, got_m, TABLE_TOLERANCE, "m")

@@ -1,0 +1,83 @@
+"""Figures of the sonar suite: depths over frequency, detection rates over depth, and the smile of refraction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from uwsim import _core
+from uwsim.evidence.validate.refraction import BED_M, GRADIENT_1_S, bent_ping
+from uwsim.evidence.validate.sonar_instrument import detection_rate
+from uwsim.evidence.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell
+from uwsim.figures.style import save_figure
+from uwsim.instruments.sonars.soundings import sound_points
+
+
+def draw_table(simulated: dict[Cell, float], path: Path) -> None:
+    """Draw depth and coverage over frequency: the manufacturer's, by the formula, and the simulated depth."""
+    figure, panels = plt.subplots(2, 2, figsize=(11, 9), layout="constrained", dpi=120, sharex=True, sharey="row")
+    for column, array in enumerate(ARRAYS):
+        for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
+            cells = [Cell(array, khz, water) for khz in FREQUENCIES_KHZ]
+            for panel, known_m, formula_m in (
+                (panels[0, column], DEPTH_M, [cell.depth_m() for cell in cells]),
+                (panels[1, column], COVERAGE_M, [cell.coverage().width_m for cell in cells]),
+            ):
+                known = [cell for cell in cells if cell in known_m]
+                panel.plot(
+                    [cell.frequency_khz for cell in known], [known_m[cell] for cell in known],
+                    "o", ms=11, mfc="none", c=colour, label=f"table, {water}",
+                )  # fmt: skip
+                panel.plot(FREQUENCIES_KHZ, formula_m, "-", c=colour, label=f"formula, {water}")
+            panels[0, column].plot(
+                FREQUENCIES_KHZ, [simulated[cell] for cell in cells], "x", c=colour, label=f"simulated, {water}"
+            )
+        panels[0, column].set(title=array, yscale="log")
+        panels[1, column].set(xlabel="frequency [kHz]", yscale="log")
+    panels[0, 0].set_ylabel("maximum depth [m]")
+    panels[1, 0].set_ylabel("widest swath [m]")
+    for panel in panels.flat:
+        panel.grid(alpha=0.3, which="both")
+    panels[0, 1].legend(fontsize=8)
+    figure.suptitle("Over flat rock, one receiver, cold water, values as packaged")
+    save_figure(figure, path)
+    plt.close(figure)
+
+
+def draw_detections(path: Path) -> None:
+    """Draw the detection rate of the packaged sonars straight down, over depth."""
+    figure, panel = plt.subplots(figsize=(8, 5), layout="constrained", dpi=120)
+    for khz in FREQUENCIES_KHZ:
+        cell = Cell(ARRAYS[0], khz, "ocean")
+        about_m = cell.depth_m()
+        depths_m = about_m * np.linspace(0.5, 1.3, 17)
+        panel.plot(depths_m, detection_rate(cell, depths_m.tolist()), label=f"{khz} kHz")
+        panel.axvline(about_m, c="k", lw=0.6, ls=":")
+    panel.set(xlabel="depth [m]", ylabel="detection rate", xscale="log", title=f"{ARRAYS[0]}, cold ocean, flat rock")
+    panel.grid(alpha=0.3, which="both")
+    panel.legend()
+    save_figure(figure, path)
+    plt.close(figure)
+
+
+def draw_smile(path: Path) -> None:
+    """Draw a flat bed under a gradient, sounded with the true profile and with a constant speed."""
+    ping, sonar = bent_ping()
+    even = _core.SoundSpeedProfile.even(sonar.profile.at(0.0))
+    figure, panel = plt.subplots(figsize=(8, 4), layout="constrained", dpi=120)
+    panel.axhline(-BED_M, c="k", lw=0.8, label="the bed")
+    for name, profile in (
+        ("sounded with the true profile", sonar.profile),
+        ("sounded with a constant speed", even),
+    ):
+        points = sound_points(ping, profile)
+        panel.plot(points[:, 1], points[:, 2], ".", ms=4, label=name)
+    panel.set(
+        xlabel="across [m]", ylabel="z [m]", title=f"A flat bed, sound speed falling by {-GRADIENT_1_S:g} m/s per metre"
+    )
+    panel.grid(alpha=0.3)
+    panel.legend()
+    save_figure(figure, path)
+    plt.close(figure)

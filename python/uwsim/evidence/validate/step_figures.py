@@ -1,0 +1,36 @@
+"""Figures of step responses: one panel for each step, with its rise, overshoot, settling and steady error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+from uwsim.evidence.validate.step_responses import SETTLED, StepResponse
+from uwsim.figures.style import save_figure
+
+COLUMNS = 3
+
+
+def draw_steps(responses: list[StepResponse], path: Path) -> None:
+    """Draw all steps of one vehicle."""
+    rows = -(-len(responses) // COLUMNS)
+    size = (4.0 * COLUMNS, 2.6 * rows)
+    figure, panels = plt.subplots(rows, COLUMNS, figsize=size, layout="constrained", dpi=120, squeeze=False)
+    for panel in panels.flat[len(responses) :]:
+        panel.set_axis_off()
+    for panel, response in zip(panels.flat, responses, strict=False):
+        step = response.step
+        panel.axhspan(step.size * (1 - SETTLED), step.size * (1 + SETTLED), color="0.85", label=f"within {SETTLED:.0%}")
+        panel.axhline(step.size, color="0.4", lw=0.8)
+        panel.plot(response.times_s, step.size * response.values, lw=1.6)
+        panel.set(title=step.name, xlabel="time [s]", ylabel=f"[{step.unit}]")
+        panel.grid(alpha=0.3)
+        figures = (
+            f"rise {response.rise_s:.1f} s\novershoot {response.overshoot:.1%}\n"
+            f"settling {response.settling_s:.1f} s\nsteady error {response.steady_error:.2%}"
+        )
+        panel.text(0.97, 0.08, figures, transform=panel.transAxes, ha="right", va="bottom", fontsize=8)
+    figure.suptitle(f"{responses[0].vehicle}: step responses")
+    save_figure(figure, path)
+    plt.close(figure)

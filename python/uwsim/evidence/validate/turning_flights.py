@@ -1,0 +1,63 @@
+"""Navigation of a vehicle that turns about all its axes: the filter's errors match its covariance.
+
+A BlueROV2 without control hardly rights itself, so small torques make it roll, pitch and tumble, even upside down: then
+its DVL sees no bottom, and depth, compass, USBL and the IMU continue. The measure is the NEES of estimation.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.estimation import ERRORS, PARTS, consistency_checks, errors, nees_of, start_navigation
+from uwsim.scenario import Scenario, load
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.simulator.simulator import Simulator
+
+Array = NDArray[np.float64]
+TURNS = {  # shares of the full torque about each body axis, smallest and largest, to either side
+    "rolling": ((0.03, 0.0, 0.0), (0.12, 0.01, 0.05)),
+    "pitching": ((0.0, 0.03, 0.0), (0.01, 0.12, 0.05)),
+    "tumbling": ((0.02, 0.02, 0.02), (0.08, 0.08, 0.1)),
+}
+PUSH = np.array([0.3, 0.3, 0.15])  # largest shares of the full forces
+LEGS, LEG_S, LEGS_PER_LOOK = 16, 2.5, 2
+
+
+def turning_vehicle() -> Scenario:
+    """Return the lake with a free BlueROV2, trimmed neutral."""
+    lake = load("lake")
+    plain = {key: getattr(lake, key) for key in type(lake).model_fields}
+    vehicle = {
+        "name": "rov",
+        "model": "bluerov2_heavy",
+        "trim": {"net_buoyancy_n": 0.0},
+        "start": {"position_m": [-30, -40, -12]},
+    }
+    return Scenario.model_validate({**plain, "vehicles": [vehicle]}, context={"folder": assets_folder() / "scenarios"})
+
+
+def turning_flight(sim: Simulator, seed: int, turn: str) -> Iterator[list[float]]:
+    """Fly about while turning; yield the NEES of all errors, and of each of PARTS, at intervals."""
+    navigator, draws = start_navigation(sim, seed)
+    least, most = np.array(TURNS[turn])
+    side = np.where(draws.random(3) < 0.5, -1.0, 1.0)
+    for leg in range(LEGS):
+        torque = side * draws.uniform(least, most)
+        sim.rov.set_effort(*(PUSH * draws.uniform(-1.0, 1.0, 3)), *torque)
+        sim.advance(LEG_S)
+        if leg % LEGS_PER_LOOK == LEGS_PER_LOOK - 1:
+            error, covariance = errors(sim, navigator), navigator.covariance
+            yield [nees_of(error, covariance, part) for part in (slice(0, ERRORS), *PARTS.values())]
+
+
+def turning_checks(seeds: int) -> list[Check]:
+    """Fly each of TURNS with all seeds; return the checks of NEES."""
+    sim, found = Simulator(turning_vehicle()), []
+    for turn in TURNS:
+        nees = np.array([list(turning_flight(sim, seed, turn)) for seed in range(seeds)])
+        found += consistency_checks(nees, turn)
+    return found

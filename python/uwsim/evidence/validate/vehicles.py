@@ -1,0 +1,184 @@
+"""The packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
+
+Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % is
+a miss. Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from uwsim.base.axes import AXES
+from uwsim.evidence.validate.check import Check, along, relative
+from uwsim.evidence.validate.flights import deep_water, fly, times
+from uwsim.evidence.validate.published import PUBLISHED
+from uwsim.evidence.validate.reference_solution import GRAVITY_M_S2, Array, Coefficients, Flight, integrate
+from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.spec.control import Control
+from uwsim.simulator.simulator import Simulator
+
+UNITS = ("m/s",) * 3 + ("rad/s",) * 3
+FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
+SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping matters
+DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
+PUSH_M_S2, PUSH_S = 0.01, 0.05  # weak and short, so that drag is less than 1e-4 of the force
+DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4, 1e-3, 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A manoeuvre, as flown and as published."""
+
+    vehicle: str
+    name: str
+    flown: Flight
+    published: Flight
+
+
+def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
+    """Return all checks of one packaged vehicle, and its curves. model: replaces it, to show that checks can miss."""
+    body = PUBLISHED[name]
+    used = model or load_vehicle(name)
+    sim = deep_water(_with_body_forces(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
+    fall = _free_fall(name, sim)
+    curves = [*_decays(name, sim), fall]
+    turn = _turning(name, used)
+    checks = [_decay_check(curve) for curve in curves]
+    return [_mass_check(name, used), *checks, *_terminal_check(fall), *_turning_checks(turn)], [*curves, turn]
+
+
+def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
+    """Return starting velocities along each axis: fast, and slow enough that linear damping equals the quadratic."""
+    starts = []
+    for axis, name in enumerate(AXES):
+        linear, quadratic = body.linear_damping[axis], body.quadratic_damping[axis]
+        starts.append((f"decay of {name}", FAST[axis] * np.eye(6)[axis]))
+        if linear > 0:
+            slow = min(max(linear / quadratic if quadratic else SLOW, SLOWEST), SLOW)
+            starts.append((f"slow decay of {name}", slow * np.eye(6)[axis]))
+    return starts
+
+
+@lru_cache(maxsize=128)
+def _published(name: str, start: tuple[float, ...], duration_s: float, wrench: tuple[float, ...]) -> Flight:
+    return integrate(PUBLISHED[name], start, times(duration_s), wrench)
+
+
+def _decays(name: str, sim: Simulator) -> list[Curve]:
+    return [
+        Curve(name, what, fly(sim, start, DECAY_S), _published(name, tuple(start), DECAY_S, (0.0,) * 6))
+        for what, start in decay_speeds(PUBLISHED[name])
+    ]
+
+
+def _free_fall(name: str, sim: Simulator) -> Curve:
+    """Return the motion from rest, level, under the weight in water."""
+    still = (0.0,) * 6
+    return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
+
+
+def _decay_check(curve: Curve) -> Check:
+    """Compare the largest error of the six velocities, relative to the reference's largest linear or angular speed."""
+    expected, got = curve.published.velocities, curve.flown.velocities
+    linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
+    angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
+    axis = _leading_axis(curve, np.array([linear] * 3 + [angular] * 3))
+    scale = linear if axis < 3 else angular
+    return along(
+        curve.vehicle,
+        f"{curve.name}: {AXES[axis]}",
+        expected[:, axis],
+        got[:, axis],
+        scale,
+        DECAY_TOLERANCE,
+        UNITS[axis],
+    )
+
+
+def _leading_axis(curve: Curve, scales: Array) -> int:
+    """Return the axis with the largest scaled error among those along which the manoeuvre moves."""
+    distance = np.abs(curve.flown.velocities - curve.published.velocities).max(axis=0) / scales
+    moves = np.abs(curve.published.velocities).max(axis=0) > 1e-5
+    return int(np.argmax(np.where(moves, distance, -1.0)))
+
+
+def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
+    """Return the vehicle with forces and torques along the body axes instead of thrusters and fins."""
+    return model.model_copy(
+        update={
+            "max_force_n": wrench[:3],
+            "max_torque_nm": wrench[3:],
+            "thrusters": {},
+            "fins": {},
+            "control": Control(),
+        }
+    )
+
+
+def _mass_check(name: str, model: VehicleModel) -> Check:
+    """Compare the mass: a known force over the acceleration that it causes, minus the published added mass.
+
+    A centre of mass below the force's line makes the body pitch and appear slightly lighter. A vehicle that is
+    trimmed neutral has no mass in its file: it follows from the volume and the water's density.
+    """
+    body = PUBLISHED[name]
+    force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
+    sim = deep_water(
+        _with_body_forces(model, (force_n, 0.0, 0.0, 0.0, 0.0, 0.0)), density_kg_m3=body.water_density_kg_m3
+    )
+    sim.rov.set_effort(surge=1.0)
+    reached = fly(sim, (0.0,) * 6, PUSH_S).velocities[-1, 0]
+    slowed_n = 0.5 * body.linear_damping[0] * reached  # mean over the push
+    moved_kg = (force_n - slowed_n) * PUSH_S / reached
+    pitched_kg = body.mass[0, 4] ** 2 / body.mass[4, 4]
+    mass_kg = float(moved_kg + pitched_kg - body.added_mass[0])
+    return relative(name, "mass", body.mass_kg, mass_kg, MASS_TOLERANCE, "kg")
+
+
+def _turning(name: str, model: VehicleModel) -> Curve:
+    """Return the curve of a turning circle from rest, under constant surge force and yaw torque."""
+    body = PUBLISHED[name]
+    surge = _steady_wrench(body, 0, 0.8)
+    yaw = _steady_wrench(body, 5, 0.3)
+    wrench = (surge, 0.0, 0.0, 0.0, 0.0, yaw)
+    sim = deep_water(_with_body_forces(model, wrench), density_kg_m3=body.water_density_kg_m3)
+    sim.rov.set_effort(surge=1.0, yaw=1.0)
+    still = (0.0,) * 6
+    return Curve(name, "turning circle", fly(sim, still, TURN_S), _published(name, still, TURN_S, wrench))
+
+
+def _turning_checks(curve: Curve) -> list[Check]:
+    """Compare the path, relative to the circle's diameter."""
+    expected = curve.published.positions_m
+    diameter = max(float(np.ptp(expected[:, 0])), float(np.ptp(expected[:, 1])))
+    return [
+        along(
+            curve.vehicle,
+            f"turning circle: {axis}",
+            expected[:, k],
+            curve.flown.positions_m[:, k],
+            diameter,
+            TURN_TOLERANCE,
+            "m",
+        )
+        for k, axis in enumerate(("x", "y"))
+    ]
+
+
+def _terminal_check(fall: Curve) -> list[Check]:
+    """Compare the speed of falling or rising at which damping equals the weight in water; no check if neutral."""
+    body = PUBLISHED[fall.vehicle]
+    weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2
+    if abs(weight_n) < 1e-3:
+        return []
+    linear, quadratic = body.linear_damping[2], body.quadratic_damping[2]
+    speed = (np.sqrt(linear**2 + 4 * quadratic * abs(weight_n)) - linear) / (2 * quadratic)
+    reached = float(fall.flown.velocities[-1, 2])
+    return [relative(fall.vehicle, "terminal speed", -np.sign(weight_n) * speed, reached, TERMINAL_TOLERANCE, "m/s")]
+
+
+def _steady_wrench(body: Coefficients, axis: int, speed: float) -> float:
+    return body.linear_damping[axis] * speed + body.quadratic_damping[axis] * speed * abs(speed)

@@ -1,0 +1,1 @@
+"""The vehicle's perception: sensors and their readings, sonars, cameras."""

@@ -1,0 +1,8 @@
+"""Cameras and lamps: pictures of the world at the present time, in the light that the water transmits."""
+
+from uwsim.instruments.cameras.camera import Camera
+from uwsim.instruments.cameras.effects import EFFECTS
+from uwsim.instruments.cameras.frame import CameraInfo, Frame
+from uwsim.instruments.cameras.lamp import Lamp
+
+__all__ = ["EFFECTS", "Camera", "CameraInfo", "Frame", "Lamp"]

@@ -1,0 +1,279 @@
+"""A camera, which captures pictures of the world at the present time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.arguments import number
+from uwsim.base.quaternions import about_y, about_z, heading_rad, product
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.cameras.effects import EFFECTS, effects_on
+from uwsim.instruments.cameras.frame import CameraInfo, Frame
+from uwsim.instruments.cameras.pan_tilt import PanTiltHead
+from uwsim.instruments.cameras.shared_scene import SharedScene, Snapshot
+from uwsim.scenario.build.camera import core_camera, intrinsic_matrix, mount_orientation_xyzw
+from uwsim.scenario.build.optics import core_optics
+from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
+
+Floats = NDArray[np.float64]
+CLEARANCE_M = 0.3  # above the ground, for a camera that follows a vehicle
+Carrier = int | tuple[Floats, Floats]
+"""The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
+
+
+@dataclass(eq=False)
+class _Lens:
+    """The native camera, built on first use: its table of rays takes time to compute."""
+
+    name: str
+    mount: CameraMount
+
+    @cached_property
+    def core(self) -> _core.Camera:
+        return core_camera(self.name, self.mount)
+
+
+class Camera(Sealed):
+    """A camera on a vehicle or on the station.
+
+    Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
+    time, and at one time it gives the same picture, whatever the number of threads. A camera's own vehicle is not in
+    its pictures, unless it follows the vehicle's heading. A camera with a motor pans and tilts by `aim`.
+    """
+
+    name: str
+    mount: CameraMount
+    info: CameraInfo
+
+    def __init__(
+        self,
+        name: str,
+        mount: CameraMount,
+        scene: SharedScene,
+        carrier: Carrier,
+        *,
+        owner: str | None = None,
+        key: str | None = None,
+    ) -> None:
+        """owner: its vehicle, None for the station; key: the camera's name there, by default `name`."""
+        self.name = name
+        self.mount = mount
+        self.info = _camera_info(name, mount)
+        self._scene = scene
+        self._carrier = carrier
+        self._owner, self._key = owner, key or name
+        self._orientation_xyzw = mount_orientation_xyzw(mount.yaw_pitch_roll_deg)
+        self._head = PanTiltHead(name, mount.pan_tilt) if mount.pan_tilt is not None else None
+        if self._head is not None:
+            scene.heads[name] = self._head
+        self._lens = _Lens(name, mount)
+
+    def __repr__(self) -> str:
+        return f"<Camera '{self.name}', {self.info.width} x {self.info.height} pixels>"
+
+    def change(self, mount: CameraMount) -> None:
+        """Replace the mount. Simulator.parameters calls this."""
+        if mount != self.mount:
+            self._refit(mount)
+
+    def capture(
+        self,
+        effects: str | Collection[str] = "on",
+        *,
+        without: Collection[str] = (),
+        geometry_only: bool = False,
+        radiance: bool = False,
+        measure: bool = False,
+        threads: int | None = None,
+        at: Snapshot | None = None,
+    ) -> Frame:
+        """Return a picture of the world as it is now, or as it was `at` a snapshot.
+
+        effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply; without:
+        names of effects to leave out. geometry_only: depth, normals, labels and classes only. radiance: include it.
+        measure: fill task_s. A camera that is off gives a black picture without any surface. Raises ValueError for
+        unknown effects and for a camera below the ground; a camera inside another solid shows that solid's inner side.
+        """
+        off = effects_on(without)
+        names = [name for name in effects_on(effects) if name not in off]
+        if not self.mount.on:
+            return self._dark_frame(at, with_colour=not geometry_only, with_radiance=radiance)
+        picture, time_ns, world_from_camera = self._render(
+            names, threads, at, geometry_only=geometry_only, keep_radiance=radiance, measure=measure
+        )
+        return Frame(
+            rgb=picture.rgb,
+            depth_m=picture.depth_m,
+            normals_world=picture.normals_world,
+            labels=picture.labels,
+            classes=picture.classes,
+            radiance=picture.radiance,
+            gain=picture.gain,
+            label_names=tuple(self._scene.core.label_names),
+            class_names=tuple(_core.surface_class_names()),
+            class_of_label=tuple(self._scene.core.classes_by_label),
+            info=self.info,
+            time_ns=time_ns,
+            world_from_camera=world_from_camera,
+            rays=dict(picture.rays),
+            task_s=dict(picture.task_s),
+        )
+
+    def _dark_frame(self, at: Snapshot | None, *, with_colour: bool, with_radiance: bool) -> Frame:
+        snapshot = at or self._scene.snapshot(with_lamps=False)
+        width, height = self.info.width, self.info.height
+        return Frame(
+            rgb=np.zeros((height if with_colour else 0, width, 3), np.uint8),
+            depth_m=np.full((height, width), np.inf, np.float32),
+            normals_world=np.zeros((height, width, 3), np.float32),
+            labels=np.zeros((height, width), np.uint16),
+            classes=np.zeros((height, width), np.uint8),
+            radiance=np.zeros((height if with_radiance else 0, width, 3), np.float32),
+            gain=1.0,
+            label_names=tuple(self._scene.core.label_names),
+            class_names=tuple(_core.surface_class_names()),
+            class_of_label=tuple(self._scene.core.classes_by_label),
+            info=self.info,
+            time_ns=snapshot.time_ns,
+            world_from_camera=self._pose(snapshot)[2],
+            rays={},
+            task_s={},
+        )
+
+    @property
+    def world_from_camera(self) -> Floats:
+        """The present pose of its frame, (4, 4): x ahead, y left, z up."""
+        return self._pose(self._scene.snapshot(with_lamps=False))[2]
+
+    @property
+    def pose(self) -> tuple[Floats, Floats]:
+        """The pose as position (3,) and orientation x, y, z, w (4,) in the world."""
+        return self._pose(self._scene.snapshot(with_lamps=False))[:2]
+
+    @property
+    def aim_rad(self) -> tuple[float, float]:
+        """The present pan, positive to port, and tilt, positive down; 0 without a motor."""
+        return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
+
+    def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
+        """Turn towards these angles at the motor's rate; None: that axis keeps its aim.
+
+        Raises ValueError, with nothing changed, for an angle beyond the motor's limits or a camera without a motor.
+        """
+        if self._head is None:
+            raise ValueError(f"camera '{self.name}': has no pan_tilt")
+        pan, tilt = (
+            None if value is None else number(value, f"camera '{self.name}': {axis}", "rad")
+            for axis, value in (("pan_rad", pan_rad), ("tilt_rad", tilt_rad))
+        )
+        self._head.aim(self._scene.time_ns, pan, tilt)
+        self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
+
+    def resized(self, width: int, height: int | None = None) -> Camera:
+        """Return this camera with another size in pixels; by default, the height keeps the aspect ratio.
+
+        It turns with this one and has the same horizontal field of view. Raises ValueError for sizes outside the limits
+        of a mount.
+        """
+        for name, pixels in (("width", width), ("height", height or 1)):
+            if not 1 <= pixels <= LARGEST_SIDE:
+                raise ValueError(f"camera '{self.name}': {name} = {pixels} pixels: must be in [1, {LARGEST_SIDE}]")
+        height = height or max(1, round(width * self.mount.height / self.mount.width))
+        mount = self.mount.model_copy(update={"width": width, "height": height})
+        other = copy(self)
+        other._refit(mount)
+        return other
+
+    def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
+        """Return X/Z and Y/Z of the ray through each pixel's centre in the optical frame, (H, W, 2) float32.
+
+        distort: as in pictures with the effect `distortion`. The bends of `wobble` are not included.
+        """
+        return self._lens.core.ray_table(distort)
+
+    def snapshot(self) -> Snapshot:
+        """Return the present state, for a `capture` later or on another thread."""
+        return self._scene.snapshot(with_lamps=True)
+
+    def later(self) -> Callable[[], Frame]:
+        """Store the present state; return a function that captures it at any later time, on any thread.
+
+        Unlike a snapshot, it also stores the camera's own parameters and the scene's.
+        """
+        kept, snapshot = copy(self), self.snapshot()
+        kept._scene = self._scene.kept()
+        return lambda: kept.capture(at=snapshot)
+
+    def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
+        """Return the packets of rays that a picture casts through the world, and their origin (3,), for benchmarks."""
+        picture, _, pose = self._render(list(EFFECTS), 1, None, geometry_only=geometry_only, record=True)
+        return picture.packets, pose[:3, 3]
+
+    def _render(
+        self, effects: list[str], threads: int | None, at: Snapshot | None, *, geometry_only: bool, **options: bool
+    ) -> tuple[_core.Picture, int, Floats]:
+        """Return the native picture, its time [ns] and world_from_camera (4, 4)."""
+        scene = self._scene
+        snapshot = at or scene.snapshot(with_lamps=not geometry_only)
+        position, orientation, world_from_camera = self._pose(snapshot)
+        picture = scene.core.render(
+            self._lens.core,
+            core_optics(snapshot.optics),
+            position,
+            orientation,
+            snapshot.time_ns * 1e-9,
+            snapshot.time_ns,
+            effects,
+            snapshot.lamps,
+            snapshot.positions_m,
+            snapshot.orientations_xyzw,
+            self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None,
+            geometry_only=geometry_only,
+            threads=scene.threads if threads is None else threads,
+            **options,
+        )
+        return picture, snapshot.time_ns, world_from_camera
+
+    def _refit(self, mount: CameraMount) -> None:
+        self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount)}
+        self._lens = _Lens(self.name, mount)
+
+    def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
+        """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""
+        carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self.mounting_xyzw(snapshot))
+        position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
+        if self.mount.follows == "heading":
+            position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
+        return position, orientation, world_from_camera
+
+    def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
+        """Return the rotation from its frame to its carrier's, (4,) x, y, z, w: at present, or at a snapshot."""
+        if self._head is None:
+            return self._orientation_xyzw
+        pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]
+        return product(self._orientation_xyzw, product(about_z(pan_tilt[0]), about_y(pan_tilt[1])))
+
+    def _carrier_pose(self, snapshot: Snapshot) -> tuple[Floats, Floats]:
+        if not isinstance(self._carrier, int):
+            return self._carrier
+        position, orientation = snapshot.positions_m[self._carrier], snapshot.orientations_xyzw[self._carrier]
+        return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
+
+
+def heading_xyzw(orientation_xyzw: Floats) -> Floats:
+    """Return the rotation about the vertical that turns east to the heading of a body's x axis, (4,) x, y, z, w."""
+    return about_z(heading_rad(orientation_xyzw))
+
+
+def _camera_info(name: str, mount: CameraMount) -> CameraInfo:
+    k = intrinsic_matrix(mount)
+    p = np.hstack([k, np.zeros((3, 1))])
+    d = np.array(mount.distortion)
+    return CameraInfo(f"{name}_optical", mount.width, mount.height, "plumb_bob", d, k, np.eye(3), p)

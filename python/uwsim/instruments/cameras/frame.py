@@ -1,0 +1,120 @@
+"""A frame: one captured picture, with depth, normals and labels from the same pass."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+from uwsim.instruments.cameras.image_file import check_suffix, encode_jpeg, encode_png, write_image
+
+Floats = NDArray[np.float64]
+
+MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+"""Rotation from the optical frame (x right, y down, z ahead) to the camera's (x ahead, y left, z up)."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraInfo:
+    """Intrinsics as in sensor_msgs/CameraInfo: d (5,) k1 k2 p1 p2 k3, k (3, 3), r (3, 3), p (3, 4); pixels.
+
+    frame: the name of the optical frame (x right, y down, z ahead).
+    """
+
+    frame: str
+    width: int
+    height: int
+    distortion_model: str
+    d: Floats
+    k: Floats
+    r: Floats
+    p: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Frame:
+    """One picture. All arrays are read-only and come from one pass.
+
+    rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a frame of geometry only. depth_m: (H, W) float32 along the optical axis,
+    inf if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 if
+    nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names;
+    class_of_label: of each label. Depth, normals, labels and classes describe the first solid on the straight ray
+    through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
+    radiance: (H, W, 3) float32 before exposure, if requested; in units in which the sun's irradiance outside the
+    atmosphere is 1. gain: the factor from radiance to exposed signal. rays: rays cast, by kind. task_s: processor
+    seconds by rendering task, if measured.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth_m: NDArray[np.float32]
+    normals_world: NDArray[np.float32]
+    labels: NDArray[np.uint16]
+    classes: NDArray[np.uint8]
+    radiance: NDArray[np.float32]
+    gain: float
+    label_names: tuple[str, ...]
+    class_names: tuple[str, ...]
+    class_of_label: tuple[int, ...]
+    info: CameraInfo
+    time_ns: int
+    world_from_camera: Floats
+    rays: dict[str, int]
+    task_s: dict[str, float]
+
+    @property
+    def world_from_optical(self) -> Floats:
+        """Pose of the optical frame, (4, 4): x right, y down, z ahead."""
+        pose = np.array(self.world_from_camera)
+        pose[:3, :3] = pose[:3, :3] @ MOUNT_FROM_OPTICAL
+        return pose
+
+    def jpeg(self, quality: int = 90) -> bytes:
+        """Return a JPEG file. Raises ValueError for a frame of geometry only or a quality outside [1, 100]."""
+        return encode_jpeg(self._rgb_or_error(), quality)
+
+    def png(self) -> bytes:
+        """Return a PNG file. Raises ValueError for a frame of geometry only."""
+        return encode_png(self._rgb_or_error())
+
+    def save(self, path: str | Path) -> None:
+        """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError."""
+        check_suffix("path", Path(path))
+        write_image(Path(path), self._rgb_or_error())
+
+    def save_npz(self, path: str | Path) -> None:
+        """Write all arrays, the time and the pose atomically, for np.load. Raises ValueError, OSError."""
+        target = Path(path)
+        if target.suffix != ".npz":
+            raise ValueError(f"path '{target}': must end in .npz")
+        content = io.BytesIO()
+        np.savez_compressed(content, **self._arrays())
+        write_atomically(target, content.getvalue())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all fields by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def _arrays(self) -> dict[str, Any]:
+        names = {"label_names": np.array(self.label_names), "class_names": np.array(self.class_names)}
+        skipped = ("info", "rays", "task_s", *names)
+        plain = {name: np.asarray(value) for name, value in self.to_dict().items() if name not in skipped}
+        return {**plain, **names, "k": self.info.k, "d": self.info.d}
+
+    def _repr_png_(self) -> bytes | None:
+        """Return the picture, for notebooks."""
+        return self.png() if len(self.rgb) else None
+
+    def __repr__(self) -> str:
+        height, width = self.depth_m.shape
+        colour = "" if len(self.rgb) else ", geometry only"
+        return f"Frame({width} x {height} pixels, {self.info.frame}, t = {self.time_ns * 1e-9:.3f} s{colour})"
+
+    def _rgb_or_error(self) -> NDArray[np.uint8]:
+        if not len(self.rgb):
+            raise ValueError("rgb: this frame holds geometry alone; capture without geometry_only")
+        return self.rgb

@@ -1,0 +1,44 @@
+"""PNG and JPEG files."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.atomic_file import write_atomically
+
+SUFFIXES = (".png", ".jpg", ".jpeg")
+
+
+def check_suffix(name: str, path: Path) -> None:
+    """Raise ValueError, with `name` for the path, unless it ends in .png, .jpg or .jpeg."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{name} = {path}: must end in .png, .jpg or .jpeg")
+
+
+def encode_png(rgb: NDArray[np.uint8], *, optimize: bool = False) -> bytes:
+    """Return a PNG file. rgb: (H, W, 3). optimize: takes longer, for a smaller file."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.fromarray(rgb).save(stream, "PNG", optimize=optimize)
+    return stream.getvalue()
+
+
+def encode_jpeg(rgb: NDArray[np.uint8], quality: int = 90) -> bytes:
+    """Return a JPEG file. rgb: (H, W, 3). Raises ValueError for a quality outside [1, 100]."""
+    import simplejpeg
+
+    if not 1 <= quality <= 100:
+        raise ValueError(f"quality = {quality}: must be in [1, 100]")
+    return bytes(simplejpeg.encode_jpeg(np.ascontiguousarray(rgb), quality=quality))
+
+
+def write_image(path: Path, rgb: NDArray[np.uint8], *, optimize: bool = False) -> None:
+    """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError."""
+    check_suffix("path", path)
+    is_png = path.suffix.lower() == ".png"
+    write_atomically(path, encode_png(rgb, optimize=optimize) if is_png else encode_jpeg(rgb))

@@ -1,0 +1,65 @@
+"""Lamps, which light the scene for all cameras."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.journal import Journal
+from uwsim.base.sealed import Sealed
+from uwsim.scenario.build.camera import core_lamp, mount_orientation_xyzw
+from uwsim.scenario.spec.camera import Lamps
+
+Floats = NDArray[np.float64]
+
+
+class Lamp(Sealed):
+    """The lamps on one switch, such as rov.lamps["front"]. Their light is in every camera's pictures."""
+
+    name: str
+    spec: Lamps
+
+    def __init__(self, name: str, spec: Lamps) -> None:
+        self.name = name
+        self.spec = spec
+        self._on = spec.on
+        self._journal: Journal | None = None
+        self._vehicle = ""
+        self._orientations_xyzw = [mount_orientation_xyzw(spot.yaw_pitch_roll_deg) for spot in spec.spots]
+
+    def __repr__(self) -> str:
+        return f"<Lamp '{self.name}', {'on' if self.on else 'off'}>"
+
+    def change(self, spec: Lamps) -> None:
+        """Replace the lamps' parameters. Simulator.parameters calls this."""
+        self.__dict__["spec"] = spec
+
+    @property
+    def on(self) -> bool:
+        """Whether they are on; off at the start, unless the vehicle's file sets `on`."""
+        return self._on
+
+    @on.setter
+    def on(self, value: bool) -> None:
+        if not isinstance(value, bool | np.bool_):
+            raise ValueError(f"lamp '{self.name}': on = {value!r}: must be True or False")
+        self._on = bool(value)
+        if self._journal is not None and self._journal.observers:
+            self._journal.note("set_lamp", vehicle=self._vehicle, lamp=self.name, on=self._on)
+
+    def set_silently(self, on: bool) -> None:
+        """Switch them without a journal entry, as part of another command such as a reset."""
+        self._on = on
+
+    def report_to(self, journal: Journal, vehicle: str) -> None:
+        """Log in a journal when they are switched."""
+        self._journal, self._vehicle = journal, vehicle
+
+    def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
+        """Return each lamp for the renderer, given the pose of its vehicle."""
+        lights = []
+        for spot, turn in zip(self.spec.spots, self._orientations_xyzw, strict=True):
+            position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)
+            lights.append(core_lamp(self.spec, position, orientation))
+        return lights

@@ -1,0 +1,58 @@
+"""The motor that pans and tilts a camera: each axis turns towards its aim at a finite rate of simulated time."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pydantic import FiniteFloat
+
+from uwsim.base.saved_state import Nanoseconds
+from uwsim.scenario.spec.camera import PanTilt
+
+MOTORS = ("pan", "tilt")
+Angles = tuple[FiniteFloat, FiniteFloat]
+Motion = tuple[Nanoseconds, Angles, Angles]
+"""A time, where the axes were then, and where they turn to."""
+TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
+
+
+class PanTiltHead:
+    """A motor's state: the angles of its axes at some time, and their targets."""
+
+    def __init__(self, camera: str, spec: PanTilt) -> None:
+        self._camera = camera
+        self._limits_rad = [tuple(map(math.radians, limits)) for limits in (spec.pan_limits_deg, spec.tilt_limits_deg)]
+        self._rate_rad_s = math.radians(spec.rate_deg_s)
+        self._motion: Motion = 0, (0.0, 0.0), (0.0, 0.0)
+
+    def restart(self) -> None:
+        """Point along the mount."""
+        self._motion = 0, (0.0, 0.0), (0.0, 0.0)
+
+    def angles_rad(self, time_ns: int) -> Angles:
+        """Return pan, positive to port, and tilt, positive down."""
+        since_ns, start, aim = self._motion
+        reach = self._rate_rad_s * max(time_ns - since_ns, 0) * 1e-9
+        pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
+        return pan, tilt
+
+    def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
+        """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, with nothing changed."""
+        given = (pan_rad, tilt_rad)
+        for axis, value, (low, high) in zip(MOTORS, given, self._limits_rad, strict=True):
+            if value is not None and not low - TOLERANCE_RAD <= value <= high + TOLERANCE_RAD:
+                raise ValueError(
+                    f"camera '{self._camera}': {axis}_rad = {value:g} rad: must be in [{low:.4g}, {high:.4g}] rad"
+                )
+        pan, tilt = (old if new is None else new for old, new in zip(self._motion[2], given, strict=True))
+        self._motion = time_ns, self.angles_rad(time_ns), (pan, tilt)
+
+    def save(self) -> list[Any]:
+        """Return the state as JSON values."""
+        since_ns, start, aim = self._motion
+        return [since_ns, list(start), list(aim)]
+
+    def restore(self, motion: Motion) -> None:
+        """Continue from what `save` returned."""
+        self._motion = motion

@@ -1,0 +1,141 @@
+"""The state that all cameras of a simulator share: the scene, its light, and the present poses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.journal import Journal
+from uwsim.instruments.cameras.lamp import Lamp
+from uwsim.instruments.cameras.pan_tilt import PanTiltHead
+from uwsim.scenario import Scenario, vehicle_hull
+from uwsim.scenario.build.camera_scene import camera_scene
+from uwsim.scenario.spec.optics import Optics
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The moving parts at one time: positions (n, 3) and orientations (n, 4) of all vehicles, lamps that are on, light.
+
+    aims_rad: pan and tilt of cameras with a motor, by name.
+    """
+
+    time_ns: int
+    positions_m: Floats
+    orientations_xyzw: Floats
+    lamps: list[_core.SpotLamp]
+    optics: Optics
+    aims_rad: Mapping[str, tuple[float, float]]
+
+
+@dataclass(eq=False)
+class _Native:
+    """The native scene, built when the first picture is taken."""
+
+    scenario: Scenario
+    world: _core.World
+    rays: _core.RayScene
+
+    @cached_property
+    def core(self) -> _core.CameraScene:
+        return camera_scene(self.scenario, self.world, self.rays)
+
+
+class SharedScene:
+    """The scene of a simulator's cameras.
+
+    optics: the water, sun and wind; may be replaced. lamps: each vehicle's, by the name of the switch.
+    heads: the motors of cameras that turn, by the camera's name.
+    The native scene is built for the first picture, so that simulators without pictures do not pay for it.
+    """
+
+    def __init__(
+        self, scenario: Scenario, world: _core.World, rays: _core.RayScene, simulation: _core.Simulation, threads: int,
+        journal: Journal,
+    ) -> None:  # fmt: skip
+        self.journal = journal
+        self.optics: Optics = scenario.optics
+        self.threads = threads
+        self.lamps: list[dict[str, Lamp]] = [
+            {name: Lamp(name, spec) for name, spec in vehicle.model.lamps.items()} for vehicle in scenario.vehicles
+        ]
+        self.heads: dict[str, PanTiltHead] = {}
+        self._scenario = scenario
+        self._world = world
+        self._rays = rays
+        self._simulation = simulation
+        self._native = _Native(scenario, world, rays)
+
+    @property
+    def core(self) -> _core.CameraScene:
+        """The native scene: the world with its materials, and the vehicles' hulls. Raises ScenarioError."""
+        return self._native.core
+
+    def kept(self) -> SharedScene:
+        """Return a scene that keeps the present materials, hulls and water, whatever changes later."""
+        return copy(self)
+
+    def restart(self, scenario: Scenario) -> None:
+        """Restart with a scenario that differs from the first only in its seed: its own lamps and light."""
+        if scenario.seed != self._scenario.seed:
+            self._native = _Native(scenario, self._world, self._rays)
+        self._scenario = scenario
+        self.optics = scenario.optics
+        for switches in self.lamps:
+            for lamp in switches.values():
+                lamp.set_silently(lamp.spec.on)
+        for head in self.heads.values():
+            head.restart()
+
+    def change(self, scenario: Scenario) -> None:
+        """Apply a scenario that differs only in parameters."""
+        before = self._scenario
+        hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
+        same_hulls = all(
+            np.array_equal(hull, vehicle_hull(old.model)[0]) for hull, old in zip(hulls, before.vehicles, strict=True)
+        )
+        if scenario.water != before.water or not same_hulls:
+            self._native = _Native(scenario, self._world, self._rays)
+        self._scenario = scenario
+        self.optics = scenario.optics
+        for switches, vehicle in zip(self.lamps, scenario.vehicles, strict=True):
+            for name, lamp in switches.items():
+                lamp.change(vehicle.model.lamps[name])
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start."""
+        return self._simulation.time_ns
+
+    def ground_m(self, position_m: Floats) -> float:
+        """Return the height of the terrain below or above a position (3,), -inf outside it."""
+        height = float(self._world.height_at(position_m[None, :2])[0])
+        return height if np.isfinite(height) else -np.inf
+
+    def snapshot(self, *, with_lamps: bool) -> Snapshot:
+        """Return the present state, consistent even if other threads step the simulation meanwhile."""
+        while True:
+            version = self._simulation.version
+            states = [self._simulation.state(k) for k in range(len(self.lamps))]
+            time_ns = self._simulation.time_ns
+            if self._simulation.version == version:
+                break
+        positions = np.array([state.position_world_m for state in states])
+        orientations = np.array([state.orientation_xyzw for state in states])
+        lamps = [
+            light
+            for position, orientation, switches in zip(positions, orientations, self.lamps, strict=True)
+            for lamp in switches.values()
+            if with_lamps and lamp.on
+            for light in lamp.lights(position, orientation)
+        ]
+        aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
+        return Snapshot(time_ns, positions, orientations, lamps, self.optics, aims)

@@ -1,0 +1,211 @@
+"""A vehicle's sensors."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast, overload
+
+from uwsim import _core
+from uwsim.base.named import Named
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.distortion import Distortion
+from uwsim.instruments.readings import (
+    READINGS,
+    AccelerationReading,
+    DvlReading,
+    ImuReading,
+    UsblReading,
+    VelocityReading,
+)
+from uwsim.instruments.sample_stream import SampleSource, SampleStream
+
+R = TypeVar("R")
+"""A sensor's reading: a float in its unit, or one of the classes of uwsim.instruments.readings."""
+
+
+ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity", "compass", "contact"]
+
+
+@dataclass(frozen=True, eq=False)
+class Sample(Generic[R]):
+    """A sensor's value, as from `Sensor.read`, with the simulated time of its measurement and whether it is valid."""
+
+    value: R
+    stamp_ns: int
+    valid: bool
+
+    @property
+    def stamp_s(self) -> float:
+        """Time of the measurement, seconds."""
+        return self.stamp_ns * 1e-9
+
+
+class Sensor(Sealed, Generic[R]):
+    """A sensor whose noise comes from a seeded random stream of its own.
+
+    Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
+
+    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether it is powered; see
+    Simulator.parameters. period_s: between samples. spec: its mounting, parameters and errors. Axes: x forward, y left,
+    z up, unless the vehicle's YAML file rotates the sensor.
+
+    - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
+    - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
+    - acceleration: linear_acceleration_m_s2 (3,) without gravity, angular_acceleration_rad_s2 (3,)
+    - depth [m], from pressure with a nominal density; pressure [Pa, absolute]; temperature [deg C]
+    - altitude [m, inf out of range]; proximity [m, the maximum range if nothing is nearer]
+    - dvl: velocity_m_s (3,), beam_ranges_m (4,) (inf: lost), beam_velocities_m_s (4,), bottom_lock (1 or 0)
+    - usbl: position_m (3,) from the station along east, north and up, range_m, azimuth_rad (from east to north),
+      elevation_rad (up is positive)
+    - compass [rad, clockwise from magnetic north, in [0, 2 pi)]; contact: 1 while in contact, else 0
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    rate_hz: float | None
+    latency_s: float
+    period_s: float
+    spec: _core.SensorSpec
+    on: bool
+
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        vehicle: int,
+        index: int,
+        spec: _core.SensorSpec,
+        step_s: float,
+        on: bool = True,
+    ) -> None:
+        self._step_s = step_s
+        self._source = SampleSource(
+            lambda: self._told(*simulation.take_samples(vehicle, index)),
+            lambda from_ns: simulation.watch_sensor(vehicle, index, from_ns),
+        )
+        self._simulation = simulation
+        self._vehicle = vehicle
+        self._index = index
+        kind = _core.sensor_kind(spec.kind)
+        self._reading = READINGS.get(kind.name)
+        self._scalar = next(iter(kind.fields)) if self._reading is None else None
+        self._fields = kind.fields
+        self._units = {field: unit for field, (_, unit) in kind.fields.items()}
+        self.name = spec.name
+        self.kind = kind.name
+        self.meaning = kind.meaning
+        self._distortion: Distortion | None = None
+        self.change(spec, on)
+
+    @property
+    def distortion(self) -> Distortion | None:
+        """The distortion that a fault applies to the readings, or None; see Simulator.faults."""
+        return self._distortion
+
+    def distort(self, distortion: Distortion | None) -> None:
+        """Distort readings from now on; None ends it. Faults call this. Raises ValueError if it does not fit."""
+        if distortion is not None:
+            distortion.check(self._fields)
+        self._source.settle()
+        self._distortion = distortion
+
+    def stick(self) -> None:
+        """Repeat the present reading from now on. Faults call this."""
+        self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
+
+    def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
+        """Return samples as reported now: distorted by a fault, or invalid while the sensor is off."""
+        if self._distortion is not None:
+            readings = self._distortion.of_rows(readings, self._fields)
+        return stamps_ns, arrivals_ns, readings, valid & self.on
+
+    def change(self, spec: _core.SensorSpec, on: bool) -> None:
+        """Replace the sensor's errors and timing. Simulator.parameters calls this."""
+        if on != self.__dict__.get("on", on):
+            self._source.settle()
+        period_s = max(1.0 / spec.rate_hz, self._step_s) if spec.rate_hz else self._step_s
+        self.__dict__ |= {
+            "rate_hz": spec.rate_hz or None, "latency_s": spec.latency_s, "period_s": period_s, "spec": spec, "on": on,
+        }  # fmt: skip
+
+    @property
+    def unit(self) -> str | dict[str, str]:
+        """The unit of the value, such as "m"; for several quantities, a dict such as {"velocity_m_s": "m/s"}."""
+        return self._units if self._scalar is None else self._units[self._scalar]
+
+    def read(self, *, noise: bool = True) -> R:
+        """Return the newest sample that has arrived: a float in `unit`, or several values (`readings.py`).
+
+        Between samples the last one is returned, and dropped samples are skipped; before the first one arrives, the
+        present value is measured. `sample` distinguishes these cases. noise=False returns the present true value,
+        without errors, rate, latency or drop-outs. A sensor that is off reads NaN.
+        """
+        return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
+
+    def sample(self, *, noise: bool = True) -> Sample[R]:
+        """Return the value of `read` with its time and validity.
+
+        Not valid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
+        sample was dropped, none has arrived yet, or the sensor is off.
+        """
+        reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
+        return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
+
+    def stream(self, from_ns: int | None = None) -> SampleStream:
+        """Return a stream of the sensor's future samples: each once, in the order of arrival, without dropped ones.
+
+        from_ns: the earliest measurement time; later than now by default. Samples are kept until they are taken, so
+        take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that is off
+        are invalid.
+        """
+        return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
+
+    def end_streams(self) -> None:
+        """End all streams, because time goes back. Simulator calls this."""
+        self._source.close()
+
+    @property
+    def averaging_s(self) -> float:
+        """The time before a sample over which its accelerations are averaged: the simulator's step, seconds."""
+        return self._step_s
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time, nanoseconds."""
+        return self._simulation.time_ns
+
+    def _value(self, reading: _core.SensorReading, noise: bool) -> R:
+        values = reading.values if self.on else {field: value * math.nan for field, value in reading.values.items()}
+        if noise and self._distortion is not None and self.on:
+            values = self._distortion.of(values)
+        if self._reading is not None:
+            return cast(R, self._reading(**values))
+        assert self._scalar is not None
+        return cast(R, float(values[self._scalar]))
+
+    def __repr__(self) -> str:
+        rate = f"{self.rate_hz:g} Hz" if self.rate_hz else "read at any time"
+        return f"<Sensor '{self.name}' ({self.kind}, {rate}{'' if self.on else ', off'}): {self.meaning}>"
+
+
+class Sensors(Named[Sensor[Any]]):
+    """A vehicle's sensors by name. A sensor named after a kind is of that kind, which gives its readings' type."""
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, name: Literal["imu"], /) -> Sensor[ImuReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["velocity"], /) -> Sensor[VelocityReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["acceleration"], /) -> Sensor[AccelerationReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["dvl"], /) -> Sensor[DvlReading]: ...
+        @overload
+        def __getitem__(self, name: Literal["usbl"], /) -> Sensor[UsblReading]: ...
+        @overload
+        def __getitem__(self, name: ScalarKind, /) -> Sensor[float]: ...
+        @overload
+        def __getitem__(self, name: str, /) -> Sensor[Any]: ...
+        def __getitem__(self, name: str, /) -> Sensor[Any]: ...

@@ -1,0 +1,176 @@
+"""The base of all imaging sonars: acoustic parameters, the place where they ping, and the native instrument."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+
+Levels = NDArray[np.float32]
+Labels = NDArray[np.uint16]
+
+TERRAIN_LABEL = 1
+ACCEPTED: dict[str, Any] = {
+    "number": int | float | np.integer | np.floating,
+    "whole number": int | np.integer,
+    "flag": bool | np.bool_ | int | np.integer,
+}
+"""Python types of a parameter, by _core.Parameter.type."""
+
+
+class Place(Protocol):
+    """The part of a simulator that an imaging sonar needs."""
+
+    @property
+    def scene(self) -> _core.RayScene:
+        """The surfaces that return echoes."""
+
+    @property
+    def world(self) -> _core.World:
+        """The world with the water in which the sound travels."""
+
+    @property
+    def strengths_db(self) -> Mapping[str, float]:
+        """Lambert strengths of the surfaces' materials: those of World.label_names, then of the vehicles in `scene`."""
+
+    @property
+    def seed(self) -> int:
+        """The seed of the speckle."""
+
+    @property
+    def threads(self) -> int:
+        """The number of threads to use; results do not depend on it."""
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acoustics:
+    """Acoustic parameters of every imaging sonar. Levels are in dB re 1 uPa.
+
+    source_level_db: at 1 m. noise_level_db: in the receiver's band, after beam forming. Surfaces scatter like the
+    scenario's materials unless values here override them (Lambert's strength, per square metre at normal incidence):
+    bottom_strength_db for the terrain, solid_strength_db for all solids, strengths_db for single surfaces by
+    Simulator.label_names. range_max_m is divided into range_bins, each one resolution cell. The time-varied gain is
+    gain_db_decade log10 R + 2 alpha R, with the absorption alpha of the water at the head (Francois and Garrison);
+    time_varied_gain False leaves levels as received. looks: independent looks averaged in a cell; 1 is full speckle
+    (Rayleigh amplitude), 0 none.
+    """
+
+    kind: ClassVar[str] = ""
+    """The name of the kind in _core.imaging_kinds() and in YAML."""
+
+    frequency_hz: float
+    source_level_db: float
+    noise_level_db: float
+    range_max_m: float
+    range_bins: int
+    bottom_strength_db: float | None = None
+    solid_strength_db: float | None = None
+    strengths_db: Mapping[str, float] = field(default_factory=dict)
+    time_varied_gain: bool = True
+    # 30 for spreading over a cell that grows with range, plus 20 for Lambert's law, under which the strength of a level
+    # bottom decreases as (height / range)^2: together they make a flat bottom appear uniform.
+    gain_db_decade: float = 50.0
+    looks: int = 1
+
+    @property
+    def bin_m(self) -> float:
+        """Width of a range bin."""
+        return self.range_max_m / self.range_bins
+
+    @property
+    def bin_centres_m(self) -> NDArray[np.float64]:
+        """Centres of the range bins, (bins,) float64."""
+        return np.asarray((np.arange(self.range_bins) + 0.5) * self.bin_m, np.float64)
+
+
+@dataclass(frozen=True)
+class ImagingKind:
+    """A kind of imaging sonar.
+
+    model: its parameters, by default those of a typical instrument. ping: called as ping(sim, world_from_sonar, model,
+    name, *arguments); pings once from a vehicle at the present time and returns the kind's result.
+    """
+
+    model: type[Acoustics]
+    ping: Callable[..., Any]
+
+
+def check(model: Acoustics, sim: Place | None = None) -> None:
+    """Raise ValueError, which names the parameter, for an invalid model; strengths_db are checked only with a sim."""
+    instrument(sim, model)
+
+
+def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = Acoustics) -> _core.ImagingSonar:
+    """Return the native instrument. Raises ValueError, which names the parameter."""
+    if not isinstance(model, expected) or not model.kind:
+        raise ValueError(
+            f"model is a {type(model).__name__}: must be a {expected.__name__} of uwsim.instruments.sonars.imaging"
+        )
+    if not isinstance(model.strengths_db, Mapping):
+        raise ValueError(f"sonar.strengths_db = {model.strengths_db!r}: must be dB by name")
+    given = {entry.name: getattr(model, entry.name) for entry in fields(model) if entry.name != "strengths_db"}
+    parameters = _core.imaging_kind(model.kind).parameters
+    figures = {
+        name: _number(name, value, parameters[name].type)
+        for name, value in given.items()
+        if value is not None or np.isnan(parameters[name].by_default)  # others have a default
+    }
+    strengths_db = [] if sim is None else _strengths_by_label(sim, model)
+    return _core.ImagingSonar(model.kind, figures, strengths_db)
+
+
+def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:
+    """Return the mean noise power as a level, with the gain of each range, (bins,)."""
+    gain_db = np.zeros(model.range_bins)
+    if model.time_varied_gain:
+        absorption_db_m = core.absorption_db_m(sim.world.water, head_z_m)
+        gain_db = model.gain_db_decade * np.log10(model.bin_centres_m) + 2.0 * absorption_db_m * model.bin_centres_m
+    return (model.noise_level_db + gain_db).astype(np.float32)
+
+
+def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | None:
+    """Return the labels of each cell among a ping's arrays, if they were requested."""
+    return arrays[name].astype(np.uint16) if name in arrays else None
+
+
+def whole_number(value: int, name: str) -> int:
+    """Return a ping's number. Raises ValueError unless it is a whole number and not negative."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
+        raise ValueError(f"{name} = {value!r}: must be a whole number, not negative")
+    return int(value)
+
+
+def _number(name: str, value: Any, type_name: str) -> float:
+    """Return a parameter in the core's type; the core checks its range. Raises ValueError for another type."""
+    fits = isinstance(value, ACCEPTED[type_name]) and (type_name == "flag" or not isinstance(value, bool))
+    if not fits:
+        raise ValueError(f"sonar.{name} = {value!r}: must be a {type_name}")
+    return float(value)
+
+
+def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
+    """Return each surface's strength: the model's for it, else the model's for its class, else its material's."""
+    given_db, material_db = model.strengths_db, sim.strengths_db
+    fixed = sim.world.label_names
+    names = [*fixed, *(name for name in material_db if name not in fixed)]  # then the vehicles
+    unknown = sorted(set(given_db) - set(names[1:]))
+    if unknown:
+        raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")
+    for name, value in given_db.items():
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or np.isnan(value):
+            raise ValueError(f"sonar.strengths_db['{name}'] = {value!r} dB: must be a number")
+    strengths_db = []
+    for label, name in enumerate(names):
+        own_db = model.bottom_strength_db if label <= TERRAIN_LABEL else model.solid_strength_db
+        usual_db = own_db if own_db is not None else material_db.get(name, np.nan)
+        strengths_db.append(float(given_db.get(name, usual_db)))
+    return strengths_db

@@ -1,0 +1,96 @@
+"""The forward-looking sonar: one broad transmission, many narrow beams side by side; see forward_looking.cpp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim.instruments.sonars.imaging.acoustics import (
+    Acoustics,
+    ImagingKind,
+    Labels,
+    Levels,
+    Place,
+    instrument,
+    labels_of,
+    noise_db,
+    whole_number,
+)
+from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForwardLooking(Acoustics):
+    """A forward-looking imaging sonar. The defaults resemble the Oculus M750d in its low-frequency mode.
+
+    [OM] Blueprint Subsea, Oculus M-series user manual: 130 deg across, 20 deg vertical; [VR] VideoRay's training page
+    on that sonar: 512 beams. Values without a source are assumed.
+    """
+
+    kind: ClassVar[str] = "forward_looking"
+
+    frequency_hz: float = 750e3  # from its name
+    source_level_db: float = 205.0
+    # Thermal noise -15 + 20 log10 f[kHz] (Mellen 1952) + 10 log10 of 19 kHz, less an assumed directivity of 30 dB.
+    noise_level_db: float = 55.0
+    range_max_m: float = 40.0
+    range_bins: int = 1000
+    beams: int = 512  # [VR]
+    field_of_view_rad: float = float(np.radians(130.0))  # [OM]
+    beam_width_rad: float = float(np.radians(1.0))
+    vertical_width_rad: float = float(np.radians(20.0))  # [OM], taken as two-way
+    taper: float = 0.25  # shading of the receiving array: side lobes at about -22 dB
+    columns_per_beam: int = 2
+    rays_per_column: int = 384
+
+
+@dataclass(frozen=True, eq=False)
+class SonarImage:
+    """A forward-looking sonar's picture.
+
+    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
+    ranges_m (bins,), bearings_rad (beams,) float64: the centres of the cells; bearings about the sonar's z axis, rising
+    from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the surface, by
+    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
+    """
+
+    level_db: Levels
+    noise_db: Levels
+    ranges_m: NDArray[np.float64]
+    bearings_rad: NDArray[np.float64]
+    world_from_sonar: Matrix
+    model: ForwardLooking
+    labels: Labels | None = None
+
+
+def look_ahead(
+    sim: Place, world_from_sonar: ArrayLike, model: ForwardLooking | None = None, *, name: str = "forward_looking",
+    number: int | None = None, with_labels: bool = False,
+) -> SonarImage:  # fmt: skip
+    """Return one picture of a forward-looking sonar. Raises ValueError.
+
+    name: of its random stream. number: of the picture, which selects its speckle; by default simulated time in
+    nanoseconds. with_labels: include the surface that each cell shows.
+    """
+    model = model or ForwardLooking()
+    pose = checked_pose(world_from_sonar)
+    core = instrument(sim, model, ForwardLooking)
+    first_ping = sim.time_ns if number is None else whole_number(number, "number")
+    arrays = core.ping(sim.scene, sim.world.water, *split_poses(pose[None]), sim.seed, name, first_ping, sim.threads,
+                       with_labels=with_labels)  # fmt: skip
+    half = model.field_of_view_rad / 2
+    bearings = np.linspace(-half, half, model.beams) if model.beams > 1 else np.array([-half])
+    noise = noise_db(model, core, sim, float(pose[2, 3]))
+    return SonarImage(arrays["level_db"], noise, model.bin_centres_m, bearings, pose, model, labels_of(arrays))
+
+
+def _ping(
+    sim: Place, world_from_sonar: Matrix, model: ForwardLooking, name: str, with_labels: bool = False
+) -> SonarImage:
+    return look_ahead(sim, world_from_sonar, model, name=name, with_labels=with_labels)
+
+
+KIND = ImagingKind(ForwardLooking, _ping)

@@ -1,0 +1,102 @@
+"""The profiling sonar: one pencil beam that a motor steps about the head's z axis; see single_beam.cpp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uwsim.instruments.sonars.imaging.acoustics import (
+    Acoustics,
+    ImagingKind,
+    Labels,
+    Levels,
+    Place,
+    instrument,
+    labels_of,
+    noise_db,
+    whole_number,
+)
+from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
+
+
+@dataclass(frozen=True, kw_only=True)
+class SingleBeam(Acoustics):
+    """A profiling sonar with one pencil beam. The defaults resemble the Imagenex 881L.
+
+    [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is round here; the 881L's is a fan of 1.8 x 20
+    deg. Values without a source are assumed. detection_db: an echo whose peak is less than this above the noise is
+    discarded.
+    """
+
+    kind: ClassVar[str] = "single_beam"
+
+    frequency_hz: float = 675e3  # [IM]
+    source_level_db: float = 205.0
+    noise_level_db: float = 55.0  # as for ForwardLooking, with 75 kHz and a directivity of 35 dB
+    range_max_m: float = 20.0
+    range_bins: int = 2000  # [IM]
+    gain_db_decade: float = 20.0  # a round beam's footprint grows with the square of range
+    beam_width_rad: float = float(np.radians(1.8))  # [IM]
+    rays_across: int = 17
+    detection_db: float = 15.0
+
+
+@dataclass(frozen=True, eq=False)
+class Profiles:
+    """A single beam's pings, one per angle.
+
+    level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, the mean level of noise alone.
+    ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,) float64 about the sonar's z axis, positive to port.
+    bin_centres_m (bins,) float64. world_from_sonar (4, 4). labels: (angles, bins) uint16, if requested: the surface, by
+    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
+    """
+
+    level_db: Levels
+    noise_db: Levels
+    ranges_m: NDArray[np.float32]
+    angles_rad: NDArray[np.float64]
+    bin_centres_m: NDArray[np.float64]
+    world_from_sonar: Matrix
+    model: SingleBeam
+    labels: Labels | None = None
+
+    @property
+    def points_world_m(self) -> NDArray[np.float64]:
+        """Echoes, (angles, 3) float64: the range along the beam's axis; NaN without an echo."""
+        ranges = np.where(np.isfinite(self.ranges_m), self.ranges_m, np.nan).astype(np.float64)
+        flat = np.stack([np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(ranges))], axis=1)
+        return np.asarray((flat * ranges[:, None]) @ self.world_from_sonar[:3, :3].T + self.world_from_sonar[:3, 3])
+
+
+def profile(
+    sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: SingleBeam | None = None, *,
+    name: str = "single_beam", first_ping: int = 0, with_labels: bool = False,
+) -> Profiles:  # fmt: skip
+    """Ping once at each angle (n,) about the sonar's z axis, from its x axis, positive to port. Raises ValueError.
+
+    name: of its random stream. Ping k has the number first_ping + k. with_labels: include the surface that each
+    cell shows.
+    """
+    model = model or SingleBeam()
+    pose = checked_pose(world_from_sonar)
+    angles = np.atleast_1d(np.asarray(angles_rad, np.float64))
+    core = instrument(sim, model, SingleBeam)
+    arrays = core.ping(
+        sim.scene, sim.world.water, *split_poses(pose[None]), sim.seed, name, whole_number(first_ping, "first_ping"),
+        sim.threads, angles, with_labels,
+    )  # fmt: skip
+    noise = noise_db(model, core, sim, float(pose[2, 3]))
+    ranges, bins = arrays["ranges_m"], model.bin_centres_m
+    return Profiles(arrays["level_db"], noise, ranges, angles, bins, pose, model, labels_of(arrays))
+
+
+def _ping(
+    sim: Place, world_from_sonar: Matrix, model: SingleBeam, name: str, angles_rad: ArrayLike, with_labels: bool = False
+) -> Profiles:
+    return profile(sim, world_from_sonar, angles_rad, model, name=name, first_ping=sim.time_ns, with_labels=with_labels)
+
+
+KIND = ImagingKind(SingleBeam, _ping)

@@ -1,0 +1,121 @@
+"""A vehicle's imaging sonars, as its YAML file describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, cast
+
+from numpy.typing import ArrayLike
+
+from uwsim import _core
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.sonars import imaging
+from uwsim.instruments.sonars.imaging import (
+    Acoustics,
+    ForwardLooking,
+    Matrix,
+    Profiles,
+    SideScan,
+    SingleBeam,
+    SonarImage,
+    Waterfall,
+)
+from uwsim.instruments.sonars.surroundings import Surroundings
+from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+
+
+class Fleet(imaging.Place, Protocol):
+    """A simulator with its vehicles."""
+
+    @property
+    def vehicles(self) -> Mapping[str, Any]:
+        """The vehicles by name; each has a pose."""
+
+    def around(self, vehicle: str | None = None) -> Surroundings:
+        """Return the surroundings of a sonar on that vehicle."""
+
+
+class ImagingSonar(Sealed):
+    """An imaging sonar on a vehicle; its pings include the other vehicles.
+
+    Pings at one time are always the same and do not advance time. model: its parameters, one of
+    uwsim.instruments.sonars.imaging's models.
+    """
+
+    name: str
+    model: Acoustics
+
+    def __init__(self, sim: Fleet, vehicle: str, name: str, mount: ImagingMount) -> None:
+        self._sim = sim
+        self._vehicle = vehicle
+        self._body_from_sonar = mount.body_from_sonar()
+        self._kind = imaging.KINDS[mount.kind]
+        self.name = name
+        self.model = checked_model(sim, mount)
+
+    def __repr__(self) -> str:
+        return f"<ImagingSonar '{self.name}' ({type(self.model).__name__})>"
+
+    def change(self, model: Acoustics) -> None:
+        """Replace the sonar's parameters. Simulator.parameters calls this."""
+        self.__dict__["model"] = model
+
+    @property
+    def world_from_sonar(self) -> Matrix:
+        """The present pose, (4, 4)."""
+        return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
+
+    def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
+        """Ping once from here. The arguments and the result depend on the kind; see look, line and profile.
+
+        with_labels: include the surface that each cell shows.
+        """
+        return self.later(*arguments, with_labels=with_labels)()
+
+    def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
+        """Store the present state; return a function that pings from it at any time, on any thread: see `ping`."""
+        around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
+        return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
+
+    def look(self, *, with_labels: bool = False) -> SonarImage:
+        """Return a forward-looking sonar's picture. Raises ValueError for another kind."""
+        self._require(ForwardLooking)
+        return cast(SonarImage, self.ping(with_labels=with_labels))
+
+    def line(self, *, with_labels: bool = False) -> Waterfall:
+        """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind."""
+        self._require(SideScan)
+        return cast(Waterfall, self.ping(with_labels=with_labels))
+
+    def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
+        """Return a single beam's pings at angles (n,), all from here. Raises ValueError for another kind."""
+        self._require(SingleBeam)
+        return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
+
+    @property
+    def stream(self) -> str:
+        """The name of its random stream, such as rov/forward_looking."""
+        return _core.stream_name(self._vehicle, self.name)
+
+    def _require(self, kind: type[Acoustics]) -> None:
+        if not isinstance(self.model, kind):
+            raise ValueError(f"imaging_sonars['{self.name}'] is {type(self.model).__name__}: must be {kind.__name__}")
+
+
+def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
+    """Return the model of a mounted sonar. Raises ValueError."""
+    model = imaging.KINDS[mount.kind].model(**mount.figures)
+    imaging.check(model, place)
+    return model
+
+
+def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Acoustics]:
+    """Return the models of a vehicle's imaging sonars, by name. Raises ValueError."""
+    return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
+
+
+def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:
+    """Return the imaging sonars of a vehicle by name."""
+    mounts = vehicle.model.imaging_sonars
+    return {name: ImagingSonar(sim, vehicle.name, name, mount) for name, mount in mounts.items()}

@@ -1,0 +1,104 @@
+"""A vehicle's multibeam sonars."""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.arguments import number
+from uwsim.base.journal import Journal
+from uwsim.base.sealed import Sealed
+
+
+class Sonar(Sealed):
+    """A multibeam head that faces forward and tilts.
+
+    mode: "geometry" (one exact ray for each beam) or "physics" (echoes with their errors; see _core.PhysicsPing).
+    """
+
+    name: str
+    model: _core.MultibeamModel
+    mode: str
+    _changed_by = MappingProxyType({"elevation_rad": "aim()"})
+
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        vehicle: int,
+        index: int,
+        spec: _core.SonarSpec,
+        journal: Journal,
+        owner: str,
+    ) -> None:
+        self._simulation = simulation
+        self._vehicle = vehicle
+        self._index = index
+        self._journal = journal
+        self._owner = owner
+        self.name = spec.name
+        self.change(spec)
+        self._last: tuple[int, _core.Ping] | None = None
+
+    def change(self, spec: _core.SonarSpec) -> None:
+        """Replace the model or mode. Simulator.parameters calls this."""
+        in_physics_mode = self._simulation.in_physics_mode(self._vehicle, self._index)
+        self.__dict__ |= {"model": spec.model, "mode": "physics" if in_physics_mode else "geometry"}
+
+    def __repr__(self) -> str:
+        span_deg = math.degrees(self.model.field_of_view_rad)
+        fan = f"{self.model.beams} beams over {span_deg:.0f} deg, {self.model.range_max_m:g} m"
+        return f"<Sonar '{self.name}': {self.model.name}, {fan}, {self.mode} mode>"
+
+    def aim(self, elevation_rad: float) -> None:
+        """Set the elevation that the head turns to: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2.
+
+        The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
+        """
+        angle = number(elevation_rad, "elevation_rad", "rad")
+        self._simulation.aim(self._vehicle, self._index, angle)
+        if self._journal.observers:
+            self._journal.note("aim", vehicle=self._owner, elevation_rad=angle, sonar=self.name)
+
+    @property
+    def elevation_rad(self) -> float:
+        """The head's present elevation, at which it pings."""
+        return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
+
+    @property
+    def ping_rate_max_hz(self) -> float:
+        """The largest ping rate: sound returns from the maximum range before the next ping, c / (2 range).
+
+        c is the speed of sound at the head's present depth. A survey keeps to this rate; `ping` does not enforce it,
+        since it takes no time.
+        """
+        return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
+
+    def ping(self) -> _core.Ping:
+        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. At one time, all pings are equal.
+
+        Surfaces above the water return no echo. A head above the water or under the terrain receives none: no beam is
+        valid, ranges are inf. A head inside an obstacle receives echoes of its walls from within. In physics mode the
+        result is a _core.PhysicsPing, which has the same arrays and more.
+        """
+        version = self._simulation.version
+        if self._last is None or self._last[0] != version:
+            self._last = version, self._new_ping()
+        return self._last[1]
+
+    def _new_ping(self) -> _core.Ping:
+        if self.mode == "physics":
+            return cast(_core.Ping, self._simulation.acoustic_ping(self._vehicle, self._index))
+        return self._simulation.ping(self._vehicle, self._index)
+
+    def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
+        """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving it. Raises ValueError.
+
+        Arrays are (n, beams); see _core.PingBatch. Always in geometry mode, with the head at its present elevation.
+        threads: by default all; results do not depend on it.
+        """
+        return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

@@ -1,0 +1,103 @@
+"""Matching of two submaps of the same ground, with the uncertainty that follows from the ground's shape.
+
+Point to plane (Chen and Medioni 1992, "Object modelling by registration of multiple range images"), about the vertical
+only: roll and pitch are known from gravity. Points may slide along a surface, as they must on a smooth bed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.mapping.closure.submaps import CELL_M, Submap
+
+Array = NDArray[np.float64]
+POINTS = 600  # of the second cloud, evenly sampled
+REACHES_M, ITERATIONS = (4.0, 1.5), 8  # farther points have no influence; steps with each
+STILL_M = 1e-3
+LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # share of points within the last reach; rms distance from the planes
+POINTS_PER_LOOK = 10.0  # points with a common error, assumed: a beam's footprint over some pings
+LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assumed: submaps are distorted by as much
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Submap `second` matched to `first`: the point here_m (2,) in one is at there_m (2,) in the other.
+
+    turn_rad: from the first to the second's. covariance: (3, 3) of x, y [m] and the turn [rad].
+    """
+
+    first: int
+    second: int
+    here_m: Array
+    there_m: Array
+    turn_rad: float
+    covariance: Array
+
+
+@dataclass(eq=False)
+class _Fit:
+    """moved_m: the source's moved points; turn_rad: total rotation; information: (4, 4) of x, y, turn and z."""
+
+    moved_m: Array
+    turn_rad: float = 0.0
+    overlap: float = 0.0
+    off_m: float = np.inf
+    information: Array | None = None
+
+
+def match(maps: list[Submap], first: int, second: int) -> Match | None:
+    """Match two submaps from their estimated poses; None if they do not fit or the ground is featureless."""
+    source = _common(maps[second], maps[first])
+    if len(source) < POINTS // 10:
+        return None
+    fit = _Fit(source)
+    for reach_m in REACHES_M:
+        for _ in range(ITERATIONS):
+            step_m = _improve(fit, maps[first], reach_m)
+            if step_m is None:
+                return None
+            if step_m < STILL_M:
+                break
+    if fit.overlap < LEAST_OVERLAP or fit.off_m > MOST_OFF_M or fit.information is None:
+        return None
+    least = np.diag([LEAST_STD_M**2, LEAST_STD_M**2, LEAST_STD_RAD**2])
+    covariance = np.asarray(np.linalg.inv(fit.information)[:3, :3] + least)
+    here, there = fit.moved_m[:, :2].mean(axis=0), source[:, :2].mean(axis=0)
+    return Match(first, second, here, there, fit.turn_rad, covariance)
+
+
+def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
+    """Take one Gauss-Newton step; return its length [m], None if the planes do not determine it."""
+    distances, nearest = target.tree.query(fit.moved_m, distance_upper_bound=reach_m)
+    near = np.isfinite(distances)
+    fit.overlap = float(near.mean())
+    if near.sum() < POINTS // 10:
+        return None
+    points, nearest = fit.moved_m[near], nearest[near]
+    normals, centre = target.normals[nearest], fit.moved_m.mean(axis=0)
+    arm = points - centre
+    lever = normals[:, 1] * arm[:, 0] - normals[:, 0] * arm[:, 1]
+    jacobian = np.column_stack([normals[:, :2], lever, normals[:, 2]])
+    off = np.einsum("ni,ni->n", normals, points - target.points_world_m[nearest])
+    spread = max(1.48 * float(np.median(np.abs(off))), 1e-3)
+    weights = 1.0 / (1.0 + (off / (2.0 * spread)) ** 2)  # Cauchy
+    normal_matrix = jacobian.T @ (weights[:, None] * jacobian)
+    if np.linalg.cond(normal_matrix) > 1e10:
+        return None
+    x, y, turn, z = np.linalg.solve(normal_matrix, -jacobian.T @ (weights * off))
+    cos, sin = np.cos(turn), np.sin(turn)
+    fit.moved_m = (fit.moved_m - centre) @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) + centre + [x, y, z]
+    fit.turn_rad += float(turn)
+    fit.off_m = float(np.sqrt(np.average(off**2, weights=weights)))
+    fit.information = normal_matrix / (max(fit.off_m, 0.01) ** 2 * POINTS_PER_LOOK)
+    return float(np.linalg.norm([x, y, z]))
+
+
+def _common(submap: Submap, other: Submap) -> Array:
+    """Return at most POINTS points of a submap that lie in the plan of another."""
+    cells = np.floor(submap.points_world_m[:, :2] / CELL_M).astype(np.int64).tolist()
+    common = submap.points_world_m[[tuple(cell) in other.cells for cell in cells]]
+    return np.asarray(common[:: max(1, len(common) // POINTS)], np.float64)

@@ -1,0 +1,1 @@
+"""Control loops and pose estimation; both see vehicles only through protocols."""

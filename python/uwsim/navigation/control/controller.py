@@ -1,0 +1,149 @@
+"""A cascaded controller with a model of its vehicle: holds positions, courses and velocities, and follows paths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.sealed import Sealed
+from uwsim.navigation.control.protocols import EstimateLike, SteeredVehicle
+
+Vector = NDArray[np.float64]
+STILL = np.zeros(3)
+
+
+class ControlSettingsLike(Protocol):
+    """A vehicle's model and gains; see uwsim.scenario.control_settings."""
+
+    @property
+    def model(self) -> _core.ControlModel:
+        """The equations of motion and the limits of the actuators."""
+
+    @property
+    def gains(self) -> _core.ControlGains:
+        """Gains and limits of the loops."""
+
+
+class Controller(Sealed):
+    """Converts a target to efforts: call one of `hold`, `steer` and `velocity` once per control period.
+
+    estimate: the vehicle's motion as known to the controller; by default the vehicle itself, which for a simulated one
+    is the truth. settings: the model and gains in the vehicle's file; by default
+    `vehicle.control`. A remote vehicle has none: give it `uwsim.scenario.control_settings("bluerov2_heavy")`. The law
+    is in cpp/uwsim/control/motion_controller.h, more in docs/guides/control.md. Axes without actuators
+    are not controlled.
+    """
+
+    vehicle: SteeredVehicle
+    estimate: EstimateLike
+    period_s: float
+    _fixed_when = "the controller is made"
+
+    def __init__(
+        self,
+        vehicle: SteeredVehicle,
+        period_s: float = 0.05,
+        *,
+        settings: ControlSettingsLike | None = None,
+        estimate: EstimateLike | None = None,
+    ) -> None:
+        if settings is None and (settings := getattr(vehicle, "control", None)) is None:
+            raise ValueError("settings = None: the vehicle has no `control`; give uwsim.scenario.control_settings(...)")
+        self.vehicle = vehicle
+        self.estimate = vehicle if estimate is None else estimate
+        self.period_s = period_s
+        self._sway = settings.model.driven[1]
+        self._core = _core.MotionController(settings.model, settings.gains, period_s)
+
+    @property
+    def drives_sway(self) -> bool:
+        """Whether the vehicle can move sideways."""
+        return self._sway
+
+    def hold(
+        self,
+        position_world_m: Sequence[float] | Vector,
+        heading_rad: float,
+        *,
+        roll_rad: float = 0.0,
+        pitch_rad: float = 0.0,
+        velocity_world_m_s: Sequence[float] | Vector = STILL,
+    ) -> None:
+        """Go to a position (3,) and stay there, with an attitude; velocity_world_m_s: (3,) of a moving position."""
+        self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
+
+    def steer(
+        self,
+        heading_rad: float,
+        velocity_world_m_s: Sequence[float] | Vector,
+        z_world_m: float | None = None,
+        *,
+        altitude_m: tuple[float, float] | None = None,
+        pitch_rad: float = 0.0,
+        across_first: bool = False,
+    ) -> None:
+        """Hold a heading, a horizontal velocity over ground (2,), and a height z or an altitude.
+
+        altitude_m: target and measured. Without either, the vertical velocity is held at zero, and a vehicle without
+        vertical thrust holds its pitch instead. pitch_rad: positive nose down. across_first: if the thrust does not
+        suffice, force across the vehicle has priority over force along it.
+        """
+        if altitude_m is not None:
+            wanted_m, measured_m = altitude_m
+            z_world_m = float(self.estimate.pose.position_world_m[2]) + wanted_m - measured_m
+        east, north = velocity_world_m_s
+        z_m = math.nan if z_world_m is None else z_world_m
+        free = math.nan
+        self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
+
+    def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
+        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; level while no rate about x or y is commanded."""
+        self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
+
+    def velocity_efforts(
+        self, velocity_body: Sequence[float] | Vector
+    ) -> tuple[float, float, float, float, float, float]:
+        """Return the efforts that `velocity` would set."""
+        estimate = self.estimate
+        return self._core.hold_velocity(estimate.pose, estimate.velocity, np.asarray(velocity_body, np.float64))
+
+    @property
+    def force_share(self) -> float:
+        """The share of the required force that the thrusters gave in the last period; below 1 at their limit."""
+        return self._core.force_share
+
+    @property
+    def memory(self) -> Vector:
+        """State kept between periods, (25,): integrals, references and filters, to be saved and restored."""
+        return self._core.memory
+
+    @memory.setter
+    def memory(self, memory: Sequence[float] | Vector) -> None:
+        self._core.memory = np.asarray(memory, np.float64)
+
+    def _reach(
+        self,
+        position_world_m: Sequence[float] | Vector,
+        velocity_world_m_s: Sequence[float] | Vector,
+        heading_rad: float,
+        roll_rad: float = 0.0,
+        pitch_rad: float = 0.0,
+        across_first: bool = False,
+    ) -> None:
+        estimate = self.estimate
+        efforts = self._core.reach(
+            estimate.pose,
+            estimate.velocity,
+            np.asarray(position_world_m, np.float64),
+            np.asarray(velocity_world_m_s, np.float64),
+            roll_rad,
+            pitch_rad,
+            heading_rad,
+            across_first,
+        )
+        self.vehicle.set_effort(*efforts)

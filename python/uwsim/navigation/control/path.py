@@ -1,0 +1,66 @@
+"""Path following along straight segments by line-of-sight guidance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.sealed import Sealed
+from uwsim.navigation.control.controller import Controller
+
+Vector = NDArray[np.float64]
+SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time for the whole speed, without and with enough thrust
+SLOWEST = 0.1  # share of the speed
+
+
+class PathFollower(Sealed):
+    """Guides a controller along a path; call `steer` once per control period.
+
+    The vehicle faces along the path, or along the course if it cannot sway.
+    points_m: (n, 3), corners. lookahead_m: distance ahead on the path at which the course aims: near the path, the
+    cross-track error decays with the rate speed / lookahead. integral_m_s: gain of the cross-track integral, for a
+    vehicle in a current that does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the
+    thrust does not suffice for both speed and path, the vehicle keeps to the path and slows down.
+    """
+
+    controller: Controller
+    speed_m_s: float
+    lookahead_m: float
+    _fixed_when = "the path follower is made"
+
+    def __init__(
+        self,
+        controller: Controller,
+        points_m: Sequence[Sequence[float]] | Vector,
+        speed_m_s: float,
+        *,
+        lookahead_m: float = 3.0,
+        integral_m_s: float = 0.0,
+    ) -> None:
+        if not (math.isfinite(speed_m_s) and speed_m_s > 0.0):
+            raise ValueError(f"speed_m_s = {speed_m_s} m/s: must be positive")
+        self.controller = controller
+        self.speed_m_s = speed_m_s
+        self.lookahead_m = lookahead_m
+        self._pace = 1.0  # share of the speed
+        self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
+
+    def steer(self) -> _core.Guidance:
+        """Set the efforts of one control period; return the guidance, which shows whether the end has been passed."""
+        guidance = self._core.guide(self.controller.estimate.pose.position_world_m)
+        self._keep_pace()
+        speed, course = self._pace * self.speed_m_s, guidance.course_rad
+        velocity = (speed * math.cos(course), speed * math.sin(course))
+        heading = guidance.path_rad if self.controller.drives_sway else course
+        self.controller.steer(heading, velocity, guidance.z_world_m, across_first=True)
+        return guidance
+
+    def _keep_pace(self) -> None:
+        """Slow down while the thrusters are at their limit: thrust against a current across the path has priority."""
+        lacking = 1.0 - self.controller.force_share
+        change = -lacking / SLOW_DOWN_S if lacking > 1e-6 else 1.0 / SPEED_UP_S
+        self._pace = min(max(self._pace + self.controller.period_s * change, SLOWEST), 1.0)

@@ -1,0 +1,30 @@
+"""Velocity control in body axes, for single commands such as /cmd_vel."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.base.axes import AXES
+from uwsim.base.sealed import Sealed
+from uwsim.navigation.control.controller import Controller, ControlSettingsLike
+from uwsim.navigation.control.protocols import SteeredVehicle
+
+Vector = NDArray[np.float64]
+
+
+class VelocityHold(Sealed):
+    """Converts a commanded velocity to efforts by the loops of `Controller`. Call `efforts` once per control period.
+
+    Roll and pitch are kept level while no rate is commanded about them.
+    """
+
+    controller: Controller
+    _fixed_when = "the controller is made"
+
+    def __init__(self, vehicle: SteeredVehicle, period_s: float, settings: ControlSettingsLike | None = None) -> None:
+        self.controller = Controller(vehicle, period_s, settings=settings)
+
+    def efforts(self, velocity_body: Vector) -> dict[str, float]:
+        """Return the efforts of this period for a velocity (6,), [m/s] and [rad/s]: by axis, each in [-1, 1]."""
+        return dict(zip(AXES, self.controller.velocity_efforts(velocity_body), strict=True))

@@ -1,0 +1,6 @@
+"""Navigation by a vehicle's own instruments: an error-state Kalman filter. It sees vehicles through protocols only."""
+
+from uwsim.navigation.estimation.navigator import Navigator
+from uwsim.navigation.estimation.start import Start
+
+__all__ = ["Navigator", "Start"]

@@ -1,0 +1,181 @@
+"""The instruments that correct the filter: one class for each kind, in the table AIDS, which prepares its samples."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.navigation.estimation.errors import bias_model, noise_of, white_std
+from uwsim.navigation.estimation.protocols import InstrumentLike, SamplesLike
+
+Array = NDArray[np.float64]
+ATMOSPHERE_PA = 101_325.0
+NO_BIAS = _core.BiasModel()
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """A vehicle's knowledge of its surroundings. imu_body_m (3,): the position of its IMU."""
+
+    imu_body_m: Array
+    station_world_m: Array
+    gravity_m_s2: float
+    density_kg_m3: float
+
+
+class Aid(Protocol):
+    """A kind of instrument."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """Register the instrument with the filter; return its index there."""
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """Return which samples are usable (n,) bool, and their readings in the filter's form."""
+
+
+def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
+    """Return the position of a sensor relative to the IMU, body axes."""
+    return np.asarray(sensor.spec.position_m) - around.imu_body_m
+
+
+def body_from_sensor(sensor: InstrumentLike) -> Rotation:
+    """Return the orientation of a sensor on the body."""
+    return Rotation.from_quat(sensor.spec.orientation_xyzw)
+
+
+class Doppler:
+    """A DVL's beams, one by one: lost beams do not affect the others."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        figures = sensor.spec.parameters
+        slant = math.radians(figures["beam_slant_deg"][0])
+        azimuths = np.radians(figures["beam_azimuth_deg"][0]) + 0.5 * np.pi * np.arange(4)
+        down = np.full(4, -math.cos(slant))
+        beams = np.column_stack([math.sin(slant) * np.cos(azimuths), math.sin(slant) * np.sin(azimuths), down])
+        return filter_.add_doppler(
+            body_from_sensor(sensor).apply(beams),
+            lever(sensor, around),
+            white_std(sensor, "beam_velocity"),
+            bias_model(sensor, "beam_velocity"),
+        )
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        ranges_m, velocities = samples.readings[:, 3:7], samples.readings[:, 7:11]
+        good = np.isfinite(ranges_m)
+        return good.any(axis=1), np.where(good, velocities, np.nan)
+
+
+class Depth:
+    """A depth sensor."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        return filter_.add_depth(lever(sensor, around), white_std(sensor, "depth"), bias_model(sensor, "depth"))
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid, samples.readings
+
+
+class Pressure:
+    """A pressure sensor: depth from the water density assumed by the vehicle."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        metre_pa = around.density_kg_m3 * around.gravity_m_s2
+        std = white_std(sensor, "pressure") / metre_pa
+        return filter_.add_depth(lever(sensor, around), std, bias_model(sensor, "pressure", 1.0 / metre_pa))
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid, (samples.readings - ATMOSPHERE_PA) / (around.density_kg_m3 * around.gravity_m_s2)
+
+
+class Compass:
+    """A compass. The declination is known from the chart, but only the strength of the hard iron."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        figures = sensor.spec.parameters
+        level_ut = figures["field_ut"][0] * math.cos(math.radians(figures["inclination_deg"][0]))
+        iron_ut = math.hypot(*figures["hard_iron_ut"])
+        return filter_.add_heading(
+            body_from_sensor(sensor).apply([1.0, 0.0, 0.0]),
+            white_std(sensor, "heading"),
+            bias_model(sensor, "heading"),
+            iron_ut / math.sqrt(3.0) / level_ut,
+            magnetic_north_rad(sensor),
+        )
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid, magnetic_north_rad(sensor) - samples.readings
+
+
+def magnetic_north_rad(compass: InstrumentLike) -> float:
+    """Return the angle of magnetic north from east, counter-clockwise."""
+    return 0.5 * math.pi - math.radians(compass.spec.parameters["declination_deg"][0])
+
+
+class AcousticFix:
+    """A USBL's fixes, which arrive with a delay."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        errors = [
+            math.hypot(white_std(sensor, channel), noise_of(sensor, channel).turn_on_std)
+            for channel in ("range", "bearing")
+        ]
+        return filter_.add_acoustic_fix(lever(sensor, around), around.station_world_m, *errors)
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        return samples.valid, samples.readings[:, :3]
+
+
+class Orientation:
+    """The orientation from an IMU, for vehicles without a compass."""
+
+    def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
+        """See Aid."""
+        return filter_.add_orientation(white_std(sensor, "orientation"), bias_model(sensor, "orientation"))
+
+    def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
+        """See Aid."""
+        world_from_sensor = Rotation.from_quat(samples.readings[:, 6:10].reshape(-1, 4))
+        return samples.valid, (world_from_sensor * body_from_sensor(sensor).inv()).as_quat()
+
+
+AIDS: dict[str, Aid] = {
+    "dvl": Doppler(),
+    "depth": Depth(),
+    "pressure": Pressure(),
+    "compass": Compass(),
+    "usbl": AcousticFix(),
+    "imu": Orientation(),
+}
+"""The aids, by the sensor's kind."""
+
+
+def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
+    """Return the sensors that aid the filter, by name: the first of each kind.
+
+    Depth is preferred to pressure, which is equivalent; the IMU's own orientation is used only without a compass.
+    """
+    first: dict[str, tuple[str, InstrumentLike]] = {}
+    for name, sensor in sensors.items():
+        if sensor.kind in AIDS:
+            first.setdefault(sensor.kind, (name, sensor))
+    if "depth" in first:
+        first.pop("pressure", None)
+    if "compass" in first:
+        first.pop("imu", None)
+    return dict(first.values())

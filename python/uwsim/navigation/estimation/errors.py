@@ -1,0 +1,46 @@
+"""A sensor's noise parameters in the filter's form; the truth is not used."""
+
+from __future__ import annotations
+
+import math
+
+from uwsim import _core
+from uwsim.navigation.estimation.protocols import InstrumentLike
+
+LEAST_STD = {"beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4}
+"""The assumed error of an exact sensor, in its unit: the filter's equations are not exact either."""
+
+
+def noise_of(sensor: InstrumentLike, channel: str) -> _core.NoiseSpec:
+    """Return the errors of a channel."""
+    return sensor.spec.noise.get(channel) or _core.NoiseSpec()
+
+
+def white_std(sensor: InstrumentLike, channel: str) -> float:
+    """Return the standard deviation of a sample's white noise, including rounding, quantum / sqrt(12) [u]."""
+    noise = noise_of(sensor, channel)
+    parts = noise.std, noise.density / math.sqrt(sensor.period_s), noise.quantum / math.sqrt(12.0)
+    return max(math.hypot(*parts), LEAST_STD.get(channel, 0.0))
+
+
+def limit(sensor: InstrumentLike, channel: str) -> float:
+    """Return the largest magnitude that a channel can report [u]; inf without a limit."""
+    noise = noise_of(sensor, channel)
+    return min(abs(noise.limit_low), abs(noise.limit_high))
+
+
+def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
+    """Return the model of a channel's bias, times `unit`."""
+    noise = noise_of(sensor, channel)
+    return _core.BiasModel(
+        turn_on_std=noise.turn_on_std * unit,
+        drift_std=noise.bias_std * unit,
+        drift_time_s=noise.bias_time_s if noise.bias_std > 0 else 0.0,
+        walk=noise.walk * unit,
+    )
+
+
+def whole_std(sensor: InstrumentLike, channel: str) -> float:
+    """Return the standard deviation of a sample, including biases but not walks."""
+    noise = noise_of(sensor, channel)
+    return math.hypot(white_std(sensor, channel), noise.turn_on_std, noise.bias_std)

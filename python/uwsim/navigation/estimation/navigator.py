@@ -1,0 +1,263 @@
+"""Navigator: a vehicle's pose and velocity from its own instruments."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from uwsim import _core
+from uwsim.base.motion import Pose, Velocity
+from uwsim.base.named import require_names
+from uwsim.base.saved_state import checked
+from uwsim.base.sealed import Sealed
+from uwsim.navigation.estimation.aids import AIDS, Surroundings, body_from_sensor, chosen_aids, magnetic_north_rad
+from uwsim.navigation.estimation.errors import bias_model, limit, white_std, whole_std
+from uwsim.navigation.estimation.protocols import Instrumented, InstrumentLike, StreamLike
+from uwsim.navigation.estimation.saved import NavigatorState
+from uwsim.navigation.estimation.start import Start
+
+Array = NDArray[np.float64]
+IMU = "the IMU's inertial samples"  # distinct from the aids' names, one of which may be the same IMU
+SILENCE_NS = 500_000_000  # after this time without the IMU, the motion is assumed to continue
+UNKNOWN_M = 1e4  # the standard deviation of a position before the first fix
+LEVEL_STD_RAD = 2e-3  # least error of the first roll and pitch
+YAW_STD_RAD = 0.1  # the first heading counts little, as its aid will measure it again
+
+
+class Navigator(Sealed):
+    """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
+
+    vehicle: with sensors by name; the first of each kind is used. start: by default at rest at the first USBL fixes.
+    station_world_m: the origin of the USBL's fixes. gravity_m_s2; density_kg_m3: of the water, for a
+    vehicle with a pressure sensor but without a depth sensor. Errors follow from the sensors' noise parameters.
+    Raises ValueError for a vehicle without an IMU, or without both a start and a USBL.
+
+    Readings are processed whenever `pose` and the like are read: the estimate does not depend on how
+    often that happens. See docs/guides/estimation.md.
+    """
+
+    _fixed_when = "the navigator is made"
+
+    def __init__(
+        self,
+        vehicle: Instrumented,
+        start: Start | None = None,
+        *,
+        station_world_m: Sequence[float] | Array = (0.0, 0.0, 0.0),
+        gravity_m_s2: float = 9.80665,
+        density_kg_m3: float = 1000.0,
+    ) -> None:
+        sensors: Mapping[str, InstrumentLike] = vehicle.sensors
+        imus = [sensor for sensor in sensors.values() if sensor.kind == "imu"]
+        if not imus:
+            raise ValueError(f"vehicle '{vehicle.name}': has no sensor of kind imu, which navigation needs")
+        self._imu = imus[0]
+        self._aids = chosen_aids(dict(sensors))
+        self._silence_ns = max(SILENCE_NS, round(20e9 * self._imu.period_s))
+        if start is None and not any(aid.kind == "usbl" for aid in self._aids.values()):
+            raise ValueError(f"vehicle '{vehicle.name}': has no USBL, so navigation needs start=Start(...)")
+        self._around = Surroundings(
+            np.asarray(self._imu.spec.position_m), np.asarray(station_world_m, float), gravity_m_s2, density_kg_m3
+        )
+        self._body_from_imu = body_from_sensor(self._imu).as_matrix()
+        self._filter = _core.NavigationFilter(
+            imu_body_m=self._around.imu_body_m,
+            gravity_m_s2=gravity_m_s2,
+            period_s=self._imu.period_s,
+            rate_std=white_std(self._imu, "angular_velocity"),
+            force_std=white_std(self._imu, "linear_acceleration"),
+            rate_bias=bias_model(self._imu, "angular_velocity"),
+            force_bias=bias_model(self._imu, "linear_acceleration"),
+            rate_limit=limit(self._imu, "angular_velocity"),
+            force_limit=limit(self._imu, "linear_acceleration"),
+            averaging_s=getattr(self._imu, "averaging_s", 0.0),
+        )
+        self._indices = {
+            name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
+        }
+        self._open: list[StreamLike] = []
+        self._lock = threading.RLock()  # several threads may read a live simulator's
+        self.restart(start)
+
+    def restart(self, start: Start | None = None) -> None:
+        """Start over, now. start: by default at the first USBL fixes."""
+        with self._lock:
+            self._restart(start)
+
+    def _restart(self, start: Start | None) -> None:
+        now_ns = self._imu.time_ns
+        start = start or Start(tuple(self._around.station_world_m), UNKNOWN_M)
+        tilt_std = max(whole_std(self._imu, "orientation"), LEVEL_STD_RAD)
+        self._filter.start(
+            time_ns=now_ns,
+            position_world_m=start.position_world_m,
+            orientation_xyzw=self._first_orientation().as_quat(),
+            position_std_m=np.full(3, start.position_std_m),
+            attitude_std_rad=np.array([tilt_std, tilt_std, YAW_STD_RAD]),
+            velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
+            velocity_std_m_s=start.velocity_std_m_s,
+        )
+        # The IMU's present sample starts its first interval.
+        self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
+
+    def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
+        """Collect samples from now on. from_ns: of each sensor; imu_ns: the end of the IMU's samples in the filter."""
+        for stream in self._open:
+            stream.close()
+        self._imu_ns = imu_ns
+        self._now_ns = -1
+        self._from_ns = dict(from_ns)
+        self._imu_stream = self._imu.stream(from_ns[IMU])
+        self._streams: dict[str, StreamLike] = {
+            name: sensor.stream(from_ns[name]) for name, sensor in self._aids.items()
+        }
+        self._open = [self._imu_stream, *self._streams.values()]
+
+    def _first_orientation(self) -> Rotation:
+        """Return the IMU's roll and pitch, and the compass's heading if there is one."""
+        value = self._imu.read()
+        world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
+        for compass in self._aids.values():
+            if compass.kind == "compass" and compass.on:
+                ahead = world_from_body.apply(body_from_sensor(compass).apply([1.0, 0.0, 0.0]))
+                turn = magnetic_north_rad(compass) - compass.read() - math.atan2(ahead[1], ahead[0])
+                return Rotation.from_rotvec([0.0, 0.0, turn]) * world_from_body
+        return world_from_body
+
+    def update(self) -> None:
+        """Process everything that has arrived. This happens automatically whenever the estimate is read."""
+        with self._lock:
+            self._current()
+
+    def _current(self) -> _core.NavigationFilter:
+        """Return the filter after everything that has arrived."""
+        now_ns = self._imu.time_ns
+        if now_ns != self._now_ns:
+            self._now_ns = now_ns
+            self._take_imu(now_ns)
+            for name, stream in self._streams.items():
+                self._take_aid(name, stream)
+            self._filter.catch_up()
+        return self._filter
+
+    def _take_aid(self, name: str, stream: StreamLike) -> None:
+        samples, sensor = stream.take(), self._aids[name]
+        if not len(samples.stamps_ns):
+            return
+        self._from_ns[name] = int(samples.stamps_ns[-1]) + 1
+        if sensor.on:
+            useful, readings = AIDS[sensor.kind].readings(sensor, samples, self._around)
+            stamps_ns, arrivals_ns = samples.stamps_ns[useful], samples.arrivals_ns[useful]
+            self._filter.add_readings(self._indices[name], stamps_ns, arrivals_ns, readings[useful])
+
+    def _take_imu(self, now_ns: int) -> None:
+        samples = self._imu_stream.take()
+        if self._imu.on and len(samples.stamps_ns):
+            turn = self._body_from_imu.T
+            rates, forces = samples.readings[:, :3] @ turn, samples.readings[:, 3:6] @ turn
+            self._filter.add_imu(samples.stamps_ns, np.hstack([rates, forces]))
+            stamps_ns = np.concatenate([[self._imu_ns], samples.stamps_ns.astype(np.int64)])
+            for gap in np.flatnonzero(np.diff(stamps_ns) > self._silence_ns):
+                self._be_silent(int(stamps_ns[gap]), int(stamps_ns[gap + 1]))
+            self._imu_ns = int(stamps_ns[-1])
+            self._from_ns[IMU] = self._imu_ns + 1
+        self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
+
+    def _be_silent(self, before_ns: int, after_ns: int) -> int:
+        """Step the filter through the IMU's silence at fixed times between two; return the last of them."""
+        while before_ns + self._silence_ns < after_ns:
+            before_ns += self._silence_ns
+            self._filter.add_silence(before_ns)
+        return before_ns
+
+    @property
+    def time_s(self) -> float:
+        """Time of the estimate: that of the newest IMU sample, seconds."""
+        with self._lock:
+            return self._current().time_ns * 1e-9
+
+    @property
+    def pose(self) -> Pose:
+        """The estimated pose."""
+        with self._lock:
+            now = self._current()
+            return Pose(now.position_world_m, now.orientation_xyzw, now.world_from_body)
+
+    @property
+    def velocity(self) -> Velocity:
+        """The estimated velocity over ground."""
+        with self._lock:
+            now = self._current()
+            return Velocity(now.linear_body_m_s, now.angular_body_rad_s)
+
+    @property
+    def rate_std_rad_s(self) -> float:
+        """The standard deviation of the white noise in the angular velocity, rad/s; its bias's is in `covariance`."""
+        return white_std(self._imu, "angular_velocity")
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (15, 15) of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
+
+        Body axes for the last three: attitude, gyroscope [rad/s], accelerometer [m/s2]. For the IMU's centre.
+        """
+        with self._lock:
+            return np.asarray(self._current().covariance[:15, :15])
+
+    @property
+    def position_std_m(self) -> Array:
+        """Standard deviations of the position along east, north and up, (3,)."""
+        return np.sqrt(np.diagonal(self.covariance)[:3])
+
+    @property
+    def imu_biases(self) -> tuple[Array, Array]:
+        """The estimated biases of gyroscope [rad/s] and accelerometer [m/s2], body axes, (3,) each."""
+        with self._lock:
+            now = self._current()
+            return now.rate_bias_rad_s, now.force_bias_m_s2
+
+    @property
+    def counts(self) -> dict[str, tuple[int, int]]:
+        """The numbers of scalar readings of each aid that were used and that were rejected as outliers, by sensor."""
+        with self._lock:
+            now = self._current()
+            return {name: now.counts(index) for name, index in self._indices.items()}
+
+    @property
+    def too_late(self) -> int:
+        """The number of readings that arrived too late to be used, 4 s after their measurement."""
+        with self._lock:
+            return self._current().too_late
+
+    def save(self) -> str:
+        """Return the state, for `restore`."""
+        with self._lock:
+            filter_ = base64.b64encode(self._current().save()).decode()
+            figures = {
+                "silence_ns": self._silence_ns,
+                "gravity_m_s2": self._around.gravity_m_s2,
+                "density_kg_m3": self._around.density_kg_m3,
+            }
+            times = {"imu_ns": self._imu_ns, "from_ns": self._from_ns}
+            return json.dumps({"version": self._filter.save_version, "filter": filter_, **times, "figures": figures})
+
+    def restore(self, saved: str) -> None:
+        """Continue from a saved state of the same vehicle at the same time. Raises ValueError."""
+        state = checked(NavigatorState, saved)
+        require_names("from_ns", state.from_ns, self._from_ns)
+        with self._lock:
+            self._filter.restore(state.filter, state.version)
+            if figures := state.figures:
+                self._silence_ns = figures.silence_ns
+                self._around = replace(
+                    self._around, gravity_m_s2=figures.gravity_m_s2, density_kg_m3=figures.density_kg_m3
+                )
+            self._listen(state.from_ns, state.imu_ns)

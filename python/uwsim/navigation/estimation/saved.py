@@ -1,0 +1,27 @@
+"""The saved state of a Navigator."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Base64Bytes, Field, FiniteFloat
+
+from uwsim.base.saved_state import Nanoseconds, State
+
+
+class WaterState(State):
+    """What a Navigator takes for granted since it was made."""
+
+    silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
+    gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
+    density_kg_m3: Annotated[FiniteFloat, Field(gt=0)]
+
+
+class NavigatorState(State):
+    """A saved Navigator. version: of `filter`; 1 had no figures. from_ns: the earliest next sample of each sensor."""
+
+    version: Literal[1, 2] = 1
+    figures: WaterState | None = None
+    filter: Base64Bytes
+    imu_ns: Nanoseconds
+    from_ns: dict[str, Nanoseconds]

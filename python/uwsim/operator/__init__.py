@@ -1,0 +1,1 @@
+"""The operator's side: the station with its page, and the pilot's terminal."""

@@ -1,0 +1,6 @@
+"""The operator's station: a web page to fly by, and the part of the server that serves it."""
+
+from uwsim.operator.station.hub import Station
+from uwsim.operator.station.site import Site
+
+__all__ = ["Site", "Station"]

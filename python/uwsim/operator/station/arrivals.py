@@ -1,0 +1,123 @@
+"""Pictures of vehicles' cameras that have come over the link: all that a pilot has of them."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from typing import Any
+
+from uwsim.channels import Channel
+from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.messages import to_plain
+from uwsim.channels.own_types import TELEMETRY
+from uwsim.link import Carrier
+from uwsim.link.carried import vehicle_of
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.views import JPEG, View
+from uwsim.simulator.simulator import Simulator
+
+SUFFIX = "image_raw/compressed"
+LOOK_S = 0.05
+SMALL_S = 2.0
+"""Between pictures of a view that nobody has as his large one, in simulated time."""
+
+
+class Arrivals:
+    """The pictures that arrive for the views of vehicles' cameras.
+
+    A view's pictures are sent while somebody has it as his large one; the newest is kept, for whoever looks next and as
+    the small one. A cable and the ideal link carry those of small views, too, one in SMALL_S; a modem has no time for
+    them. describe: how often one comes.
+    """
+
+    def __init__(self, live: LiveSimulator, carrier: Carrier, views: Iterable[View], node: Node) -> None:
+        self._live, self._carrier, self._node = live, carrier, node
+        seen = {channel.name: channel for channel in carrier.channels if channel.direction == "out"}
+        self._channels: dict[str, Channel | None] = {}
+        self._vehicles: dict[str, str] = {}
+        self._newest: dict[str, Any] = {}
+        self._large_only = live.simulator.link is not None and live.simulator.link.modem.kind == "modem"
+        self._small_due_ns: dict[str, int] = {}
+        for view in views:
+            if view.vehicle:
+                self._channels[view.name] = seen.get(_topic(view))
+                self._vehicles[view.name] = view.vehicle
+        self._panels = {name: vehicle_of(one, live.simulator) for name, one in seen.items() if one.type == TELEMETRY}
+
+    def __contains__(self, view: str) -> bool:
+        """Whether a view's pictures come over the link."""
+        return view in self._channels
+
+    def topics(self) -> list[GuestTopic]:
+        """Return the topics of all views."""
+        return [
+            GuestTopic(f"station/{size}/{name}", JPEG, "what has come over the link", latched=True)
+            for name in self._channels
+            for size in ("view", "small")
+        ]
+
+    def start(self) -> None:
+        """Show what arrives, from now on."""
+        for name, channel in self._channels.items():
+            if channel is not None:
+                self._live.every(LOOK_S, self._reader(name, channel.name), self._shower(name))
+
+    def describe(self, view: str) -> Values:
+        """Return what `describe` says of a view besides."""
+        return {"link": self.pace(getattr(self._channels[view], "name", ""))}
+
+    def pace(self, channel: str) -> Values:
+        """Return the modem, the seconds from picture to picture (None: it has no room for any), and `large_only`."""
+        rate_hz = self._carrier.rates.get(channel)
+        period_s = None if rate_hz is None else 1.0 / rate_hz
+        return {"modem": self._carrier.modem, "period_s": period_s, "large_only": self._large_only}
+
+    def snapshot(self, view: str) -> tuple[bytes, Values]:
+        """Return the newest picture as a PNG, and what the panel said last. Raises ValueError if none has come."""
+        from PIL import Image
+
+        if view not in self._newest:
+            raise ValueError(f"no picture of '{view}' has come over {self._carrier.modem} yet")
+        png = io.BytesIO()
+        Image.open(io.BytesIO(bytes(self._newest[view].data))).save(png, "PNG")
+        panels = [name for name, owner in self._panels.items() if owner == self._vehicles[view]]
+        said = [panel for name in panels if (panel := self._carrier.newest(name)) is not None]
+        return png.getvalue(), to_plain(said[0]) if said else {}
+
+    def _reader(self, name: str, channel: str) -> Any:
+        """Look for pictures while somebody wants them: that lets the vehicle send them."""
+
+        def read(sim: Simulator) -> Any:
+            if self._is_due(name, sim.time_ns):
+                self._carrier.look_for(channel, sim)
+            return self._carrier.newest(channel, sim.time_s - LOOK_S)
+
+        return read
+
+    def _is_due(self, name: str, time_ns: int) -> bool:
+        """Whether another picture of a view is wanted."""
+        if self._node.is_wanted(f"station/view/{name}"):
+            return True
+        due_ns = self._small_due_ns.get(name, 0)
+        is_past = time_ns >= due_ns or due_ns > time_ns + round(1e9 * SMALL_S)  # time may have gone back
+        if self._large_only or not is_past or not self._node.is_wanted(f"station/small/{name}"):
+            return False
+        self._small_due_ns[name] = time_ns + round(1e9 * SMALL_S)
+        return True
+
+    def _shower(self, name: str) -> Any:
+        def show(message: Any) -> None:
+            if message is None:
+                return
+            self._newest[name] = message
+            stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+            for size in ("view", "small"):
+                self._node.publish(f"station/{size}/{name}", message, stamp_ns)
+
+        return show
+
+
+def _topic(view: View) -> str:
+    """Return the channel of a view's camera."""
+    prefix, camera = view.name.rpartition("/")[::2]
+    return f"{prefix}/camera/{camera}/{SUFFIX}" if prefix else f"camera/{camera}/{SUFFIX}"

@@ -1,0 +1,72 @@
+"""Files that a pilot takes home: the map in several formats, and snapshots with what the panel said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from uwsim.channels import telemetry
+from uwsim.channels.map import PingMap
+from uwsim.channels.messages import to_plain
+from uwsim.mapping.depth_grid import depth_grid
+from uwsim.mapping.files import write_cloud
+from uwsim.mapping.files.geotiff import write_depth_tiff
+from uwsim.operator.station.running import Running
+from uwsim.scenario.georeference import georeference
+
+
+def map_file(running: Running, vehicle: str) -> bytes:
+    """Return a vehicle's map as .bt. Raises ValueError."""
+    return _map(running, vehicle).to_bytes()
+
+
+def cloud(running: Running, vehicle: str, suffix: str) -> bytes:
+    """Return the centres of the occupied voxels as .ply or .pcd. Raises ValueError."""
+    points_m, _ = _map(running, vehicle).points()
+    return _written(f"map.{suffix}", lambda path: write_cloud(path, points_m))
+
+
+def depth_tiff(running: Running, vehicle: str) -> bytes:
+    """Return the depths as GeoTIFF, placed on Earth if the terrain is. Raises ValueError."""
+    points_m, edge_m = _map(running, vehicle).points()
+    grid = depth_grid(points_m - running.table.sources[0].origin_m, edge_m)
+    place = georeference(running.live.simulator.scenario)
+    return _written("map.tif", lambda path: write_depth_tiff(path, grid, place))
+
+
+def snapshot_png(running: Running, view: str) -> bytes:
+    """Return a picture of a view, without loss, and keep what the panel said at that moment. Raises ValueError.
+
+    Over a link these are the last picture and the last panel that came.
+    """
+    shown = running.views.view(view)
+    if running.arrivals is not None and view in running.arrivals:
+        png, running.snapshots[view] = running.arrivals.snapshot(view)
+        return png
+    source = next((s for s in running.table.sources if s.name == shown.vehicle), running.table.sources[0])
+    frame, panel = running.views.capture(shown, lambda sim: telemetry.read(sim, source, truth=running.truth))
+    running.snapshots[view] = to_plain(panel)
+    return frame.png()
+
+
+def snapshot_json(running: Running, view: str) -> bytes:
+    """Return what the panel said when the last picture of a view was taken. Raises ValueError without one."""
+    if running.views.view(view).name not in running.snapshots:
+        raise ValueError(f"there is no snapshot of '{view}' yet")
+    import orjson
+
+    return orjson.dumps(running.snapshots[view], option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_INDENT_2)
+
+
+def _map(running: Running, vehicle: str) -> PingMap:
+    if vehicle not in running.maps:
+        raise ValueError(f"vehicle '{vehicle[:40]}': has no map")
+    return running.maps[vehicle]
+
+
+def _written(name: str, write: Callable[[Path], None]) -> bytes:
+    with TemporaryDirectory() as folder:
+        path = Path(folder, name)
+        write(path)
+        return path.read_bytes()

@@ -1,0 +1,154 @@
+"""What the pilot's hands do: efforts that are fresh, held while they are repeated, and zero when they are not."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from typing import Any
+
+from uwsim.base.axes import AXES
+from uwsim.channels.guest import Values
+from uwsim.channels.steering import Steering, require_link
+from uwsim.commands import ALL_STOP, COMMANDS
+from uwsim.live import LiveSimulator, NotRunningError
+
+SILENCE_S = 0.5
+"""The age beyond which a command is refused, and the time without one after which efforts are zero."""
+RETRY_S = 0.05  # until efforts that could not be set to zero are tried again
+WINDOW_S = 30.0
+ZERO = dict.fromkeys(AXES, 0.0)
+
+
+class LeastDelay:
+    """How much later than it could a message comes, by its sender's own clock.
+
+    The clocks are not the same: the least difference between the two of the last WINDOW_S to 2 WINDOW_S is taken for
+    the delay of a message that waited for nothing, so that clocks may drift.
+    """
+
+    def __init__(self) -> None:
+        self._least = [math.inf, math.inf]  # of the present window and of the one before
+        self._began_s = -math.inf
+
+    def age_s(self, sent_s: float, now_s: float) -> float:
+        """Return the age of a message that was sent at sent_s and came now."""
+        if now_s - self._began_s > WINDOW_S:
+            self._least = [math.inf, self._least[0]]
+            self._began_s = now_s
+        self._least[0] = min(self._least[0], now_s - sent_s)
+        return now_s - sent_s - min(self._least)
+
+
+class Helm:
+    """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
+
+    Each command is given, also one that repeats the last: others may have commanded the vehicle since, its failsafe may
+    wait for a sign of life, and over a link one before may be lost. `beat` must be called at least twice a second, and
+    when it says: it sets efforts to zero when commands have ceased.
+    """
+
+    def __init__(
+        self,
+        live: LiveSimulator,
+        steering: Mapping[str, Steering],
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._live = live
+        self._steering = steering
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._delay = LeastDelay()
+        self._efforts = dict.fromkeys(steering, ZERO)  # as last set from here
+        self._heard_s = -math.inf
+
+    def drive(self, request: Values) -> Future[Values]:
+        """Set efforts from a request (docs/connections/station-wire.md). Raises ValueError."""
+        vehicle = self._named(request)
+        efforts = {axis: _effort(request, axis) for axis in AXES}
+        now_s = self._clock()
+        with self._lock:
+            age_s = self._delay.age_s(1e-3 * _number(request, "stamp_ms", 1e3 * now_s), now_s)
+            if age_s > SILENCE_S:
+                raise ValueError(f"the command came {age_s:.1f} s late: it was not obeyed")
+            self._heard_s = now_s
+            return self._set(vehicle, efforts, {"age_s": age_s})
+
+    def all_stop(self, request: Values, text: str = "") -> Future[Values]:
+        """Set or release all stop, by request["on"]; text: the answer's message. Raises ValueError."""
+        vehicle, on = self._named(request), wants_stop(request)
+        require_link(self._live, vehicle, ALL_STOP)
+        with self._lock:
+            self._efforts[vehicle] = ZERO  # all stop sets them to zero itself, and its release leaves them there
+        return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
+
+    def _named(self, request: Values) -> str:
+        vehicle = request.get("vehicle")
+        if not isinstance(vehicle, str) or vehicle not in self._steering:
+            raise ValueError(f"vehicle = {str(vehicle)[:40]!r}: must be one of {', '.join(self._steering)}")
+        return vehicle
+
+    def beat(self) -> float:
+        """Set efforts to zero if no command has come for SILENCE_S; return when to look again [s]."""
+        with self._lock:
+            left_s = self._heard_s + SILENCE_S - self._clock()
+            if left_s <= 0:
+                self._zero()
+            is_held = any(efforts != ZERO for efforts in self._efforts.values())
+            return max(left_s, RETRY_S) if is_held else math.inf
+
+    def let_go(self) -> None:
+        """Set efforts to zero now, and judge delays anew: another pilot has another clock."""
+        with self._lock:
+            self._delay = LeastDelay()
+            self._zero()
+
+    def _zero(self) -> None:
+        for vehicle, efforts in self._efforts.items():
+            if efforts != ZERO:
+                try:
+                    self._set(vehicle, ZERO, {})
+                except (NotRunningError, RuntimeError):  # it stands still, or is flooded: the next beat tries again
+                    return
+
+    def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
+        future = self._steering[vehicle].give(self._live, "set_effort", **efforts)
+        self._efforts[vehicle] = efforts
+        return answered(self._live, future, answer)
+
+
+def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
+    """Return what a service answers when a command has taken effect: success, message (an error, or text), the tick."""
+    said: Future[Values] = Future()
+
+    def say(done: Future[Any]) -> None:  # on the simulator's thread: the tick is that of the command
+        error = None if done.cancelled() else done.exception()
+        found = {"success": error is None, "message": text if error is None else str(error), "tick": live.tick}
+        said.set_result({**found, **(answer or {})})
+
+    future.add_done_callback(say)
+    return said
+
+
+def wants_stop(request: Values) -> bool:
+    """Return whether all stop is to be set, as by default, or released. Raises ValueError."""
+    on = request.get("on", True)
+    if not isinstance(on, bool):
+        raise ValueError(f"on = {str(on)[:40]!r}: must be true or false")
+    return on
+
+
+def _effort(request: Values, axis: str) -> float:
+    effort = _number(request, axis, 0.0)
+    COMMANDS["set_effort"].argument(axis).check_number(effort, axis)
+    return effort
+
+
+def _number(request: Values, name: str, default: float) -> float:
+    value = request.get(name, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{name} = {str(value)[:40]}: must be a number")
+    return float(value)

@@ -1,0 +1,224 @@
+"""The station's end of the graph: it starts and ends simulators, and knows the pilot."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+from uwsim.channels import Channel, Service
+from uwsim.channels.feed import Feed
+from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.own_types import STATION_STATE
+from uwsim.channels.table import Wire, checked_wire
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save, scenarios
+from uwsim.operator.station.lease import Lease
+from uwsim.operator.station.prepared import Prepared
+from uwsim.operator.station.preview import preview_png
+from uwsim.operator.station.pulse import STATE, Pulse
+from uwsim.operator.station.running import Running
+from uwsim.operator.station.saves import go_on_with_maps, load_saved, saved_names
+from uwsim.operator.station.services import Services
+from uwsim.scenario import ScenarioError
+from uwsim.simulator.simulator import Simulator
+
+Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None], None]
+
+
+class Station:
+    """The operator's station: a guest of a rosbridge server, which `show` gives simulators to.
+
+        station = Station()
+        with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
+            ...
+
+    offered, link: the scenario that the start screen begins with, and the modem, if not the scenario's. is_fixed: it
+    runs one simulator, which `run` is given: no start screen. truth: whether pilots may see the vehicle's true
+    position. wire, origin: see uwsim.channels; others raise ValueError. threads: of simulators. folder: where `save`
+    writes. phase: "idle" (the start screen), "starting", "running". session: a number that changes with each simulator
+    and each restart.
+    """
+
+    name = "/station"
+
+    def __init__(
+        self,
+        *,
+        offered: str = "lake",
+        link: str | None = None,
+        is_fixed: bool = False,
+        truth: bool = True,
+        wire: Wire = "both",
+        origin: str | Sequence[float] = "world",
+        threads: int | None = None,
+        folder: Path | None = None,
+    ) -> None:
+        checked_wire(wire, origin)  # now, and not when a pilot starts the first simulator
+        self.folder = folder or Path.cwd()
+        self.offered = offered
+        self.link = link
+        self.is_fixed = is_fixed
+        self.running: Running | None = None
+        self.lease = Lease()
+        self._options: dict[str, Any] = {"truth": truth, "wire": wire, "origin": origin}
+        self._threads = threads
+        self.prepared = Prepared(lambda scenario: Simulator(scenario, threads=threads))
+        self._show: Show = lambda live, channels, services, feed: None
+        self.phase = "starting" if is_fixed else "idle"  # idle shows the start screen
+        self.session = 0
+        self._numbers = itertools.count(1)
+        self._starting = threading.Lock()
+        self._pulse = Pulse(self)
+        self.services = Services(self).all()
+
+    # The graph's side
+
+    def connect(self, node: Node) -> None:
+        """Take the end of the graph."""
+        self.node = node
+        node.offer_topics(self._topics(None))
+
+    def left(self, client: str) -> None:
+        """A connection is gone; a pilot's takes the efforts with it."""
+        if self.lease.leave(client):
+            self.let_go()
+        if not self.lease.members:
+            self.prepared.forget()  # nobody is at the start screen
+        self.tell()
+
+    def demanded(self) -> None:
+        """Somebody wants what nobody wanted before: a picture may be due."""
+        self._pulse.stir()
+
+    def serving(self, show: Show) -> Self:
+        """Give simulators to a server from now on."""
+        self._show = show
+        return self
+
+    def __enter__(self) -> Self:
+        self._pulse.start()
+        if not self.is_fixed:  # reading all files takes half a second, which the first page should not wait for
+            threading.Thread(target=catalog, args=(self.offered,), name="uwsim-catalog", daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop the simulator."""
+        self._pulse.close()
+        self.prepared.close()
+        if self.running is not None:
+            self.running.stop()
+
+    # Simulators
+
+    def start(self, choice: Values) -> None:
+        """Run a simulator of the user's choice instead of the present one. Raises ChoiceError, RuntimeError."""
+        if self.is_fixed:
+            raise ValueError("this server runs one scenario: start `uwsim station` to choose")
+        if choice.get("saved") is not None:
+            self._go_on(choice)
+            return
+        scenario, speed = chosen(choice, self.offered)
+
+        def make() -> LiveSimulator:
+            return LiveSimulator(self.prepared.take(scenario), speed=speed)
+
+        try:
+            self.run(make)
+        except ScenarioError as error:
+            raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
+
+    def _go_on(self, choice: Values) -> None:
+        """Continue a saved session: everything but the speed is as it was."""
+        name, speed = chosen_save(choice, saved_names(self.folder))
+        self.prepared.forget()
+        folder = self.folder / name
+        try:
+            self.run(
+                lambda: LiveSimulator(load_saved(folder, self._threads), speed=speed),
+                lambda running: go_on_with_maps(running, folder),
+            )
+        except (ValueError, OSError) as error:
+            raise ChoiceError({"saved": " ".join(str(error).split())}) from None
+
+    def run(
+        self,
+        make: Callable[[], LiveSimulator],
+        prepare: Callable[[Running], object] = lambda running: None,
+        feed: Feed | None = None,
+    ) -> None:
+        """Run the simulator that `make` makes, instead of the present one, which runs on until then.
+
+        prepare: called when its channels are there and before its map begins to grow. feed: shared with other sinks.
+        """
+        if not self._starting.acquire(blocking=False):
+            raise ValueError("another simulator is being started")
+        before, running = self.phase, None
+        try:
+            self._enter("starting")
+            running = Running(make(), self.node, self._pulse.stir, feed=feed, **self._options)
+            prepare(running)
+            self._leave_present()
+            self.node.offer_topics(self._topics(running))
+            running.start()
+            self._show(running.live, running.table.channels, running.table.services, running.feed)
+            self.running = running
+            self.session = next(self._numbers)
+            before = "running"
+        finally:
+            if running is not None and self.running is not running:  # something failed
+                running.stop()
+            self._enter(before)
+            self._starting.release()
+
+    def preview(self, scenario: str) -> bytes:
+        """Return a PNG from above of a scenario that may be chosen. Raises LookupError, ScenarioError, OSError."""
+        if self.is_fixed or scenario not in scenarios(self.offered):
+            raise LookupError(scenario)
+        return self.prepared.afterwards(lambda: preview_png(scenario))  # the simulator is needed sooner
+
+    def quit(self) -> None:
+        """End the simulator: back to the start screen. Raises ValueError if there is none."""
+        if self.is_fixed:
+            raise ValueError("this server runs one scenario: there is nothing else to show")
+        with self._starting:
+            self._leave_present()
+            self.node.offer_topics(self._topics(None))
+            self._enter("idle")
+
+    def begin_anew(self) -> None:
+        """Take note that simulated time began anew: pages ask for everything again."""
+        self.session = next(self._numbers)
+        self.tell()
+
+    def present(self) -> Running:
+        """Return what runs. Raises ValueError if nothing does."""
+        if self.running is None:
+            raise ValueError("no simulator runs: start one")
+        return self.running
+
+    def _leave_present(self) -> None:
+        if self.running is not None:
+            running, self.running = self.running, None
+            self._show(None, [], [], None)
+            running.stop()
+
+    def _enter(self, phase: str) -> None:
+        self.phase = phase
+        self.tell()
+
+    def let_go(self) -> None:
+        """Set efforts to zero."""
+        running = self.running
+        if running is not None:
+            running.helm.let_go()
+
+    def tell(self) -> None:
+        """Tell the state, for it has changed."""
+        self._pulse.tell()
+
+    def _topics(self, running: Running | None) -> list[GuestTopic]:
+        state = GuestTopic(STATE, STATION_STATE, "what the station does, and who has the controls", latched=True)
+        return [state, *(running.topics() if running is not None else [])]

@@ -1,0 +1,352 @@
+// Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
+
+export const AXES = ['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw'];
+// The alarm in the telemetry of a vehicle whose all stop is set.
+export const ALL_STOPPED = 'all stop';
+// The types of topics, by their last name.
+export const TYPES = {
+  StationState: 'uwsim_msgs/StationState',
+  Telemetry: 'uwsim_msgs/Telemetry',
+  MapChanges: 'uwsim_msgs/MapChanges',
+  Link: 'uwsim_msgs/Link',
+};
+// The arguments of each command that the pilot may give by name.
+export const COMMANDS = {
+  release: [],
+  undock: [],
+  dock: [],
+  override_failsafe: [],
+  inject_fault: ['kind'],
+  end_fault: ['name'],
+  start_navigation: [],
+  aim: ['elevation_rad', 'sonar'],
+  set_lamp: ['lamp', 'on'],
+  aim_camera: ['camera', 'pan_rad', 'tilt_rad'],
+  set_optics: [],
+  set_parameter: ['name', 'value'],
+  set_parameters: ['changes'],
+  reset_parameters: ['name'],
+};
+// Those that are services of a vehicle, too.
+export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
+
+/** @typedef {object} StationState
+ * @property {string} phase
+ * @property {number} session
+ * @property {number} edition
+ * @property {string} scenario
+ * @property {string} error
+ * @property {number} time
+ * @property {boolean} paused
+ * @property {number} speed
+ * @property {number} factor
+ * @property {number} lateness
+ * @property {string} pilot
+ * @property {number} pilot_silence
+ * @property {string[]} member_ids
+ * @property {string[]} member_names
+ * @property {string[]} asking
+ * @property {string} recording
+ */
+
+/** @typedef {object} Telemetry
+ * @property {object} header
+ * @property {ArrayLike<number>} position
+ * @property {ArrayLike<number>} position_std
+ * @property {ArrayLike<number>} true_position
+ * @property {ArrayLike<number>} orientation
+ * @property {boolean} is_truth
+ * @property {number} speed
+ * @property {number} angular_speed
+ * @property {number} temperature
+ * @property {number} pressure
+ * @property {number} depth
+ * @property {number} distance_to_station
+ * @property {number} distance_to_seabed
+ * @property {number} distance_to_port
+ * @property {number} mission_time
+ * @property {number} battery
+ * @property {number} link_delay
+ * @property {number} tilt
+ * @property {ArrayLike<number>} thrusters
+ * @property {ArrayLike<number>} efforts
+ * @property {boolean[]} lamps
+ * @property {boolean} released
+ * @property {boolean} range_warning
+ * @property {boolean} proximity_warning
+ * @property {boolean} collision_warning
+ * @property {number} collisions
+ * @property {string} failsafe
+ * @property {string} failsafe_cause
+ * @property {string[]} alarms
+ */
+
+/** @typedef {object} MapChanges
+ * @property {object} header
+ * @property {number} sequence
+ * @property {boolean} snapshot
+ * @property {number} resolution
+ * @property {ArrayLike<number>} blocks
+ * @property {ArrayLike<number>} counts
+ * @property {ArrayLike<number>} cells
+ */
+
+/** @typedef {object} Link
+ * @property {object} header
+ * @property {string} modem
+ * @property {number} quality
+ * @property {number} delay
+ * @property {number} snr
+ * @property {number} closing_speed
+ * @property {number} silence
+ * @property {number} silence_at_station
+ * @property {number} queue_station
+ * @property {number} queue_vehicle
+ * @property {number} sent
+ * @property {number} delivered
+ * @property {number} lost
+ * @property {number} late
+ * @property {number} bytes_delivered
+ * @property {number} fault_loss
+ */
+
+/** Distances of the panel's warnings.
+ * @typedef {object} Warnings
+ * @property {number} range_m
+ * @property {number} proximity_m
+ */
+
+/** How far and how fast a sonar's head tilts.
+ * @typedef {object} Tilt
+ * @property {number} min_rad
+ * @property {number} max_rad
+ * @property {number} rate_rad_s
+ */
+
+/** A multibeam sonar.
+ * @typedef {object} Multibeam
+ * @property {string} name
+ * @property {string} title
+ * @property {number} range_m
+ * @property {number} beams
+ * @property {number} fov_rad
+ */
+
+/** A camera that turns: its limits.
+ * @typedef {object} Motor
+ * @property {string} camera
+ * @property {number[]} pan_deg
+ * @property {number[]} tilt_deg
+ */
+
+/** A vehicle: its topics, each null if there is none, and its parts.
+ * @typedef {object} VehicleDescription
+ * @property {string} name
+ * @property {string} model
+ * @property {string} prefix
+ * @property {string | null} telemetry
+ * @property {string | null} scan
+ * @property {string | null} link
+ * @property {string | null} map
+ * @property {string | null} map_changes
+ * @property {number} pings_per_s
+ * @property {string[]} thrusters
+ * @property {string[]} lamps
+ * @property {string[]} efforts
+ * @property {Tilt | null} tilt
+ * @property {Multibeam | null} sonar
+ * @property {Motor[]} motors
+ */
+
+/** How pictures come over a link. period_s: null if there is no room for any.
+ * @typedef {object} ViewLink
+ * @property {string} modem
+ * @property {number | null} period_s
+ * @property {boolean} large_only
+ */
+
+/** A view: its topics, and the size of its pictures, 0 where they have their own.
+ * @typedef {object} ViewDescription
+ * @property {string} name
+ * @property {string} title
+ * @property {'camera' | 'station' | 'chase' | 'forward_looking' | 'side_scan' | 'profiling'} kind
+ * @property {string} vehicle
+ * @property {string} frame_id
+ * @property {number} width
+ * @property {number} height
+ * @property {string} topic
+ * @property {string} small_topic
+ * @property {ViewLink | null} [link]
+ * @property {string | null} [aboard_topic]
+ * @property {string | null} [aboard_small_topic]
+ */
+
+/** What runs.
+ * @typedef {object} Description
+ * @property {true} success
+ * @property {number} session
+ * @property {number} edition
+ * @property {boolean} is_fixed
+ * @property {string[]} controls
+ * @property {string} scenario
+ * @property {string} description
+ * @property {number} step_s
+ * @property {number} mission_time_s
+ * @property {number} seed
+ * @property {boolean} truth_allowed
+ * @property {Warnings} warnings
+ * @property {VehicleDescription[]} vehicles
+ * @property {ViewDescription[]} views
+ * @property {string} scene
+ * @property {string[]} commands
+ */
+
+/** id: this connection's.
+ * @typedef {object} Joined
+ * @property {true} success
+ * @property {string} message
+ * @property {string} id
+ */
+
+/** The answer of a service that did what was asked.
+ * @typedef {object} Done
+ * @property {true} success
+ * @property {string} message
+ */
+
+/** age_s: by how much the command was late.
+ * @typedef {object} Driven
+ * @property {true} success
+ * @property {string} message
+ * @property {number} tick
+ * @property {number} age_s
+ */
+
+/** A command has taken effect, at a tick, or is sent over a link.
+ * @typedef {object} Commanded
+ * @property {true} success
+ * @property {string} message
+ * @property {number} tick
+ */
+
+/** A vehicle of an offered scenario.
+ * @typedef {object} OfferedVehicle
+ * @property {string} name
+ * @property {string} model
+ */
+
+/** A scenario to choose.
+ * @typedef {object} OfferedScenario
+ * @property {string} name
+ * @property {string} description
+ * @property {number} seed
+ * @property {number} mission_time_s
+ * @property {OfferedVehicle[]} vehicles
+ * @property {string | null} sonar
+ */
+
+/** A thing to choose by its name.
+ * @typedef {object} Offered
+ * @property {string} name
+ * @property {string} description
+ */
+
+/** A multibeam to choose: a number is one of the paper's models.
+ * @typedef {object} OfferedSonar
+ * @property {number | string} name
+ * @property {string} title
+ * @property {string} description
+ * @property {'published' | 'instrument'} kind
+ */
+
+/** What the start screen chooses; a field that is missing or null is the scenario's own.
+ * @typedef {object} Choice
+ * @property {string | null} [scenario]
+ * @property {string | null} [vehicle]
+ * @property {number | string | null} [sonar]
+ * @property {number | null} [mission_time_s]
+ * @property {number | null} [seed]
+ * @property {number | null} [speed]
+ * @property {string | null} [link]
+ * @property {string | null} [saved]
+ */
+
+/** All that can be chosen. speeds: 0 is as fast as possible. saves: sessions to go on with.
+ * @typedef {object} Catalog
+ * @property {OfferedScenario[]} scenarios
+ * @property {Offered[]} vehicles
+ * @property {OfferedSonar[]} sonars
+ * @property {Offered[]} links
+ * @property {number[]} speeds
+ * @property {Choice} defaults
+ * @property {string[]} saves
+ */
+
+/** A choice is possible, or runs.
+ * @typedef {object} ChoiceTaken
+ * @property {true} success
+ * @property {string} message
+ * @property {Record<string, string>} errors
+ */
+
+/** The answer of a service that could not. errors: by the field of a choice.
+ * @typedef {object} Refused
+ * @property {false} success
+ * @property {string} message
+ * @property {Record<string, string> | null} [errors]
+ * @property {number | null} [tick]
+ * @property {number | null} [age_s]
+ */
+
+// What runs, and under which names it is seen.
+/** @returns {Promise<Description | Refused>} */
+export const describe = (bridge) => bridge.call('/station/describe');
+
+// Take part under a name.
+/** @returns {Promise<Joined | Refused>} */
+export const join = (bridge, { name }) => bridge.call('/station/join', { name });
+
+// Have the controls, if nobody has them.
+/** @returns {Promise<Done | Refused>} */
+export const takeControl = (bridge) => bridge.call('/station/take_control');
+
+// Pass the controls on.
+/** @returns {Promise<Done | Refused>} */
+export const handOver = (bridge, { to }) => bridge.call('/station/hand_over', { to });
+
+// Set efforts, by the pilot.
+/** @returns {Promise<Driven | Refused>} */
+export const drive = (bridge, { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms }) =>
+  bridge.call('/station/drive', { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms });
+
+// Stop a vehicle against all commands, by anybody; release it, by the pilot.
+/** @returns {Promise<Commanded | Refused>} */
+export const allStop = (bridge, { vehicle, on }) => bridge.call('/station/all_stop', { vehicle, on });
+
+// Give another command, by the pilot.
+/** @returns {Promise<Commanded | Refused>} */
+export const command = (bridge, { name, vehicle, args }) => bridge.call('/station/command', { name, vehicle, args });
+
+// Change the rate, width and quality of a view.
+/** @returns {Promise<Done | Refused>} */
+export const setView = (bridge, { name, rate_hz, width, quality }) =>
+  bridge.call('/station/set_view', { name, rate_hz, width, quality });
+
+// What can be chosen on the start screen.
+/** @returns {Promise<Catalog | Refused>} */
+export const catalog = (bridge) => bridge.call('/station/catalog');
+
+// Say what is wrong with a choice.
+/** @returns {Promise<ChoiceTaken | Refused>} */
+export const check = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
+  bridge.call('/station/check', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
+
+// Run a simulator of a choice.
+/** @returns {Promise<ChoiceTaken | Refused>} */
+export const start = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
+  bridge.call('/station/start', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
+
+// Pause, step, restart, save, record and the like; by the pilot.
+/** @returns {Promise<Commanded | Refused>} */
+export const control = (bridge, { action, steps, speed, name }) =>
+  bridge.call('/station/control', { action, steps, speed, name });

@@ -1,0 +1,40 @@
+// A station answers as docs/connections/station-wire.md says.
+import * as messages from './messages.js';
+
+export class StationBackend {
+  isPlain = false;
+  #bridge;
+
+  constructor(bridge, learn) {
+    this.#bridge = bridge;
+    bridge.subscribe('/station/state', messages.TYPES.StationState, learn);
+  }
+
+  join(name) {
+    return messages.join(this.#bridge, { name });
+  }
+
+  describe() {
+    return messages.describe(this.#bridge);
+  }
+
+  drive(vehicle, efforts, stamp_ms) {
+    return messages.drive(this.#bridge, { vehicle, ...efforts, stamp_ms });
+  }
+
+  command(name, vehicle, args) {
+    return messages.command(this.#bridge, { name, vehicle, args });
+  }
+
+  allStop(vehicle, on) {
+    return messages.allStop(this.#bridge, { vehicle, on });
+  }
+
+  control(action, args) {
+    return messages.control(this.#bridge, { action, ...args });
+  }
+
+  setView(options) {
+    return messages.setView(this.#bridge, options);
+  }
+}

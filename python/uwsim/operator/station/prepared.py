@@ -1,0 +1,74 @@
+"""A simulator that is made while the start screen is still open, so that Start need not wait for it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+from uwsim.scenario import Scenario
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.simulator.simulator import Simulator
+
+T = TypeVar("T")
+
+
+class Prepared:
+    """One simulator at most: that of the choice which was checked last. A choice is known by its scenario's content.
+
+    make: makes the simulator of a scenario. May be asked on any thread.
+    """
+
+    def __init__(self, make: Callable[[Scenario], Simulator]) -> None:
+        self._make = make
+        self._lock = threading.Lock()
+        self._worker = ThreadPoolExecutor(1, "uwsim-prepare")
+        self._key = ""
+        self._made: Future[Simulator] | None = None
+
+    def want(self, scenario: Scenario) -> None:
+        """Begin to make a simulator, instead of that of another scenario. Raises OSError if a file is gone."""
+        key = scenario_fingerprint(scenario)
+        with self._lock:
+            if key != self._key:
+                self._drop()
+                self._key, self._made = key, self._worker.submit(self._warm, scenario)
+
+    def take(self, scenario: Scenario) -> Simulator:
+        """Return the scenario's simulator: prepared, or made now. Raises as `make` does, and OSError."""
+        key = scenario_fingerprint(scenario)
+        with self._lock:
+            made = self._made if self._key == key else None
+            if made is None:
+                self._drop()
+            self._key, self._made = "", None
+        if made is None or made.cancel():  # it would wait for the one before it
+            return self._make(scenario)
+        return made.result()
+
+    def afterwards(self, function: Callable[[], T]) -> T:
+        """Return what a function returns, which is called when nothing is being prepared any more."""
+        return self._worker.submit(function).result()
+
+    def forget(self) -> None:
+        """Free what was prepared."""
+        with self._lock:
+            self._drop()
+
+    def close(self) -> None:
+        """Make nothing more."""
+        self.forget()
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+    def _drop(self) -> None:
+        if self._made is not None:
+            self._made.cancel()
+        self._key, self._made = "", None
+
+    def _warm(self, scenario: Scenario) -> Simulator:
+        """Make a simulator and take a small picture, since the first one takes long; looking changes nothing."""
+        simulator = self._make(scenario)
+        for camera in list(simulator.rov.cameras.values())[:1]:
+            camera.resized(64).capture().jpeg(80)
+        return simulator

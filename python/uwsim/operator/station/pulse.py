@@ -1,0 +1,122 @@
+"""The station's pulse: it ends efforts that nobody holds, begins the pictures that are due and tells the state."""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from uwsim.channels.build import message
+from uwsim.channels.guest import Values
+from uwsim.channels.own_types import STATION_STATE
+from uwsim.live import NotRunningError
+from uwsim.operator.station.running import Running
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.hub import Station
+
+STATE = "station/state"
+STATE_S = 0.5
+SILENT_S = 1.5  # without anything from a pilot, who is pinged every second
+LOGGER = logging.getLogger("uwsim.operator.station")
+
+
+class Pulse:
+    """A thread that beats when something is due, or when it is stirred; twice a second while there is nothing to do."""
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+        self._stirred = threading.Event()
+        self._is_changed = self._is_closing = False
+        self._told_s = -math.inf
+        self._said: Values = {}
+        self._thread = threading.Thread(target=self._run, name="uwsim-station", daemon=True)
+
+    def start(self) -> None:
+        """Begin to beat."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Beat no more."""
+        self._is_closing = True
+        self._stirred.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def stir(self) -> None:
+        """Beat now: something may be due. On any thread."""
+        self._stirred.set()
+
+    def tell(self) -> None:
+        """Tell the state now, for it has changed. On any thread."""
+        self._is_changed = True
+        self._stirred.set()
+
+    def _run(self) -> None:
+        rest_s = 0.0
+        while not self._is_closing:
+            self._stirred.wait(rest_s)
+            self._stirred.clear()
+            running = self._station.running
+            try:
+                rest_s = self._beat(running, time.monotonic())
+            except NotRunningError:
+                LOGGER.debug("the simulator has stopped")
+            except Exception:
+                LOGGER.exception("the station's beat failed")
+                rest_s = STATE_S
+
+    def _beat(self, running: Running | None, now_s: float) -> float:
+        """Do what is due; return how long [s] nothing will be."""
+        if self._is_changed or now_s >= self._told_s + STATE_S:
+            self._is_changed, self._told_s = False, now_s
+            self._tell_state(running)
+        rests_s = [self._told_s + STATE_S - now_s]
+        if running is not None:
+            rests_s += [running.helm.beat(), running.views.beat(now_s)]
+        return max(min(rests_s), 0.0)
+
+    def _tell_state(self, running: Running | None) -> None:
+        if running is not None:
+            running.notice_changes()
+        state = self._state(running)
+        if state != self._said:
+            self._said = state
+            time_ns = 0 if running is None else running.live.time_ns
+            self._station.node.publish(STATE, message(STATION_STATE, **state), time_ns)
+
+    def _state(self, running: Running | None) -> Values:
+        station, lease = self._station, self._station.lease
+        state = {
+            "phase": station.phase if running is not None or station.phase != "running" else "idle",
+            "session": station.session,
+            "edition": 0 if running is None else running.edition,
+            "pilot": lease.pilot,
+            "pilot_silence": self._pilot_silence_s(),
+            "member_ids": list(lease.members),
+            "member_names": list(lease.members.values()),
+            "asking": list(lease.asking),
+            "recording": "" if running is None or running.recorder is None else running.recorder.path.name,
+        }
+        return state if running is None else state | _progress(running)
+
+    def _pilot_silence_s(self) -> float:
+        pilot = self._station.lease.pilot
+        silence_s = self._station.node.silence_s(pilot) if pilot else 0.0
+        return silence_s if silence_s >= SILENT_S else 0.0
+
+
+def _progress(running: Running) -> Values:
+    """Return how a simulator gets on."""
+    live = running.live
+    return {
+        "scenario": live.simulator.scenario.name,
+        "error": str(live.error or ""),
+        "time": 1e-9 * live.time_ns,
+        "paused": live.paused,
+        "speed": 0.0 if live.speed == "max" else live.speed,
+        "factor": live.factor,
+        "lateness": live.lateness,
+    }

@@ -1,0 +1,213 @@
+"""One simulator that the station runs: its channels, views and map, and what the page must know about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from uwsim.base.axes import AXES
+from uwsim.channels.feed import Feed
+from uwsim.channels.guest import GuestTopic, Node, Values
+from uwsim.channels.map import PLACED
+from uwsim.channels.own_types import MAP_CHANGES
+from uwsim.channels.served import served_table
+from uwsim.channels.source import Source
+from uwsim.channels.table import Wire
+from uwsim.commands import COMMANDS
+from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan, SingleBeam
+from uwsim.link import Carrier
+from uwsim.link.ashore import with_scans
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.arrivals import Arrivals
+from uwsim.operator.station.helm import Helm
+from uwsim.operator.station.scene import Scene
+from uwsim.operator.station.views import View, Views, title
+from uwsim.recording import Recorder
+from uwsim.recording.recorder import MAP_TYPE
+
+SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
+"""Channels that the page shows, by how they end: a modem has no room for more, unless the scenario says so."""
+SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
+
+
+def piloted_commands() -> list[str]:
+    """Return the commands that the pilot may give by name: `drive` steers, and anybody may call `all_stop`."""
+    return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
+
+
+class Running:
+    """A live simulator, which is started here and ended by `stop`.
+
+    Its map grows from the start, so that who comes late sees all of it. stir: is called when a picture may be due.
+    truth: whether the true position may be seen. edition: a number that changes when a parameter has changed, and
+    `describe` with it: see `notice_changes`.
+    """
+
+    def __init__(
+        self,
+        live: LiveSimulator,
+        node: Node,
+        stir: Callable[[], object],
+        *,
+        wire: Wire,
+        origin: str | Sequence[float],
+        truth: bool,
+        feed: Feed | None = None,
+    ) -> None:
+        sim = live.simulator
+        self.live = live
+        self.feed = feed or Feed(live)
+        self.truth = truth
+        self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
+        over_modem = sim.link is not None and sim.link.modem.kind == "modem"
+        self.carrier = None if sim.link is None else Carrier(live, table, only=SHOWN if over_modem else None)
+        self.maps = self.table.maps  # over a link, those that are made ashore
+        self.far = live if self.carrier is None else self.carrier.remote()  # as pilots command it
+        if self.carrier is not None:
+            table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
+        self.helm = Helm(self.far, self.table.steering)
+        self.scene = Scene(sim, self.table.sources)
+        self.views = Views(live, self.table, node, stir, over_link=sim.link is not None, truth=truth)
+        self.arrivals: Arrivals | None = None
+        if self.carrier is not None:
+            self.arrivals = Arrivals(live, self.carrier, self.views.views.values(), node)
+        self.recorder: Recorder | None = None
+        self.edition = 0
+        self._described = sim.parameters.scenario
+        self.snapshots: dict[str, Values] = {}  # what the panel said at the last snapshot of a view
+
+    def start(self) -> None:
+        """Step, and let the map grow."""
+        if not self.live.running:
+            self.live.start()
+        if self.carrier is not None:
+            self.carrier.start()
+        if self.arrivals is not None:
+            self.arrivals.start()
+        for name, ping_map in self.maps.items():
+            rate_hz = self.table.pings[name].rate_hz
+            self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
+
+    def notice_changes(self) -> None:
+        """Begin another edition if a parameter has changed since the last call."""
+        scenario = self.live.simulator.parameters.scenario
+        if scenario is not self._described:
+            self._described = scenario
+            self.edition += 1
+            self.views.renew()
+
+    def stop(self) -> None:
+        """Finish the recording, and stop stepping."""
+        self.stop_recording()
+        if self.carrier is not None:
+            self.carrier.close()
+        self.live.stop()
+
+    def record(self, path: Path) -> None:
+        """Record from now on: everything but pictures and maps, which would not be the same in a replay from here.
+
+        Raises ValueError, OSError.
+        """
+        if self.recorder is not None:
+            raise ValueError(f"{self.recorder.path.name} is being recorded already")
+        kept = [
+            channel.name
+            for channel in self.table.channels
+            if channel.direction == "out" and not channel.late and channel.type not in (MAP_TYPE, MAP_CHANGES)
+        ]
+        self.recorder = Recorder(self.live, path, topics=kept, shared=self.table, feed=self.feed).start()
+
+    def stop_recording(self) -> Path | None:
+        """Finish the recording; return its path, or None if there is none. Raises OSError."""
+        recorder, self.recorder = self.recorder, None
+        if recorder is None:
+            return None
+        recorder.close()
+        return recorder.path
+
+    def describe(self) -> Values:
+        """Return what `/station/describe` says, but the session."""
+        sim = self.live.simulator
+        scenario, optional = sim.parameters.scenario, {channel.name for channel in self.table.channels}
+        return {
+            "scenario": scenario.name,
+            "description": " ".join(scenario.description.split()),
+            "step_s": sim.step_s,
+            "mission_time_s": scenario.mission_time_s,
+            "seed": sim.seed,
+            "truth_allowed": self.truth,
+            "warnings": {"range_m": scenario.warnings.range_m, "proximity_m": scenario.warnings.proximity_m},
+            "vehicles": [self._vehicle(source, optional) for source in self.table.sources],
+            "views": [self._camera_view(view) for view in self.views.views.values()] + self._sonar_views(),
+            "scene": "/scene/scene.json",
+            "commands": piloted_commands(),
+        }
+
+    def topics(self) -> list[GuestTopic]:
+        """Return the topics of all views."""
+        return [*self.views.topics(), *(self.arrivals.topics() if self.arrivals is not None else [])]
+
+    def _camera_view(self, view: View) -> Values:
+        said = view.described()
+        if self.arrivals is None or view.name not in self.arrivals:
+            return said
+        aboard = {"aboard_topic": said["topic"], "aboard_small_topic": said["small_topic"]} if self.truth else {}
+        topics = {"topic": f"/station/view/{view.name}", "small_topic": f"/station/small/{view.name}"}
+        return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
+
+    def _sonar_views(self) -> list[Values]:
+        """Return the pictures of imaging sonars: channels like any other, at the pace of simulated time."""
+        return [
+            {
+                "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],
+                "vehicle": source.name, "frame_id": source.frame(f"{name}_link"), "width": 0, "height": 0,
+                "topic": f"/{source.topic(name)}/picture/compressed",
+                "small_topic": f"/{source.topic(name)}/picture/compressed",
+                **self._sonar_link(f"{source.topic(name)}/picture/compressed"),
+            }
+            for source in self.table.sources
+            for name, sonar in source.of(self.live.simulator).imaging_sonars.items()
+        ]  # fmt: skip
+
+    def _sonar_link(self, channel: str) -> Values:
+        return {} if self.arrivals is None else {"link": self.arrivals.pace(channel)}
+
+    def _vehicle(self, source: Source, optional: set[str]) -> Values:
+        vehicle = source.of(self.live.simulator)
+
+        def topic(name: str) -> str | None:
+            return f"/{source.topic(name)}" if source.topic(name) in optional else None
+
+        has_map = source.name in self.maps
+        tilt = sonar = None
+        if vehicle.sonars:
+            model = vehicle.sonar.model
+            rate_rad_s = model.tilt_rate_rad_s
+            tilt = {"min_rad": -0.5 * math.pi, "max_rad": 0.5 * math.pi, "rate_rad_s": rate_rad_s}
+            sonar = {
+                "name": model.name, "title": source.entry.sonar.title, "range_m": model.range_max_m,
+                "beams": model.beams, "fov_rad": model.field_of_view_rad,
+            }  # fmt: skip
+        motors = [
+            {"camera": name, "pan_deg": list(motor.pan_limits_deg), "tilt_deg": list(motor.tilt_limits_deg)}
+            for name, camera in vehicle.cameras.items()
+            if (motor := camera.mount.pan_tilt) is not None
+        ]
+        return {
+            "name": source.name,
+            "model": source.entry.model.name,
+            "prefix": source.prefix,
+            "telemetry": topic("telemetry"),
+            "scan": topic("ping"),
+            "link": topic("link"),
+            "map": f"/map/{source.name}" if has_map else None,
+            "map_changes": topic("map_changes"),
+            "pings_per_s": self.table.pings[source.name].rate_hz if has_map else 0.0,
+            "thrusters": list(vehicle.thrusters),
+            "lamps": list(vehicle.lamps),
+            "efforts": [axis for axis in AXES if axis in vehicle.controllable],
+            "tilt": tilt,
+            "sonar": sonar,
+            "motors": motors,
+        }

@@ -1,0 +1,110 @@
+"""The world for the page's 3D view: the bed as a grid of heights, obstacles, station and hulls as GLB."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.channels.guest import Values
+from uwsim.channels.source import Source
+from uwsim.scenario import vehicle_hull
+from uwsim.scenario.build.obstacles import obstacle_solid
+from uwsim.scenario.build.station import station_mesh
+from uwsim.scenario.build.terrain import Terrain, build_terrain
+from uwsim.simulator.simulator import Simulator
+
+T = TypeVar("T")
+GRID_MAX = 256  # points along an edge of the grid that is sent
+Mesh = tuple[NDArray[np.float64], NDArray[np.integer]]
+
+
+class Scene:
+    """Parts of a simulator's world, made when first asked for and kept. May be asked on any thread."""
+
+    def __init__(self, sim: Simulator, sources: list[Source]) -> None:
+        self._scenario = sim.scenario
+        self._sources = sources
+        self._origin_m = sources[0].origin_m
+        self._lock = threading.RLock()  # a mesh may need the terrain
+        self._made: dict[str, Any] = {}
+
+    def described(self) -> Values:
+        """Return `scene.json`. Positions are in odom, in which everything else is told."""
+        grid = self.grid()
+        rows, columns = grid.heights_m.shape
+        west_m, south_m = (float(value) for value in grid.origin_m + self._origin_m[:2])
+        station = self._scenario.station
+        return {
+            "terrain": {
+                "url": "/scene/terrain.f32", "rows": rows, "columns": columns, "west_m": west_m, "south_m": south_m,
+                "spacing_m": [grid.spacing_m, grid.spacing_m],
+            },
+            "meshes": [
+                {"name": name, "label": label, "url": f"/scene/mesh/{k}.glb"}
+                for k, (name, label, _) in enumerate(self._solids())
+            ],
+            "vehicles": [{"name": s.name, "url": f"/scene/vehicle/{s.name}.glb"} for s in self._sources],
+            "station_m": (np.asarray(station.position_m) + self._origin_m).tolist(),
+            "surface_m": float(self._origin_m[2]),
+        }  # fmt: skip
+
+    def grid(self) -> Terrain:
+        """Return the terrain, thinned to GRID_MAX points along an edge."""
+        return self._once("grid", lambda: thinned(self._terrain()))
+
+    def heights(self) -> bytes:
+        """Return `terrain.f32`."""
+        return np.asarray(self.grid().heights_m + self._origin_m[2], "<f4").tobytes()
+
+    def mesh(self, number: int) -> bytes:
+        """Return an obstacle, or the station, as GLB. Raises ValueError if there is none of this number."""
+        solids = self._solids()
+        if not 0 <= number < len(solids):
+            raise ValueError(f"mesh {number}: there are {len(solids)}")
+        _, _, make = solids[number]
+        return self._once(f"mesh {number}", lambda: glb(make(), self._origin_m))
+
+    def hull(self, name: str) -> bytes:
+        """Return a vehicle's hull as GLB, in body axes. Raises ValueError."""
+        models = {source.name: source.entry.model for source in self._sources}
+        if name not in models:
+            raise ValueError(f"vehicle '{name[:40]}': there is none")
+        return self._once(f"hull {name}", lambda: glb(vehicle_hull(models[name]), np.zeros(3)))
+
+    def _terrain(self) -> Terrain:
+        return self._once("terrain", lambda: build_terrain(self._scenario.terrain))
+
+    def _solids(self) -> list[tuple[str, str, Callable[[], Mesh]]]:
+        found: list[tuple[str, str, Callable[[], Mesh]]] = [
+            (obstacle.name, obstacle.kind, lambda o=obstacle: obstacle_solid(o, self._terrain())[:2])  # type: ignore[misc]
+            for obstacle in self._scenario.obstacles
+        ]
+        if self._scenario.station.mesh is not None:
+            found.append(("station", "station", lambda: station_mesh(self._scenario.station)))
+        return found
+
+    def _once(self, key: str, make: Callable[[], T]) -> T:
+        with self._lock:
+            if key not in self._made:
+                self._made[key] = make()
+            made: T = self._made[key]
+            return made
+
+
+def thinned(terrain: Terrain) -> Terrain:
+    """Return every n-th height along both axes, so that no edge has more than GRID_MAX points."""
+    stride = -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)) or 1
+    return Terrain(terrain.heights_m[::stride, ::stride], stride * terrain.spacing_m, terrain.origin_m)
+
+
+def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
+    """Return a mesh as a binary glTF without transforms: z is up as in the world, not as glTF has it."""
+    import trimesh
+
+    vertices, triangles = mesh
+    solid = trimesh.Trimesh(np.asarray(vertices) + offset_m, triangles, process=False)
+    return cast(bytes, solid.export(file_type="glb"))

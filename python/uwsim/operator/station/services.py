@@ -1,0 +1,141 @@
+"""The station's answers to its page, by service; see `calls`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any
+
+from uwsim.channels.guest import GuestService, Values
+from uwsim.channels.steering import require_link
+from uwsim.commands import COMMANDS
+from uwsim.operator.station.calls import CALLS
+from uwsim.operator.station.choice import ChoiceError, catalog, chosen, chosen_save
+from uwsim.operator.station.control import CONTROLS
+from uwsim.operator.station.helm import answered, wants_stop
+from uwsim.operator.station.running import Running, piloted_commands
+from uwsim.operator.station.saves import saved_names
+
+if TYPE_CHECKING:
+    from uwsim.operator.station.hub import Station
+
+DEAD_S = 3.0  # without anything from a pilot, not even an answer to a ping: others may take the controls
+
+
+class Services:
+    """Answers the station's calls."""
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self) -> list[GuestService]:
+        """Return what the station offers."""
+        return [
+            GuestService(
+                f"station/{name}", call.ros_type, _said(getattr(self, f"_{name}")), call.description, call.is_brief
+            )
+            for name, call in CALLS.items()
+            if not (call.is_start_screen and self._station.is_fixed)
+        ]
+
+    def _describe(self, caller: str, request: Values) -> Values:
+        running = self._station.present()
+        said = {"session": self._station.session, "edition": running.edition, "is_fixed": self._station.is_fixed}
+        return {"success": True, **said, "controls": self._controls(), **running.describe()}
+
+    def _controls(self) -> list[str]:
+        return [name for name in CONTROLS if not (self._station.is_fixed and name == "quit")]
+
+    def _join(self, caller: str, request: Values) -> Values:
+        self._station.lease.join(caller, request.get("name"))
+        self._station.tell()
+        return {"success": True, "message": "", "id": caller}
+
+    def _take_control(self, caller: str, request: Values) -> Values:
+        self._station.tell()
+        if self._station.lease.pilot != caller:
+            self._station.lease.take(caller, is_silent=self._station.node.silence_s(self._station.lease.pilot) > DEAD_S)
+            self._station.let_go()
+        return {"success": True, "message": ""}
+
+    def _hand_over(self, caller: str, request: Values) -> Values:
+        self._station.lease.hand_over(caller, request.get("to", ""))
+        self._station.let_go()
+        self._station.tell()
+        return {"success": True, "message": ""}
+
+    def _drive(self, caller: str, request: Values) -> Future[Values]:
+        self._station.lease.require_pilot(caller)
+        return self._station.present().helm.drive(request)
+
+    def _all_stop(self, caller: str, request: Values) -> Future[Values]:
+        if not wants_stop(request):
+            self._station.lease.require_pilot(caller)
+        running = self._station.present()
+        return running.helm.all_stop(request, _sent(running))
+
+    def _command(self, caller: str, request: Values) -> Future[Values]:
+        self._station.lease.require_pilot(caller)
+        name, vehicle, arguments = request.get("name"), request.get("vehicle"), request.get("args") or {}
+        if not isinstance(name, str) or name not in piloted_commands() or not isinstance(arguments, dict):
+            raise ValueError(f"command = {str(name)[:40]!r}: must be one of {', '.join(piloted_commands())}")
+        running = self._station.present()
+        live, text = running.far, ""
+        given = {str(key): value for key, value in arguments.items()}
+        if COMMANDS[name].crosses_link:
+            require_link(live, vehicle or next(iter(live.simulator.vehicles)), name)
+            text = _sent(running)
+        return answered(live, live.command(name, **({"vehicle": vehicle} if vehicle else {}), **given), text=text)
+
+    def _set_view(self, caller: str, request: Values) -> Values:
+        self._station.present().views.set_size(request)
+        return {"success": True, "message": ""}
+
+    def _catalog(self, caller: str, request: Values) -> Values:
+        found = catalog(self._station.offered)
+        defaults = found["defaults"] | ({"link": self._station.link} if self._station.link else {})
+        return {**found, "defaults": defaults, "saves": saved_names(self._station.folder)}
+
+    def _check(self, caller: str, request: Values) -> Values:
+        if request.get("saved") is None:
+            scenario, _ = chosen(request, self._station.offered)
+            if self._station.phase == "idle" and caller in self._station.lease.members:
+                self._station.prepared.want(scenario)
+        else:
+            chosen_save(request, saved_names(self._station.folder))
+        return {"success": True, "message": "", "errors": {}}
+
+    def _start(self, caller: str, request: Values) -> Values:
+        if self._station.running is not None:
+            self._station.lease.require_pilot(caller)
+        self._station.start(request)
+        return {"success": True, "message": "", "errors": {}}
+
+    def _control(self, caller: str, request: Values) -> Values:
+        self._station.lease.require_pilot(caller)
+        action = request.get("action")
+        if action not in self._controls():
+            raise ValueError(f"action = {str(action)[:40]!r}: must be one of {', '.join(self._controls())}")
+        live = self._station.present().live
+        said = CONTROLS[action](self._station, request)
+        self._station.tell()
+        return {"success": True, "message": said or "", "tick": live.tick}
+
+
+def _sent(running: Running) -> str:
+    """Return what is answered to a command that has been given to the link, if there is one."""
+    return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
+
+
+def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
+    """Return a service whose mistakes are said in its answer."""
+
+    def answer(caller: str, request: Values) -> Any:
+        try:
+            return call(caller, request)
+        except ChoiceError as error:
+            return {"success": False, "message": str(error), "errors": error.errors}
+        except (ValueError, RuntimeError, OSError) as error:
+            return {"success": False, "message": str(error)}
+
+    return answer

@@ -1,0 +1,160 @@
+"""What the station serves over HTTP: the page's own files, previews of scenarios, the scene, maps and snapshots."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from http import HTTPStatus
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import parse_qs, unquote, urlsplit
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from uwsim.operator.station.downloads import cloud, depth_tiff, map_file, snapshot_json, snapshot_png
+from uwsim.operator.station.hub import Station
+
+PAGE = Path(__file__).resolve().with_name("page")
+TYPES = {
+    ".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml", ".png": "image/png",
+    ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
+}  # fmt: skip
+OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
+WAITING_MAX = 40  # requests for what must be made
+DATA = re.compile(r"/(scene|map|snapshot|preview)/")
+PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
+
+
+class File(NamedTuple):
+    """What is sent. name: as which a browser saves it, "" if it shows it."""
+
+    body: bytes
+    type: str
+    name: str = ""
+
+
+class Site:
+    """Answers the server's HTTP requests; what takes time is made on threads of its own.
+
+    may_load: whether a request may have more than the page's own files: such as one with the token.
+    """
+
+    def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:
+        self._station = station
+        self._may_load = may_load
+        self._waiting = 0
+        self._pool = ThreadPoolExecutor(2, thread_name_prefix="uwsim-site")
+
+    async def __call__(self, request: Request) -> Response:
+        """Return the answer to a GET."""
+        path = unquote(urlsplit(request.path).path)
+        if not DATA.match(path):
+            return _page_file(request, path)
+        if request.headers.get("Sec-Fetch-Site", "") == "cross-site" and "Origin" not in request.headers:
+            return _answer(request, HTTPStatus.FORBIDDEN, File(b"not for pictures of other pages\n", "text/plain"))
+        if self._waiting >= WAITING_MAX:
+            return _answer(request, HTTPStatus.SERVICE_UNAVAILABLE, File(b"too much is being made\n", "text/plain"))
+        if not self._may_load(request):
+            return _answer(request, HTTPStatus.UNAUTHORIZED, File(b"the token is missing or wrong\n", "text/plain"))
+        self._waiting += 1
+        try:
+            file = await asyncio.get_running_loop().run_in_executor(self._pool, self._made, path)
+        except LookupError:
+            return _not_found(request)
+        except (ValueError, RuntimeError, OSError) as error:
+            return _answer(request, HTTPStatus.NOT_FOUND, File(f"{error}\n".encode(), "text/plain; charset=utf-8"))
+        finally:
+            self._waiting -= 1
+        return _answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
+
+    def _made(self, path: str) -> File:
+        """Make what a path stands for. Raises LookupError if nothing, ValueError if it cannot be made now."""
+        asked = PREVIEW.fullmatch(path)
+        if asked is not None:
+            return File(self._station.preview(asked[1]), TYPES[".png"])
+        running = self._station.present()
+        for pattern, make in ROUTES:
+            match = re.fullmatch(pattern, path)
+            if match is not None:
+                body, name = make(running, *match.groups())
+                suffix = Path(path).suffix
+                return File(body, TYPES.get(suffix, "application/octet-stream"), name)
+        raise LookupError(path)
+
+
+ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
+    (r"/scene/scene\.json", lambda running: (json.dumps(running.scene.described()).encode(), "")),
+    (r"/scene/terrain\.f32", lambda running: (running.scene.heights(), "")),
+    (r"/scene/mesh/(\d{1,5})\.glb", lambda running, number: (running.scene.mesh(int(number)), "")),
+    (r"/scene/vehicle/([^/]+)\.glb", lambda running, name: (running.scene.hull(name), "")),
+    (r"/map/([^/]+)\.bt", lambda running, name: (map_file(running, name), f"{name}.bt")),
+    (r"/map/([^/]+)\.(ply|pcd)", lambda running, name, suffix: (cloud(running, name, suffix), f"{name}.{suffix}")),
+    (r"/map/([^/]+)\.tif", lambda running, name: (depth_tiff(running, name), f"{name}.tif")),
+    (r"/snapshot/(.+)\.png", lambda running, view: (snapshot_png(running, view), f"{view.replace('/', '-')}.png")),
+    (r"/snapshot/(.+)\.json", lambda running, view: (snapshot_json(running, view), f"{view.replace('/', '-')}.json")),
+]
+
+
+def _page_file(request: Request, path: str) -> Response:
+    if not path.isprintable():
+        return _not_found(request)
+    found = (PAGE / (path.lstrip("/") or "index.html")).resolve()
+    if not found.is_relative_to(PAGE) or not found.is_file():
+        return _not_found(request)
+    file, tag = _read(found, found.stat().st_mtime_ns)
+    headers = {"Cache-Control": "no-cache", "ETag": tag}
+    if tag in [offered.strip() for offered in request.headers.get("If-None-Match", "").split(",")]:
+        return _answer(request, HTTPStatus.NOT_MODIFIED, File(b"", file.type), headers)
+    return _answer(request, HTTPStatus.OK, file, headers)
+
+
+@lru_cache(200)
+def _read(path: Path, changed_ns: int) -> tuple[File, str]:
+    """Return a file and its tag."""
+    body = path.read_bytes()
+    kind = TYPES.get(path.suffix, "application/octet-stream")
+    kind += "; charset=utf-8" if kind.startswith("text/") else ""
+    return File(body, kind), f'"{hashlib.sha256(body).hexdigest()[:20]}"'
+
+
+def _not_found(request: Request) -> Response:
+    return _answer(request, HTTPStatus.NOT_FOUND, File(b"there is no such page\n", "text/plain"))
+
+
+def _answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, str] | None = None) -> Response:
+    headers = Headers({"Content-Type": file.type, "Content-Length": str(len(file.body)), "Connection": "close"})
+    if file.name:
+        headers["Content-Disposition"] = f'attachment; filename="{re.sub(r"[^A-Za-z0-9_.-]", "_", file.name)}"'
+    for name, value in {**_safe(request), **(extra or {})}.items():
+        headers[name] = value
+    return Response(status, status.phrase, headers, file.body)
+
+
+def _safe(request: Request) -> dict[str, str]:
+    """Return the headers that keep everything on this server: no foreign scripts, pictures, sockets or frames."""
+    host = request.headers["Host"]  # known, or an address: the door has seen it
+    sockets = [f"ws://{host}", f"wss://{host}"]
+    other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")
+    if OTHER_BRIDGE.fullmatch(other):
+        sockets += [other, other.replace("ws", "http", 1)]
+    policy = (
+        "default-src 'none'; script-src 'self'; style-src 'self'; font-src 'self'; img-src 'self' blob: data:; "
+        f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    origin = request.headers.get("Origin")  # of a page that the door let in: it may read what it loads
+    return {
+        "Content-Security-Policy": policy,
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cross-Origin-Opener-Policy": "same-origin",
+        "Cross-Origin-Resource-Policy": "cross-origin" if origin else "same-origin",
+        "Vary": "Origin",
+        **({"Access-Control-Allow-Origin": origin} if origin else {}),
+    }

@@ -1,0 +1,128 @@
+"""The page's part of the wire, `page/wire/messages.js`, from the tables: `python -m uwsim.operator.station.wire_js`.
+
+It has a function for each service of the station, the types of what they return and of what topics carry, and the
+commands.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, get_args, get_origin
+
+from uwsim.base.axes import AXES
+from uwsim.channels.message_types import Kind, fields
+from uwsim.channels.own_types import ALL_STOPPED, LINK, MAP_CHANGES, STATION_STATE, TELEMETRY
+from uwsim.commands import COMMANDS
+from uwsim.operator.station.calls import CALLS, Call
+from uwsim.operator.station.wire import Message, Refused
+
+PATH = Path(__file__).parent / "page/wire/messages.js"
+TOPIC_TYPES = (STATION_STATE, TELEMETRY, MAP_CHANGES, LINK)
+HEAD = """\
+// Made by `python -m uwsim.operator.station.wire_js` from commands, messages and calls.py: do not edit.
+"""
+NUMBER = re.compile(r"u?int\d+|float\d+|byte|octet")
+
+
+def messages_js() -> str:
+    """Return the module's text."""
+    parts = [HEAD, _constants(), *map(_topic_type, TOPIC_TYPES), *_typedefs(), *map(_function, CALLS.values())]
+    return "\n".join(parts)
+
+
+def _constants() -> str:
+    types = {name.split("/")[-1]: name.replace("/msg/", "/") for name in TOPIC_TYPES}
+    piloted = [command for command in COMMANDS.values() if command.is_piloted]
+    commands = {command.name: [argument.name for argument in command.arguments] for command in piloted}
+    services = [name for name in commands if COMMANDS[name].service]
+    return "".join(
+        f"{comment}export const {name} = {_literal(value)};\n"
+        for name, value, comment in (
+            ("AXES", list(AXES), ""),
+            ("ALL_STOPPED", ALL_STOPPED, "// The alarm in the telemetry of a vehicle whose all stop is set.\n"),
+            ("TYPES", types, "// The types of topics, by their last name.\n"),
+            ("COMMANDS", commands, "// The arguments of each command that the pilot may give by name.\n"),
+            ("SERVICES", services, "// Those that are services of a vehicle, too.\n"),
+        )
+    )
+
+
+def _literal(value: Any) -> str:
+    """Return a constant as prettier writes it."""
+    if isinstance(value, dict):
+        return "{\n" + "".join(f"  {key}: {_literal(item)},\n" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_literal, value)) + "]"
+    return json.dumps(value).replace('"', "'")
+
+
+def _function(call: Call) -> str:
+    """Return the function that calls a service: it sends the fields that the service knows, and no others."""
+    name = re.sub(r"_(\w)", lambda match: match[1].upper(), call.name)
+    names = list(call.request.model_fields)
+    given = f"{{ {', '.join(names)} }}" if names else ""
+    head = f"export const {name} = (bridge{', ' + given if names else ''}) =>"
+    body = f"bridge.call('/station/{call.name}'{', ' + given if names else ''});"
+    line = f"{head} {body}"
+    sentence = call.description[0].upper() + call.description[1:]
+    comment = f"// {sentence}.\n/** @returns {{Promise<{call.answer.__name__} | Refused>}} */\n"
+    return comment + (line if len(line) <= 120 else f"{head}\n  {body}") + "\n"
+
+
+def _typedefs() -> Iterator[str]:
+    """Give the types of all answers, each after those that it consists of."""
+    done: dict[str, str] = {}
+
+    def visit(found: Any) -> None:
+        for part in get_args(found):
+            visit(part)
+        if not (isinstance(found, type) and issubclass(found, Message)) or found.__name__ in done:
+            return
+        rows = []
+        for name, field in found.model_fields.items():
+            visit(field.annotation)
+            key = name if field.is_required() else f"[{name}]"
+            rows.append(f" * @property {{{_js(field.annotation)}}} {key}\n")
+        head = f"/** {found.__doc__}\n * @typedef {{object}} {found.__name__}\n"
+        done[found.__name__] = f"{head}{''.join(rows)} */\n"
+
+    for answer in (*(call.answer for call in CALLS.values()), Refused):
+        visit(answer)
+    yield from done.values()
+
+
+def _js(hint: Any) -> str:
+    """Return a Python type as JSDoc writes it."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is Literal:
+        return " | ".join(_literal(part) for part in parts)
+    if origin is UnionType:
+        return " | ".join(_js(part) for part in parts)
+    if origin is list:
+        inner = _js(parts[0])
+        return f"({inner})[]" if "|" in inner else f"{inner}[]"
+    if origin is dict:
+        return f"Record<string, {_js(parts[1])}>"
+    names = {str: "string", int: "number", float: "number", bool: "boolean", NoneType: "null", Any: "any"}
+    return names[hint] if hint in names else str(hint.__name__)
+
+
+def _topic_type(name: str) -> str:
+    rows = [f" * @property {{{_ros(field.kind)}}} {field.name}\n" for field in fields(name, 2)]
+    return f"/** @typedef {{object}} {name.split('/')[-1]}\n{''.join(rows)} */\n"
+
+
+def _ros(kind: Kind) -> str:
+    """Return a ROS type as the page has it: arrays of numbers are typed arrays."""
+    base = "number" if NUMBER.fullmatch(kind.base) else {"string": "string", "bool": "boolean"}.get(kind.base, "object")
+    if kind.length is None:
+        return base
+    return "ArrayLike<number>" if base == "number" else f"{base}[]"
+
+
+if __name__ == "__main__":
+    PATH.write_text(messages_js())

@@ -1,0 +1,254 @@
+"""The wire between the pilot's terminal and a vehicle: a plain rosbridge client of the published topics.
+
+One thread listens, another sends the efforts of this moment, so that they end in time even if the screen hangs. They
+are said PERIODS apart while the pilot has the helm: a vehicle knows by it that he is there.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from websockets.exceptions import WebSocketException
+
+from uwsim.bridges.nodes.node import Node
+from uwsim.channels.key import POSE, Function, key_message
+from uwsim.operator.teleop.hands import ZERO, Hands
+from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
+
+PERIOD_S = 0.05  # at which the hands are asked
+STOP_AGAIN_S = 1.0  # until an all stop that has not been answered is asked for again
+REPEAT_S = 0.2  # at which unchanged efforts are said again
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # between attempts to connect
+ANSWER_S = 3.0  # for which a server may take to list its topics
+STOP_S = 2.0
+QUEUE = 2  # messages of a topic that may wait: a pilot wants the newest
+
+
+class Connection:
+    """Keeps a terminal connected to a rosbridge server.
+
+    vehicle: whose topics are meant where there are several. say: is told, on any thread, what the pilot should read.
+    Raises ValueError for a url that is none.
+    """
+
+    def __init__(
+        self, url: str, hands: Hands, vehicle: str | None = None, say: Callable[[str], object] = lambda text: None
+    ) -> None:
+        if not url.startswith(("ws://", "wss://")):
+            raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+        self.url = url
+        self.hands = hands
+        self.say = say
+        self.readout = Readout()
+        self.state = "connecting"
+        self.heard_s = -float("inf")  # when telemetry came last
+        self.interval_s = 0.0  # between the last two
+        self._vehicle = vehicle
+        self._prefix = ""
+        self._node: Node | None = None
+        self._publish: Callable[[Any], None] = lambda message: None
+        self._sending = threading.Lock()  # guards the node, and what was said and asked for last
+        self._efforts, self._tilt, self._said_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
+        self._stop_asked_s: float | None = None  # when all stop was asked for last, while it is not known to be set
+        self._stopping = threading.Event()
+        self._threads = [
+            threading.Thread(target=run, name=f"uwsim-teleop-{name}", daemon=True)
+            for name, run in (("listen", self._listen), ("send", self._send_on))
+        ]
+
+    def start(self) -> None:
+        """Begin to connect."""
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Put the efforts to zero, say so to the vehicle, and disconnect. May be called twice, on any thread."""
+        self.hands.drop()
+        with self._sending:
+            if self._node is not None and self._any_effort_said():
+                self._say_efforts(dict(ZERO), Function.TILT_HOLD)
+            node, self._node = self._node, None
+        self._stopping.set()
+        if node is not None:
+            node.close()  # what was sent before arrives before
+        for thread in self._threads:
+            if thread is not threading.current_thread() and thread.is_alive():
+                thread.join(STOP_S)
+
+    @property
+    def silence_s(self) -> float:
+        """For how long no telemetry has come."""
+        return time.monotonic() - self.heard_s
+
+    def do(self, function: Function) -> None:
+        """Ask for a function of the published wire, such as the release."""
+        with self._sending:
+            if self._node is None:
+                self.say("not connected")
+            else:
+                self._say_efforts(self._efforts, function)
+
+    def call(self, service: str) -> None:
+        """Call a service of the vehicle; what it answers is said."""
+        with self._sending:
+            if self._node is None:
+                self.say("not connected")
+            else:
+                self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._tell_answer(service)))
+
+    def all_stop(self, *, on: bool) -> None:
+        """Set all stop, or release it. Until a server has set it, it is asked for again, in later connections, too."""
+        with self._sending:
+            if on and self._stop_asked_s is not None:
+                return  # the key repeats
+            self._stop_asked_s = -math.inf if on else None
+            if self._node is None:
+                self.say("not connected: all stop is sent as soon as it is" if on else "not connected")
+            elif on:
+                self._ask_to_stop()
+            else:
+                answered = self._tell_answer("release of all stop")
+                self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": False}))
+
+    def _ask_to_stop(self) -> None:
+        self._stop_asked_s = time.monotonic()
+        tell = self._tell_answer("all stop")
+
+        def answered(response: dict[str, Any]) -> None:
+            values = response.get("values")
+            is_refused = isinstance(values, dict) and not values.get("success", True)
+            if not (response.get("result") and is_refused):
+                with self._sending:  # it is set, or the server has no such service: the efforts are zero there
+                    self._stop_asked_s = None
+            tell(response)
+
+        self._guarded(lambda node: node.call(f"/{self._prefix}all_stop", answered, {"data": True}))
+
+    def _tell_answer(self, service: str) -> Callable[[dict[str, Any]], None]:
+        def tell(response: dict[str, Any]) -> None:
+            values = response.get("values")
+            if response.get("result") and isinstance(values, dict) and values.get("success", True):
+                self.say(f"{service}: {values.get('message') or 'done'}")
+            else:
+                self.say(f"{service}: {values.get('message') if isinstance(values, dict) else values}")
+
+        return tell
+
+    # Listening
+
+    def _listen(self) -> None:
+        wait_s, last = FIRST_WAIT_S, ""
+        while not self._stopping.is_set():
+            try:
+                node = Node(self.url, QUEUE)
+            except (OSError, WebSocketException) as error:
+                text = f"{self.url}: {error}"
+                if text != last:
+                    self.say(text)
+                last = text
+                self._stopping.wait(wait_s)
+                wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
+                continue
+            wait_s, last = FIRST_WAIT_S, ""
+            try:
+                self._converse(node)
+            except (OSError, ValueError, WebSocketException) as error:
+                self.say(f"{self.url}: {error}")
+            finally:
+                self._forget(node)
+            if not self._stopping.is_set():
+                self.say("the connection is lost: efforts are zero")
+                self._stopping.wait(FIRST_WAIT_S)
+
+    def _converse(self, node: Node) -> None:
+        node.complain = self.say
+        offered = self._offered(node)
+        self._prefix = self._found_prefix(offered)
+        key = f"{self._prefix}key"
+        if offered and key not in offered:
+            raise ValueError("the server has no topic 'key': start it with --wire both or published")
+        for name, (kind, take) in topics_to_hear(offered, self._prefix).items():
+            node.subscribe(f"/{name}", kind, self._taker(take))
+        with self._sending:
+            self._publish = node.advertise(f"/{key}", POSE)
+            self._node = node
+            self._efforts, self._tilt = dict(ZERO), Function.TILT_HOLD
+        self.state = "connected"
+        self.say(f"connected to {self.url}")
+        node.spin(self._stopping.is_set)
+
+    def _forget(self, node: Node) -> None:
+        self.state = "lost"
+        self.hands.drop()
+        with self._sending:
+            self._node = None
+        node.close()
+
+    def _offered(self, node: Node) -> set[str]:
+        """Return the server's topics, or none if it does not say: then they are taken to be the published ones."""
+        answers: list[dict[str, Any]] = []
+        node.call("/rosapi/topics", answers.append)
+        deadline_s = time.monotonic() + ANSWER_S
+        node.spin(lambda: bool(answers) or time.monotonic() > deadline_s or self._stopping.is_set())
+        values = answers[0].get("values") if answers and answers[0].get("result") else None
+        topics = values.get("topics", []) if isinstance(values, dict) else []
+        return {str(topic).lstrip("/") for topic in topics}
+
+    def _found_prefix(self, offered: set[str]) -> str:
+        vehicles = sorted(name.removesuffix("/key") for name in offered if name.endswith("/key"))
+        if self._vehicle is None or (not vehicles and "key" in offered):
+            return "" if "key" in offered or not vehicles else f"{vehicles[0]}/"
+        if offered and self._vehicle not in vehicles:
+            raise ValueError(f"--vehicle = {self._vehicle!r}: the server has {', '.join(vehicles) or 'no vehicle'}")
+        return f"{self._vehicle}/"
+
+    def _taker(self, take: Callable[[Readout, Any], None]) -> Callable[[Any], None]:
+        def taken(message: Any) -> None:
+            try:
+                take(self.readout, message)
+            except (ValueError, AttributeError) as error:
+                self.say(str(error))
+            if take in PANELS:
+                now_s = time.monotonic()
+                self.interval_s = now_s - self.heard_s if math.isfinite(self.heard_s) else 0.0
+                self.heard_s = now_s
+
+        return taken
+
+    # Sending
+
+    def _send_on(self) -> None:
+        while not self._stopping.wait(PERIOD_S):
+            efforts, tilt = self.hands.efforts(), self.hands.tilt()
+            with self._sending:
+                if self._node is None:
+                    continue
+                if self._stop_asked_s is not None and time.monotonic() - self._stop_asked_s >= STOP_AGAIN_S:
+                    self._ask_to_stop()
+                due = self.hands.has_helm and time.monotonic() - self._said_s >= REPEAT_S
+                if tilt != self._tilt:
+                    self._say_efforts(efforts, tilt)
+                elif efforts != self._efforts or due:
+                    self._say_efforts(efforts, Function.NONE)
+                self._tilt = tilt
+
+    def _any_effort_said(self) -> bool:
+        return self._efforts != ZERO or self._tilt != Function.TILT_HOLD or self.hands.has_helm
+
+    def _say_efforts(self, efforts: dict[str, float], function: Function) -> None:
+        """Publish efforts and a function."""
+        message = key_message(efforts, function)
+        self._efforts, self._said_s = dict(efforts), time.monotonic()
+        self._guarded(lambda node: self._publish(message))
+
+    def _guarded(self, act: Callable[[Node], object]) -> None:
+        """Act with the node, unless its connection ends just now: whoever listens will say so."""
+        try:
+            if self._node is not None:
+                act(self._node)
+        except (OSError, WebSocketException):
+            self._node = None

@@ -1,0 +1,51 @@
+"""Fly from the terminal until the pilot quits: whatever ends it, the efforts are zero afterwards."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from uwsim.operator.teleop.app import TeleopApp
+from uwsim.operator.teleop.connection import Connection
+from uwsim.operator.teleop.gamepad import Gamepads
+from uwsim.operator.teleop.hands import Hands
+
+
+class _ToScreen(logging.Handler):
+    """Shows warnings on the pilot's screen, which they would spoil on stderr."""
+
+    def __init__(self, app: TeleopApp) -> None:
+        super().__init__(logging.WARNING)
+        self._app = app
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._app.tell(record.getMessage())
+
+
+def fly(url: str, name: str, vehicle: str | None = None) -> tuple[list[str], int]:
+    """Show the pilot's screen until he quits; return the marked places and the exit code. Raises ValueError."""
+    connection = Connection(url, Hands(), vehicle)
+    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads keys and draws
+        if not stream.isatty():
+            raise ValueError(
+                f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"
+            )
+    app = TeleopApp(connection, name, Gamepads())
+    try:
+        with _logging_to(app):
+            app.run()
+    finally:
+        connection.stop()
+    return app.marks, app.return_code or 0
+
+
+@contextmanager
+def _logging_to(app: TeleopApp) -> Iterator[None]:
+    handler, root = _ToScreen(app), logging.getLogger()
+    root.addHandler(handler)
+    try:
+        yield
+    finally:
+        root.removeHandler(handler)

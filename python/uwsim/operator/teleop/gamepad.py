@@ -1,0 +1,92 @@
+"""Gamepads through SDL (pygame-ce, the extra 'gamepad'), with the sticks and buttons of the station's page.
+
+Sticks as on most ROVs: the left one climbs and turns, the right one goes ahead and sideways. SDL's database gives every
+known pad the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
+"""
+
+from __future__ import annotations
+
+import os
+from importlib.util import find_spec
+from typing import Any, Protocol
+
+from uwsim.operator.teleop.keys import ALL_STOP, LESS, MARK, MORE
+
+DEAD_ZONE = 0.12
+FULL = 32767  # of an SDL axis
+STICKS = (("yaw", -1.0), ("heave", -1.0), ("sway", -1.0), ("surge", -1.0))  # SDL: left x, left y, right x, right y
+BUTTONS = {
+    0: ALL_STOP, 1: MARK, 2: "]", 3: "[", 6: "r", 9: LESS, 10: MORE, 11: ".", 12: ",", 13: ";", 14: "'",
+}  # fmt: skip
+"""SDL's numbers: a, b, x, y, start, left and right shoulder, cross up, down, left, right."""
+
+
+class Pad(Protocol):
+    """An SDL game controller."""
+
+    def get_axis(self, axis: int) -> int:
+        """Return an axis, -32768 to 32767."""
+
+    def get_button(self, button: int) -> bool:
+        """Return whether a button is down."""
+
+
+def shaped(value: int) -> float:
+    """Return an axis in [-1, 1]: no drift at rest, fine near the middle, full at the end."""
+    size = min(abs(value) / FULL, 1.0)
+    if size < DEAD_ZONE:
+        return 0.0
+    share = ((size - DEAD_ZONE) / (1.0 - DEAD_ZONE)) ** 1.5
+    return float(-share if value < 0 else share)
+
+
+def stick_efforts(pad: Pad) -> dict[str, float]:
+    """Return the efforts of the sticks by axis."""
+    return {axis: sign * shaped(pad.get_axis(k)) for k, (axis, sign) in enumerate(STICKS)}
+
+
+class Gamepads:
+    """The first gamepad that is plugged in. name: "" without one. is_possible: whether pygame-ce is installed."""
+
+    def __init__(self) -> None:
+        self.name = ""
+        self.is_possible = find_spec("pygame") is not None
+        self._pad: Any = None
+        self._pressed: set[int] = set()
+        if self.is_possible:
+            os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # no window: the pads alone
+            os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
+            os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+            import pygame
+            from pygame._sdl2 import controller
+
+            pygame.display.init()  # whose loop of events the pads need
+            controller.init()
+            self._pygame, self._controller = pygame, controller
+
+    def look(self) -> None:
+        """Look for a pad if there is none, and whether the one that was there still is. Call it every second or so."""
+        if not self.is_possible:
+            return
+        if self._pad is not None and not self._pad.attached():
+            self._pad, self.name, self._pressed = None, "", set()
+        if self._pad is None:
+            for index in range(self._controller.get_count()):
+                if self._controller.is_controller(index):
+                    self._pad = self._controller.Controller(index)
+                    self.name = str(self._pad.name)
+                    return
+
+    def poll(self) -> tuple[dict[str, float], list[str], list[str]]:
+        """Return the sticks' efforts, and the keys whose buttons have just been pressed, and let go."""
+        if self._pad is None:
+            return {}, [], []
+        self._pygame.event.pump()
+        return self.read(self._pad)
+
+    def read(self, pad: Pad) -> tuple[dict[str, float], list[str], list[str]]:
+        """Do the same for a given pad."""
+        down = {button for button in BUTTONS if pad.get_button(button)}
+        pressed, let_go = down - self._pressed, self._pressed - down
+        self._pressed = down
+        return stick_efforts(pad), [BUTTONS[b] for b in sorted(pressed)], [BUTTONS[b] for b in sorted(let_go)]

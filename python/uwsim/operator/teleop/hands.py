@@ -1,0 +1,127 @@
+"""The pilot's hands: keys and sticks become efforts, which end by themselves.
+
+A terminal tells of a key only that it was typed, and again as it repeats: not that it was let go. So an effort holds
+for FIRST_HOLD_S after a key was first typed, within which a keyboard begins to repeat, and for REPEAT_HOLD_S after each
+repeat. Only the last of several held keys repeats: the others hold as long as it does. Terminals with the kitty
+keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) tell when a key is let go; there an effort holds
+until then.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+
+from uwsim.base.axes import AXES
+from uwsim.channels.key import Function
+from uwsim.operator.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING
+
+FIRST_HOLD_S = 0.7  # keyboards wait for 0.25 to 0.66 s before they repeat
+REPEAT_HOLD_S = 0.25  # and repeat at 10 Hz or more; the rest is for slow networks
+STALL_S = 1.0  # without a beat, after which everything is let go: the screen hangs, and with it what hears of releases
+SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
+ZERO = dict.fromkeys(AXES, 0.0)
+
+
+class Hands:
+    """What the pilot asks for now. Any thread may ask.
+
+    has_helm: whether the pilot steers; he takes the helm with the first driving key or stick.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._held: dict[str, float] = {}  # until when, by the clock
+        self._sticks: dict[str, float] = {}
+        self._share = SHARES.index(0.5)
+        self._beaten_s = math.inf
+        self.has_helm = False
+        self.tells_releases = False  # whether the terminal tells when a key is let go
+
+    @property
+    def share(self) -> float:
+        """The effort of a key, of full effort."""
+        return SHARES[self._share]
+
+    def change_share(self, steps: int) -> None:
+        """Make keys and sticks stronger or weaker."""
+        self._share = min(max(self._share + steps, 0), len(SHARES) - 1)
+
+    def beat(self) -> None:
+        """Tell that the screen is alive. Whoever has beaten once must go on several times a second."""
+        self._beaten_s = self._clock()
+
+    def press(self, key: str) -> None:
+        """Take note that a key was typed, or has repeated."""
+        with self._lock:
+            if key == ALL_STOP:
+                self._drop()
+                self.has_helm = True
+            elif key == LET_GO:
+                self._drop()
+                self.has_helm = False
+            elif key in DRIVING or key in TILTING:
+                self._hold(key)
+
+    def _hold(self, key: str) -> None:
+        now_s = self._clock()
+        self._forget(now_s)
+        self.has_helm = self.has_helm or key in DRIVING
+        is_new = key not in self._held
+        self._held = {other: until_s for other, until_s in self._held.items() if not _opposed(key, other)}
+        hold_s = math.inf if self.tells_releases else FIRST_HOLD_S if is_new else REPEAT_HOLD_S
+        for held in {key, *self._held}:
+            self._held[held] = max(self._held.get(held, -math.inf), now_s + hold_s)
+
+    def let_go(self, key: str) -> None:
+        """Take note that a key was let go."""
+        with self._lock:
+            self._held.pop(key, None)
+
+    def set_sticks(self, efforts: Mapping[str, float]) -> None:
+        """Take the sticks of a gamepad: efforts in [-1, 1] by axis, held until the next call."""
+        with self._lock:
+            self._sticks = dict(efforts)
+            self.has_helm = self.has_helm or any(efforts.values())
+
+    def drop(self) -> None:
+        """Let everything go: each key must be pressed anew."""
+        with self._lock:
+            self._drop()
+
+    def _drop(self) -> None:
+        self._held.clear()
+        self._sticks = {}
+
+    def efforts(self) -> dict[str, float]:
+        """Return the efforts of this moment, in [-1, 1] by axis."""
+        with self._lock:
+            self._forget(self._clock())
+            efforts = dict(ZERO)
+            for key in self._held:
+                if key in DRIVING:
+                    axis, direction = DRIVING[key]
+                    efforts[axis] += direction
+            for axis, effort in self._sticks.items():
+                efforts[axis] += effort
+            return {axis: self.share * min(max(effort, -1.0), 1.0) for axis, effort in efforts.items()}
+
+    def tilt(self) -> Function:
+        """Return what the sonar's head is to do: tilt while its key is held, else hold."""
+        with self._lock:
+            self._forget(self._clock())
+            return next((TILTING[key] for key in self._held if key in TILTING), Function.TILT_HOLD)
+
+    def _forget(self, now_s: float) -> None:
+        """Forget the keys that hold no longer."""
+        if now_s - self._beaten_s > STALL_S:
+            self._drop()
+        self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}
+
+
+def _opposed(key: str, other: str) -> bool:
+    """Whether two keys drive the same axis in opposite directions."""
+    return key != other and key in DRIVING and other in DRIVING and DRIVING[key][0] == DRIVING[other][0]

@@ -1,6 +1,0 @@
-"""Parameters that can be changed while a simulator runs, with the scenario's names and rules."""
-
-from uwsim.parameters.parameter import Parameter
-from uwsim.parameters.parameters import Parameters, UnknownParameterError
-
-__all__ = ["Parameter", "Parameters", "UnknownParameterError"]

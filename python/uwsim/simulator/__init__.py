@@ -1,0 +1,16 @@
+"""The simulator: its steps, vehicles, parameters, failures and docking."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from uwsim.simulator.simulator import Simulator
+
+__all__ = ["Simulator"]
+
+
+def __getattr__(name: str) -> Any:  # on first use: the modules of this room import each other by way of it
+    if name != "Simulator":
+        raise AttributeError(f"module 'uwsim.simulator' has no attribute '{name}'")
+    from uwsim.simulator.simulator import Simulator
+
+    return Simulator

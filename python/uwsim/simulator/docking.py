@@ -1,0 +1,84 @@
+"""The station's dock: where it holds a vehicle, where a vehicle leaves it, and how close it must be to enter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.quaternions import about_z
+
+Vector = NDArray[np.float64]
+CAPTURE_M, CAPTURE_M_S, CAPTURE_DEG = 1.5, 0.5, 30.0
+"""The largest distance, speed and heading error at which a vehicle can dock."""
+CLEARANCE_M = 0.1
+"""Clearance that an undocked vehicle's hull needs on all sides."""
+
+
+class DockedWarning(UserWarning):
+    """A docked vehicle received a command, which has no effect: its thrusters are off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dock:
+    """The dock of a simulator's station.
+
+    position_world_m (3,): the origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. At both,
+    the vehicle's heading is yaw_rad. hull_radii_m: one for each vehicle, about its origin.
+    """
+
+    simulation: _core.Simulation
+    scene: _core.RayScene
+    position_world_m: Vector
+    exit_world_m: Vector
+    yaw_rad: float
+    hull_radii_m: list[float] = field(default_factory=list)
+
+    @property
+    def orientation_xyzw(self) -> Vector:
+        """Return the orientation of a vehicle in the dock and at its exit, (4,)."""
+        return about_z(self.yaw_rad)
+
+    def require_exit(self, vehicle: int) -> None:
+        """Raise ValueError unless the exit is clear of obstacles and vehicles for this vehicle's hull."""
+        needed_m = self.hull_radii_m[vehicle] + CLEARANCE_M
+        free_m = float(self.scene.distance_m(self.exit_world_m[None])[0])
+        if free_m < needed_m:
+            raise ValueError(f"{self._exit_text}: a surface is {free_m:.2f} m away, must be at least {needed_m:.2f} m")
+        for other, radius_m in enumerate(self.hull_radii_m):
+            apart_m = math.dist(self.simulation.state(other).position_world_m, self.exit_world_m)
+            if other != vehicle and apart_m < needed_m + radius_m:
+                raise ValueError(f"{self._exit_text}: another vehicle is {apart_m:.2f} m away")
+
+    def require_entry(self, vehicle: int) -> None:
+        """Raise ValueError unless the dock is empty and the vehicle close to it, slow and aligned with it."""
+        for other in range(len(self.hull_radii_m)):
+            if other != vehicle and not self.simulation.released(other):
+                raise ValueError("dock: another vehicle is in it")
+        state = self.simulation.state(vehicle)
+        away_m = self.position_world_m - state.position_world_m
+        distance_m = float(np.linalg.norm(away_m))
+        if distance_m > CAPTURE_M:
+            east, north, up = away_m
+            raise ValueError(
+                f"dock: it is {distance_m:.1f} m away ({east:.1f} m east, {north:.1f} m north, {up:.1f} m up), "
+                f"must be within {CAPTURE_M} m"
+            )
+        speed_m_s = float(np.linalg.norm(state.velocity_body[:3]))
+        if speed_m_s > CAPTURE_M_S:
+            raise ValueError(f"dock: speed = {speed_m_s:.2f} m/s: must be at most {CAPTURE_M_S} m/s")
+        ahead = state.world_from_body[:3, 0] @ (math.cos(self.yaw_rad), math.sin(self.yaw_rad), 0.0)
+        off_deg = math.degrees(math.acos(min(max(float(ahead), -1.0), 1.0)))
+        if off_deg > CAPTURE_DEG:
+            raise ValueError(
+                f"dock: it points {off_deg:.0f} degrees away from the dock's heading, "
+                f"{math.degrees(self.yaw_rad):.0f} degrees from east: must be within {CAPTURE_DEG:g}"
+            )
+
+    @property
+    def _exit_text(self) -> str:
+        x, y, z = self.exit_world_m
+        return f"station.exit_m: ({x:.1f}, {y:.1f}, {z:.1f}) m in the world is not free"

@@ -1,0 +1,100 @@
+"""What a simulator's vehicles do by themselves, and what fails in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict, Field
+
+from uwsim.base.agenda import Agenda, Rank
+from uwsim.base.named import require_names
+from uwsim.base.saved_state import State
+from uwsim.scenario import Scenario
+from uwsim.simulator.docking import Dock
+from uwsim.simulator.failures.events import EventLog
+from uwsim.simulator.failures.failsafe import Failsafe, FailsafeState
+from uwsim.simulator.failures.faults import Faults, FaultsState
+from uwsim.simulator.network import Network
+from uwsim.simulator.vehicle import Vehicle
+
+FAILSAFE_OF = "failsafe of "
+
+
+class AboardState(State):
+    """The faults, each vehicle's failsafe by "failsafe of NAME", and the vehicles that are all stopped."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, FailsafeState]
+    all_stopped: list[str] = Field(default=[])  # version 1 had no all stop
+    faults: FaultsState
+
+
+class Aboard:
+    """The faults of a simulator, its vehicles' failsafes and their all stop: saved, restored and restarted together."""
+
+    STATE: ClassVar[Any] = AboardState
+
+    def __init__(self, faults: Faults) -> None:
+        self._faults = faults
+        self._failsafes: dict[str, Failsafe] = {}
+        self._vehicles: Mapping[str, Vehicle] = {}
+
+    def add_failsafes(
+        self,
+        scenario: Scenario,
+        vehicles: Mapping[str, Vehicle],
+        *,
+        dock: Dock,
+        network: Network | None,
+        events: EventLog,
+        agenda: Agenda,
+    ) -> dict[str, Failsafe]:
+        """Give each vehicle the failsafe of the scenario or of its own file; return them by vehicle."""
+        self._vehicles = vehicles
+        for name, vehicle in vehicles.items():
+            vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
+        for entry in scenario.vehicles:
+            figures = entry.failsafe or entry.model.failsafe
+            if figures is None:
+                continue
+            vehicle = vehicles[entry.name]
+            east, north, up = (dock.exit_world_m if entry.start is None else vehicle.pose.position_world_m).tolist()
+            failsafe = Failsafe(
+                vehicle, figures, entry.model, home_m=(east, north, up), events=events, step_s=scenario.step_s,
+                tick=lambda: agenda.tick, water_kg=partial(self._faults.water_kg, entry.name),
+                link_silence_s=None if network is None else partial(network.silence_s, entry.name),
+            )  # fmt: skip
+            self._failsafes[entry.name] = vehicle.gate.failsafe = failsafe
+            agenda.add(failsafe, Rank.FAILSAFE, failsafe.act)
+        return self._failsafes
+
+    def restart(self, scenario: Scenario) -> None:
+        """Be as at the start of a run of a scenario, which may have another seed."""
+        self._faults.restart(scenario)
+        for failsafe in self._failsafes.values():
+            failsafe.restart()
+        for vehicle in self._vehicles.values():
+            vehicle.gate.restore(all_stopped=False)
+
+    def save(self) -> dict[str, Any]:
+        """Return all that the future depends on, as JSON values."""
+        stopped = [name for name, vehicle in self._vehicles.items() if vehicle.all_stopped]
+        failsafes = {FAILSAFE_OF + name: failsafe.save() for name, failsafe in self._failsafes.items()}
+        return {"all_stopped": stopped, "faults": self._faults.save(), **failsafes}
+
+    def restore(self, state: AboardState) -> None:
+        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        failsafes = state.__pydantic_extra__
+        require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
+        require_names("all_stopped", {*self._vehicles, *state.all_stopped}, self._vehicles)
+        self._faults.restore(state.faults)
+        for name, failsafe in self._failsafes.items():
+            failsafe.restore(failsafes[FAILSAFE_OF + name])
+        for name, vehicle in self._vehicles.items():
+            vehicle.gate.restore(all_stopped=name in state.all_stopped)
+
+
+def _note_all_stop(events: EventLog, agenda: Agenda, vehicle: str, on: bool) -> None:
+    events.add(agenda.tick, vehicle, "all_stop" if on else "all_stop_ends")

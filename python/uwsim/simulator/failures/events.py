@@ -1,0 +1,72 @@
+"""What happened by itself in a run: faults, alarms, failsafes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, ClassVar, overload
+
+from pydantic import FiniteFloat
+
+from uwsim.base.saved_state import State, Tick
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened at a tick. vehicle: "" for the world. values: of JSON's types."""
+
+    tick: int
+    time_s: float
+    vehicle: str
+    name: str
+    values: dict[str, Any] = field(default_factory=dict)
+
+
+class EventState(State):
+    """A saved event."""
+
+    tick: Tick
+    time_s: FiniteFloat
+    vehicle: str
+    name: str
+    values: dict[str, Any]
+
+
+class EventLog(Sequence[Event]):
+    """The events of a run, in order."""
+
+    STATE: ClassVar[Any] = list[EventState]
+
+    def __init__(self, step_s: float) -> None:
+        self._step_s = step_s
+        self._events: list[Event] = []
+
+    def add(self, tick: int, vehicle: str, name: str, **values: Any) -> None:
+        """Note an event."""
+        self._events.append(Event(tick, round(tick * self._step_s, 9), vehicle, name, values))
+
+    @overload
+    def __getitem__(self, index: int) -> Event: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Event]: ...
+    def __getitem__(self, index: int | slice) -> Event | Sequence[Event]:
+        """Return an event, or several."""
+        return self._events[index]
+
+    def __len__(self) -> int:
+        return len(self._events)
+
+    def __repr__(self) -> str:
+        last = f", the last: {self._events[-1].name} at {self._events[-1].time_s:g} s" if self._events else ""
+        return f"<EventLog: {len(self._events)} events{last}>"
+
+    def __iter__(self) -> Iterator[Event]:
+        return iter(self._events)
+
+    def save(self) -> list[dict[str, Any]]:
+        """Return the events as JSON values."""
+        return [asdict(event) for event in self._events]
+
+    def restore(self, state: Sequence[EventState]) -> None:
+        """Hold what `save` returned."""
+        self._events = [Event(**dict(event)) for event in state]

@@ -1,0 +1,297 @@
+"""Faults: what fails, begun by schedule, by chance or by hand, and ended when its time is over.
+
+A fault acts through the figures that the simulator has anyway, such as a thruster's health or the ballast, laid over
+the scenario's and the user's (`effects`); what a sensor tells wrongly is done where it is read (`distortion`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from pydantic import FiniteFloat
+
+from uwsim.base.agenda import NEVER, Agenda, Rank
+from uwsim.base.arguments import plain
+from uwsim.base.journal import Journal
+from uwsim.base.saved_state import State
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.distortion import Distortion
+from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.fault import FaultModel, LeakFault, LinkLoss, SensorFault
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.simulator.failures import effects
+from uwsim.simulator.failures.events import EventLog
+from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
+from uwsim.simulator.network import Network
+from uwsim.simulator.vehicle import Vehicle
+
+FILL_S = 1.0  # at which the water of a leak is weighed anew
+
+
+class DistortionState(State):
+    """How a sensor is distorted; see uwsim.instruments.distortion."""
+
+    stuck: dict[str, list[float]] | None
+    bias: FiniteFloat
+    field: str | None
+
+
+class FaultsState(State):
+    """The saved faults by name, and the distorted sensors by "vehicle/sensor"."""
+
+    faults: dict[str, FaultState]
+    sensors: dict[str, DistortionState]
+
+
+class Faults(Sealed):
+    """The faults of a simulator; `sim.faults`.
+
+    sim.faults.inject("thruster", thruster="front_left", health=0.3, for_s=20.0)
+    sim.faults.active        # names
+    sim.faults.end("thruster")
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        vehicles: Mapping[str, Vehicle],
+        *,
+        events: EventLog,
+        journal: Journal,
+        agenda: Agenda,
+        apply: Callable[[], None],
+        network: Network | None = None,
+        has_channels: bool = True,
+    ) -> None:
+        """apply: takes `overlay` into the running values. network: of the link, if there is one.
+
+        has_channels: whether commands may come over channels, which a link's fault cuts off where there is no network.
+        """
+        self._vehicles = vehicles
+        self._events = events
+        self._journal = journal
+        self._apply = apply
+        self._agenda = agenda
+        self._network = network
+        self._link_carries = has_channels or network is not None
+        self._scenario = scenario
+        self._faults: dict[str, Fault] = {}
+        self.restart(scenario)
+
+    def restart(self, scenario: Scenario) -> None:
+        """Be as at the start of a run of a scenario, which may have another seed."""
+        self._scenario = scenario
+        self._faults = {}
+        found = Collected()
+        for index, spec in enumerate(scenario.faults):
+            with found.noted():
+                try:
+                    self._add(spec, 0)
+                except ValueError as error:
+                    raise ScenarioError(
+                        f"{scenario.source_file.line_prefix('faults', index)}faults[{index}]: {error}"
+                    ) from None
+        found.raise_any()
+        for vehicle in self._vehicles.values():
+            for sensor in vehicle.sensors.values():
+                sensor.distort(None)
+        self._attend()
+
+    def _attend(self) -> None:
+        """Be on the agenda while there are faults, begun or not: a simulator without any steps at once."""
+        self._agenda.remove(self)
+        if self._faults:
+            self._agenda.add(self, Rank.FAULT, self.act)
+
+    def __repr__(self) -> str:
+        return f"<Faults: {', '.join(self._faults) or 'none'}; active: {', '.join(self.active) or 'none'}>"
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """The names of those that last now."""
+        return tuple(name for name, fault in self._faults.items() if fault.is_active)
+
+    def water_kg(self, vehicle: str) -> float:
+        """Return the mass of the water inside a vehicle, as last weighed [kg]."""
+        return sum(fault.water_kg for fault in self._faults.values() if fault.vehicle == vehicle)
+
+    def link_is_down(self, vehicle: str) -> bool:
+        """Whether nothing passes between the station and a vehicle."""
+        return any(_cuts_off(fault, vehicle) for fault in self._faults.values())
+
+    def inject(self, kind: str, *, name: str | None = None, **figures: Any) -> str:
+        """Let something fail now; return the fault's name. See docs/guides/faults.md for kinds and figures.
+
+        Raises ValueError, changing nothing.
+        """
+        step_s = self._scenario.step_s
+        given = {"kind": kind, "name": name, **figures}
+        begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._agenda.tick * step_s}
+        spec = checked_fault({**given, **begins})
+        if spec.at_s is not None and round(spec.at_s / step_s) < self._agenda.tick:
+            raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is over")
+        fault = self._add(spec, self._agenda.tick)
+        if fault.begin_tick <= self._agenda.tick:
+            try:
+                self._begin(fault, self._agenda.tick)
+                self._apply()
+            except ValueError:
+                del self._faults[fault.name]
+                raise
+        self._attend()
+        plain_figures = {key: plain(value, f"faults.inject: {key}") for key, value in figures.items()}
+        self._journal.note("inject_fault", kind=kind, name=fault.name, **plain_figures)
+        return fault.name
+
+    def end(self, name: str) -> None:
+        """End a fault now, for good. The water of a leak stays. Raises ValueError."""
+        if name not in self._faults:
+            raise ValueError(f"faults.end: name = {name!r}: must be one of {', '.join(self._faults) or 'none'}")
+        fault = self._faults[name]
+        if fault.is_active:
+            self._end(fault, self._agenda.tick)
+            self._apply()
+        fault.begin_tick = NEVER
+        self._journal.note("end_fault", name=name)
+
+    def overlay(self, scenario: Scenario) -> dict[str, Any]:
+        """Return the parameters that differ from a scenario's, its user's changes included, by name."""
+        found: dict[str, Any] = {}
+        for fault in self._faults.values():
+            if fault.is_active or fault.water_kg > 0:
+                effects.lay(fault.spec, fault.vehicle, fault.water_kg, scenario, found)
+        return found
+
+    @property
+    def due_tick(self) -> int:
+        """The tick at which something begins, ends or is weighed."""
+        return min((self._due(fault) for fault in self._faults.values()), default=NEVER)
+
+    def _due(self, fault: Fault) -> int:
+        if fault.end_tick is None:
+            return fault.begin_tick
+        is_filling = isinstance(fault.spec, LeakFault) and fault.water_kg < (fault.spec.kg_max or math.inf)
+        return min(fault.end_tick, fault.filled_tick + self._ticks(FILL_S)) if is_filling else fault.end_tick
+
+    def act(self, tick: int) -> None:
+        """Begin and end what is due."""
+        for fault in self._faults.values():
+            if self._due(fault) > tick:
+                continue
+            if fault.is_active:
+                self._fill(fault, tick)
+                if fault.end_tick is not None and fault.end_tick <= tick:
+                    self._end(fault, tick)
+            else:
+                self._begin(fault, tick)
+        self._apply()
+
+    def save(self) -> dict[str, Any]:
+        """Return all that the future depends on."""
+        stuck = {
+            f"{vehicle.name}/{name}": asdict(sensor.distortion)
+            for vehicle in self._vehicles.values()
+            for name, sensor in vehicle.sensors.items()
+            if sensor.distortion is not None
+        }
+        return {"faults": {name: fault.save() for name, fault in self._faults.items()}, "sensors": stuck}
+
+    def restore(self, state: FaultsState) -> None:
+        """Continue from what `save` returned; the caller applies the overlay. Raises ValueError."""
+        self._faults = {}
+        for name, saved in state.faults.items():
+            fault = self._faults[name] = Fault.restored(name, saved)
+            self._check(fault.spec, fault.vehicle)
+        for vehicle in self._vehicles.values():
+            for name, sensor in vehicle.sensors.items():
+                distorted = state.sensors.get(f"{vehicle.name}/{name}")
+                sensor.distort(None if distorted is None else Distortion(**dict(distorted)))
+        self._attend()
+
+    # What happens
+
+    def _add(self, spec: FaultModel, tick: int) -> Fault:
+        vehicle = spec.vehicle or next(iter(self._vehicles))
+        self._check(spec, vehicle)
+        name = spec.name or self._free_name(spec.kind)  # type: ignore[attr-defined]
+        if name in self._faults:
+            raise ValueError(f"name = {name!r}: is taken")
+        fault = self._faults[name] = Fault(name, spec, vehicle, 0)
+        fault.begin_tick = self._next_begin(fault, tick)
+        if isinstance(spec, LinkLoss) and not self._link_carries:
+            warnings.warn(
+                f"fault '{name}': without a link in the scenario it does nothing here but to be an event",
+                UserWarning,
+                stacklevel=2,
+            )
+        return fault
+
+    def _check(self, spec: FaultModel, vehicle: str) -> None:
+        if vehicle not in self._vehicles:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(self._vehicles)}")
+        effects.check(spec, self._vehicles[vehicle], self._scenario)
+
+    def _free_name(self, kind: str) -> str:
+        names = [kind, *(f"{kind}_{number}" for number in range(2, len(self._faults) + 3))]
+        return next(name for name in names if name not in self._faults)
+
+    def _next_begin(self, fault: Fault, after_tick: int) -> int:
+        """Return when it begins next: once at at_s, else after an interval that is drawn (a Poisson process)."""
+        if fault.spec.at_s is not None:
+            return round(fault.spec.at_s / self._scenario.step_s) if fault.count == 0 else NEVER
+        assert fault.spec.rate_per_h is not None
+        interval_s = -math.log(self._draw(fault)) * 3600.0 / fault.spec.rate_per_h
+        return after_tick + self._ticks(interval_s)
+
+    def _draw(self, fault: Fault) -> float:
+        """Return a number in (0, 1) that follows from seed, name and count alone (Philox 4 x 64, counter-based)."""
+        stream = int.from_bytes(hashlib.blake2b(f"fault/{fault.name}".encode(), digest_size=8).digest(), "little")
+        key = np.array([self._scenario.seed, stream], np.uint64)
+        counter = np.array([fault.count, 0, 0, 0], np.uint64)
+        return 1.0 - float(np.random.Generator(np.random.Philox(key=key, counter=counter)).random())
+
+    def _begin(self, fault: Fault, tick: int) -> None:
+        spec = fault.spec
+        drawn = {} if spec.rate_per_h is None else {"drawn": self._draw(fault)}
+        fault.count += 1
+        fault.end_tick = NEVER if spec.for_s is None else tick + self._ticks(spec.for_s)
+        fault.began_tick = fault.filled_tick = tick
+        if isinstance(spec, SensorFault):
+            effects.distort(spec, self._vehicles[fault.vehicle])
+        self._cut_off(fault)
+        figures = spec.model_dump(exclude={"name", "vehicle", "at_s", "rate_per_h"}, exclude_none=True)
+        self._events.add(tick, fault.vehicle, "fault", fault=fault.name, **figures, **drawn)
+
+    def _end(self, fault: Fault, tick: int) -> None:
+        self._fill(fault, tick)
+        fault.end_tick = None
+        fault.begin_tick = self._next_begin(fault, tick)
+        if isinstance(fault.spec, SensorFault):
+            self._vehicles[fault.vehicle].sensors[fault.spec.sensor].distort(None)
+        self._cut_off(fault)
+        self._events.add(tick, fault.vehicle, "fault_ends", fault=fault.name)
+
+    def _cut_off(self, fault: Fault) -> None:
+        if self._network is not None and isinstance(fault.spec, LinkLoss):
+            self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another may last
+
+    def _fill(self, fault: Fault, tick: int) -> None:
+        """Weigh the water that a leak has let in."""
+        if isinstance(fault.spec, LeakFault):
+            came_kg = fault.spec.kg_per_s * (tick - fault.filled_tick) * self._scenario.step_s
+            fault.water_kg = min(fault.water_kg + came_kg, fault.spec.kg_max or math.inf)
+            fault.filled_tick = tick
+
+    def _ticks(self, duration_s: float) -> int:
+        return max(1, min(round(duration_s / self._scenario.step_s), NEVER))
+
+
+def _cuts_off(fault: Fault, vehicle: str) -> bool:
+    return fault.is_active and fault.vehicle == vehicle and isinstance(fault.spec, LinkLoss)

@@ -1,0 +1,51 @@
+"""The vehicle as its own failsafe steers it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uwsim.commands import Steerable
+from uwsim.navigation.control.protocols import EstimateLike
+from uwsim.simulator.vehicle import Vehicle
+
+ZERO = (0.0,) * 6
+
+
+class Steered(Steerable):
+    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted.
+
+    pose, velocity: by its own instruments (Vehicle.estimate) once its navigation has begun; the truth before.
+    """
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        self._vehicle = vehicle
+        self.last: tuple[float, ...] = ZERO
+
+    @property
+    def authority(self) -> Any:
+        """The vehicle's."""
+        return self._vehicle.authority
+
+    @property
+    def pose(self) -> Any:
+        """As far as the vehicle knows."""
+        return self._known.pose
+
+    @property
+    def velocity(self) -> Any:
+        """As far as the vehicle knows."""
+        return self._known.velocity
+
+    @property
+    def _known(self) -> EstimateLike:
+        navigation = self._vehicle.navigation
+        return navigation.navigator if navigation.has_begun else self._vehicle
+
+    def command(self, name: str, /, **efforts: float) -> None:
+        """Set efforts, saturated: its only command."""
+        self.last = tuple(efforts.values())
+        self.insist()
+
+    def insist(self) -> None:
+        """Set the last efforts again."""
+        self._vehicle.steer_silently(self.last)

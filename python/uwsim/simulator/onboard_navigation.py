@@ -1,0 +1,146 @@
+"""The navigation that a simulated vehicle carries: a Navigator that starts when its estimate is first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import AfterValidator
+
+from uwsim import _core
+from uwsim.base.journal import Journal
+from uwsim.base.named import require_names
+
+if TYPE_CHECKING:
+    from uwsim.navigation.estimation import Navigator, Start
+    from uwsim.navigation.estimation.protocols import Instrumented
+
+KEPT_SAMPLES_S = 10.0  # samples are taken in at least so often, so that few are kept
+ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
+"""How well position and velocity are known where navigation starts: assumed, as of a surveyed dock."""
+MOVES = ("place", "dock", "undock")
+
+
+def new_navigator(
+    vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
+) -> Navigator:
+    """Return a Navigator, started, of a vehicle in this water."""
+    from uwsim.navigation.estimation import Navigator  # here, since scipy takes long to import
+
+    return Navigator(
+        vehicle,
+        start,
+        station_world_m=station_world_m,
+        gravity_m_s2=water.gravity_m_s2,
+        density_kg_m3=float(water.density_at_kg_m3(0.0)),
+    )
+
+
+class OnboardNavigation:
+    """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
+
+    make(start): makes the Navigator. start: what is known now.
+    """
+
+    def __init__(
+        self,
+        vehicle: str,
+        journal: Journal,
+        step_s: float,
+        tick: Callable[[], int],
+        make: Callable[[Start], Navigator],
+        start: Callable[[], Start],
+    ) -> None:
+        self._vehicle, self._journal, self._tick = vehicle, journal, tick
+        self._make, self._start = make, start
+        self._every_ticks = max(round(KEPT_SAMPLES_S / step_s), 1)
+        self._navigator: Navigator | None = None
+        self.due_tick = 0
+
+    @property
+    def navigator(self) -> Navigator:
+        """The Navigator; the first look starts it."""
+        if self._navigator is None:
+            self._navigator = self._make(self._start())
+            self._attend()
+            # A replay has to start it at the same tick.
+            self._journal.note("start_navigation", vehicle=self._vehicle)
+        return self._navigator
+
+    def _attend(self) -> None:
+        self.due_tick = self._tick() + self._every_ticks
+        if self not in self._journal.observers:
+            self._journal.attach(self)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether somebody has asked for the estimate."""
+        return self._navigator is not None
+
+    def take_in(self) -> None:
+        """Take in what the sensors have sampled, if it has begun."""
+        if self._navigator is not None:
+            self._navigator.update()
+
+    def observe(self) -> None:
+        """Take in what the sensors have sampled, so that few samples wait."""
+        self.take_in()
+        self.due_tick = self._tick() + self._every_ticks
+
+    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
+        """Start anew where the vehicle was put."""
+        if name in MOVES and arguments["vehicle"] == self._vehicle:
+            self.restart()
+
+    def restart(self) -> None:
+        """Start anew, now, if it has begun."""
+        if self._navigator is not None:
+            self._navigator.restart(self._start())
+            self._attend()
+
+    def save(self) -> str | None:
+        """Save the Navigator's state; None if it has not begun."""
+        return None if self._navigator is None else self._navigator.save()
+
+    def end(self) -> None:
+        """Be as before it began: the next look starts another Navigator."""
+        self._navigator = None
+        self.due_tick = 0
+        self._journal.detach(self)
+
+    def restore(self, saved: str | None) -> None:
+        """Continue from a saved state; without one it had not begun. Raises ValueError."""
+        if saved is None:
+            self.end()
+            return
+        if self._navigator is None:
+            self._navigator = self._make(self._start())
+        self._navigator.restore(saved)
+        self._attend()
+
+
+def _checked(text: str) -> str:
+    from uwsim.navigation.estimation.saved import NavigatorState  # here, since scipy takes long to import
+
+    NavigatorState.model_validate_json(text)
+    return text
+
+
+class Estimates:
+    """The estimates of the vehicles whose navigation has begun, by vehicle, as a part of a saved state."""
+
+    STATE: ClassVar[Any] = dict[str, Annotated[str, AfterValidator(_checked)]]
+
+    def __init__(self, navigations: Mapping[str, OnboardNavigation]) -> None:
+        self._navigations = navigations
+
+    def save(self) -> dict[str, str]:
+        """Return the state, as JSON values."""
+        states = {name: navigation.save() for name, navigation in self._navigations.items()}
+        return {name: state for name, state in states.items() if state is not None}
+
+    def restore(self, state: Mapping[str, str]) -> None:
+        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        require_names("estimates", {**self._navigations, **state}, self._navigations)
+        for name, navigation in self._navigations.items():
+            navigation.restore(state.get(name))

@@ -1,0 +1,141 @@
+"""The fields of a scenario that are parameters, and their names where these differ from the fields'."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+from uwsim.base.axes import AXES
+from uwsim.scenario.spec.actuator import FinMount, ThrusterMount, ThrusterType
+from uwsim.scenario.spec.camera import CameraMount, Lamps
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.imaging_sonar import ImagingMount
+from uwsim.scenario.spec.optics import WaterCoefficients
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.sensor import SensorMount
+from uwsim.scenario.spec.sonar_setup import SonarSetup
+from uwsim.scenario.spec.station import Station
+from uwsim.scenario.spec.vehicle import VehicleModel
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.scenario.spec.water import (
+    AirySurface,
+    GriddedCurrent,
+    GustyCurrent,
+    JonswapSurface,
+    LayeredCurrent,
+    LinearProfile,
+    StillSurface,
+    TableProfile,
+    TidalCurrent,
+    UniformCurrent,
+)
+
+COORDINATES = ("x", "y", "z")
+COLOURS = ("red", "green", "blue")
+
+FIXED: dict[type[Model], frozenset[str]] = {
+    Scenario: frozenset(
+        ["name", "description", "seed", "step_s", "terrain", "ground", "obstacles", "link", "survey", "faults"]
+    ),
+    GriddedCurrent: frozenset({"file"}),
+    TableProfile: frozenset({"file"}),
+    Station: frozenset(["position_m", "yaw_deg", "mesh", "dock_m", "exit_m", "material"]),
+    VehicleEntry: frozenset({"name", "start", "failsafe", "trim"}),
+    VehicleModel: frozenset(
+        [
+            "name",
+            "description",
+            "mesh",
+            "mesh_scale",
+            "mesh_up",
+            "collision",
+            "collision_pieces",
+            "density_kg_m3",
+            "buoyancy",
+            "volume_m3",
+            "sonar",
+            "material",
+            "control",
+            "failsafe",
+            "trim",
+        ]
+    ),
+    ThrusterMount: frozenset({"position_m", "axis", "spin"}),
+    ThrusterType: frozenset({"name", "description", "pwm", "thrust_n"}),
+    FinMount: frozenset({"position_m", "span"}),
+    SensorMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
+    SonarSetup: frozenset({"tilt_deg"}),
+    CameraMount: frozenset(
+        ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "follows", "pan_tilt"]
+    ),
+    Lamps: frozenset({"spots"}),
+    ImagingMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "figures"}),
+}
+"""Fields that are fixed when the simulator is made: its parts, mounts and appearance; and those that another field or
+a command controls (a sonar's tilt is set by aim)."""
+
+NAMES: dict[tuple[type[Model], str], str] = {
+    (Scenario, "vehicles"): "",
+    (VehicleEntry, "model"): "",
+    (ThrusterMount, "model"): "",
+    (VehicleModel, "linear_damping"): "drag.linear",
+    (VehicleModel, "linear_damping_matrix"): "drag.linear",
+    (VehicleModel, "quadratic_damping"): "drag.quadratic",
+    (VehicleModel, "quadratic_damping_matrix"): "drag.quadratic",
+    (VehicleModel, "added_mass_matrix"): "added_mass",
+}
+"""Names of fields; "" for those whose own fields follow their parent's name."""
+
+ITEM_NAMES: dict[tuple[type[Model], str], tuple[str, ...]] = {
+    (Lamps, "colour"): COLOURS,
+    **{(WaterCoefficients, key): COLOURS for key in WaterCoefficients.model_fields},
+}
+
+KINDS: dict[type[Model], tuple[str, ...]] = {
+    kind: tuple(get_args(arm.model_fields["kind"].annotation)[0] for arm in arms)
+    for arms in (
+        (StillSurface, AirySurface, JonswapSurface),
+        (UniformCurrent, LayeredCurrent, TidalCurrent, GustyCurrent, GriddedCurrent),
+        (TableProfile, LinearProfile),
+    )
+    for kind in arms
+}
+"""Kinds that can be exchanged for a model's own, with the keys of the other."""
+
+WHOLE = {("water", "surface"), ("water", "current"), ("water", "profile"), ("optics", "coefficients")}
+"""Places whose parts belong together: setting one with a dict or a list replaces all of them."""
+
+
+def why_fixed(name: str) -> str:
+    """Return the reason why a scenario's value is not a parameter, or an empty string if it is unknown."""
+    field = name.rpartition(".")[2]
+    if field == "tilt_deg":
+        return "it holds for the start; aim() turns the head"
+    return "it is fixed when the simulator is made" if any(field in fields for fields in FIXED.values()) else ""
+
+
+def position_or_key(part: str) -> str | int:
+    """Return a part of a name as it is in plain values: the position of an item, or a key."""
+    for names in (COORDINATES, COLOURS):
+        if part in names:
+            return names.index(part)
+    return int(part) if part.isdecimal() else part
+
+
+def is_absent(model: Model, field: str) -> bool:
+    """Return whether a field does not apply to this model, which gives the alternative instead."""
+    if field in ("max_force_n", "max_torque_nm") or field.endswith("_matrix"):
+        return getattr(model, field) is None
+    return getattr(model, field + "_matrix", None) is not None
+
+
+LISTS = {("water", "current")}
+"""Those of WHOLE that hold a list; a scenario may give its only item alone."""
+
+
+def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:
+    """Return the names of a tuple's items."""
+    if (owner, field) in ITEM_NAMES:
+        return ITEM_NAMES[owner, field]
+    if field == "limits":
+        return "low", "high"
+    return {6: AXES, 3: COORDINATES}.get(count) or tuple(map(str, range(count)))

@@ -1,0 +1,387 @@
+"""Simulator, the front door: it holds a scenario's world and vehicles and advances them in fixed steps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import MappingProxyType, TracebackType
+from typing import NoReturn, Self, Unpack
+
+import numpy as np
+
+from uwsim import _core
+from uwsim.base.agenda import Agenda
+from uwsim.base.arguments import checked_threads, number
+from uwsim.base.journal import Journal
+from uwsim.base.named import Named
+from uwsim.base.saved_state import SavedState
+from uwsim.base.sealed import Sealed
+from uwsim.instruments.cameras import Camera
+from uwsim.instruments.cameras.mounted import camera_mounts, change_cameras, station_cameras, vehicle_cameras
+from uwsim.instruments.cameras.saved import SavedHeads, SavedLamps
+from uwsim.instruments.cameras.shared_scene import SharedScene
+from uwsim.instruments.sonars.mounted import imaging_models, imaging_sonars
+from uwsim.instruments.sonars.surroundings import Surroundings
+from uwsim.scenario import Scenario, VehicleEntry, build_world, load
+from uwsim.scenario.build.hull import hull_radius_m
+from uwsim.scenario.build.labels import backscatter_by_label, label_names
+from uwsim.scenario.build.simulation import simulation_spec
+from uwsim.scenario.build.station import dock_position, exit_position
+from uwsim.scenario.build.vehicle import vehicle_control, vehicle_errors_at, vehicle_spec
+from uwsim.scenario.build.world import fill_with_water, scenario_water
+from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint, warn_of_other_build
+from uwsim.scenario.read.collected import Collected
+from uwsim.scenario.spec.optics import Optics, OpticsChanges
+from uwsim.simulator.docking import Dock
+from uwsim.simulator.failures import Aboard, EventLog, Faults
+from uwsim.simulator.network import Network
+from uwsim.simulator.onboard_navigation import Estimates, new_navigator
+from uwsim.simulator.parameters import Parameters
+from uwsim.simulator.vehicle import Vehicle
+
+STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a whole number of steps
+
+
+class Simulator(Sealed):
+    """A scenario that runs.
+
+    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
+    seed, sonar_model (of every vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model
+    that works at several), mission_time_s, link (a modem's name or path): replace the scenario's values.
+    threads: how many may be used; by default all. Results do not depend on it.
+    Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
+
+    Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample.
+    One call at a time owns the simulator; others wait. cameras: the station's, by name. events: faults, alarms and
+    failsafes so far. world: as built; it cannot be changed.
+    """
+
+    threads: int
+    scene: _core.RayScene
+    agenda: Agenda
+    journal: Journal
+    cameras: Named[Camera]
+    events: EventLog
+    faults: Faults
+    vehicles: Named[Vehicle]
+    _changed_by = MappingProxyType(
+        {
+            "optics": "set_optics()",
+            "parameters": "parameters[name] = value or parameters.update()",
+            "time_s": "step() or advance()",
+            "time_ns": "step() or advance()",
+            "seed": "reset(seed=...)",
+            "step_s": "the scenario's step_s",
+            "scenario": "Simulator(scenario)",
+            "threads": "Simulator(scenario, threads=...)",
+            "link": "Simulator(scenario, link=...)",
+            "world": "the scenario",
+        }
+    )
+
+    def __init__(
+        self,
+        scenario: str | Path | Scenario = "lake",
+        *,
+        seed: int | None = None,
+        sonar_model: int | str | Path | None = None,
+        sonar_frequency_khz: float | None = None,
+        mission_time_s: float | None = None,
+        link: str | Path | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self._scenario = load(scenario).with_changes(
+            seed=seed,
+            mission_time_s=mission_time_s,
+            sonar_model=sonar_model,
+            sonar_frequency_khz=sonar_frequency_khz,
+            modem=link,
+        )
+        self.threads = checked_threads(threads)
+        self.events = EventLog(self.scenario.step_s)
+        self._world = build_world(self.scenario)
+        self._fixed_world = _core.FixedWorld(self._world)
+        self.scene = _core.RayScene(self._world)
+        self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
+        self.agenda = Agenda(lambda: self._core.tick)
+        self.journal = Journal(self.agenda)
+        self._specs: list[_core.VehicleSpec] = []
+        self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
+        self.cameras = Named(station_cameras(self.scenario.station, self._shared_scene), "cameras")
+        dock = self._dock = self._made_dock()
+        vehicles, found = dict[str, Vehicle](), Collected()
+        for index, entry in enumerate(self.scenario.vehicles):
+            with found.noted(), vehicle_errors_at(self.scenario, index):
+                vehicles[entry.name] = self._vehicle(index, entry, dock)
+        found.raise_any()
+        self.vehicles = Named(vehicles, "vehicles")
+        self._link = Network.of(self._core, self.scenario, self.journal)
+        lamps = {f"{name}.lamps.{lamp.name}.on": lamp for name, rov in vehicles.items() for lamp in rov.lamps.values()}
+        self.faults = Faults(
+            self.scenario, vehicles, events=self.events, journal=self.journal, agenda=self.agenda,
+            apply=lambda: self.parameters.lay_anew(), network=self._link,
+        )  # fmt: skip
+        self._parameters = Parameters(self.scenario, self._change, self.journal.note, lamps, self.faults.overlay)
+        self._aboard = Aboard(self.faults)
+        self._aboard.add_failsafes(
+            self.scenario, vehicles, dock=dock, network=self._link, events=self.events, agenda=self.agenda
+        )
+        self._estimates = Estimates({name: rov.navigation for name, rov in vehicles.items()})
+        self._saved = SavedState(
+            self._core,
+            before={"programs": self._aboard, "parameters": self._parameters},  # faults are laid over parameters
+            after={
+                "lamps": SavedLamps({name: rov.lamps for name, rov in vehicles.items()}),
+                "cameras": SavedHeads(self._shared_scene.heads),
+                "events": self.events,
+                "estimates": self._estimates,
+            },
+            resume=self._resume_vehicles,
+        )
+
+    def _vehicle(self, index: int, entry: VehicleEntry, dock: Dock) -> Vehicle:
+        spec = vehicle_spec(self.scenario, entry)
+        self._core.add_vehicle(spec)
+        self._specs.append(spec)
+        dock.hull_radii_m.append(hull_radius_m(entry.model))
+        return Vehicle(
+            self._core,
+            index,
+            spec,
+            dock=dock,
+            cameras=vehicle_cameras(entry, index, self._shared_scene),
+            lamps=self._shared_scene.lamps[index],
+            imaging_sonars=imaging_sonars(self, entry),
+            journal=self.journal,
+            sensors_on={name: sensor.on for name, sensor in entry.model.sensors.items()},
+            step_s=self.step_s,
+            navigate=lambda rov, start: new_navigator(rov, start, self.world.water, self.scenario.station.position_m),
+            control=vehicle_control(self.scenario, entry.model, spec),
+        )
+
+    def _made_dock(self) -> Dock:
+        station = self.scenario.station
+        return Dock(
+            self._core, self.scene, dock_position(station), exit_position(station), float(np.radians(station.yaw_deg))
+        )
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario, without what `parameters` changed since; after `reset(seed)`, with that seed."""
+        return self._scenario
+
+    @property
+    def parameters(self) -> Parameters:
+        """The figures that may be changed while it runs, by name, such as "rov.drag.linear.surge"."""
+        return self._parameters
+
+    @property
+    def world(self) -> _core.FixedWorld:
+        """Terrain, obstacles and water, as they are now. It cannot be changed here."""
+        return self._fixed_world
+
+    @property
+    def link(self) -> Network | None:
+        """The link between station and vehicles, or None where what they say passes at once."""
+        return self._link
+
+    @property
+    def rov(self) -> Vehicle:
+        """The scenario's first vehicle."""
+        return next(iter(self.vehicles.values()))
+
+    @property
+    def optics(self) -> Optics:
+        """The light, for cameras: the scenario's, or as last set."""
+        return self.parameters.scenario.optics
+
+    def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
+        """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
+        self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
+
+    @property
+    def strengths_db(self) -> Named[float]:
+        """Backscatter strength of each surface's material, by label_names, for imaging sonars."""
+        surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
+        strengths = {name: surface.strength_db for name, surface in surfaces}
+        return Named(strengths, "strengths_db", "the sonar model's strengths_db")
+
+    @property
+    def label_names(self) -> list[str]:
+        """The name of each label that pings and rays return: World.label_names, then the vehicles'."""
+        return label_names(self.scenario)
+
+    def around(self, vehicle: str | None = None) -> Surroundings:
+        """Return what a sonar meets now: the world and all vehicles, apart from the one that carries it.
+
+        For imaging sonars and depth maps from poses of one's own. `scene`, without vehicles, is the world alone. Raises
+        ValueError for an unknown vehicle.
+        """
+        names = list(self.vehicles)
+        if vehicle is not None and vehicle not in names:
+            raise ValueError(f"vehicle = {vehicle!r}: must be one of {', '.join(names)}")
+        scene = self._core.scene_around(None if vehicle is None else names.index(vehicle))
+        return Surroundings(scene, self.world, self.strengths_db, self.seed, self.threads, self.time_ns)
+
+    @property
+    def seed(self) -> int:
+        """The key of every random draw."""
+        return self.scenario.seed
+
+    @property
+    def step_s(self) -> float:
+        """The fixed step, seconds."""
+        return self.scenario.step_s
+
+    @property
+    def tick(self) -> int:
+        """The number of steps since the start."""
+        return self._core.tick
+
+    @property
+    def version(self) -> int:
+        """Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation."""
+        return self._core.version
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start, nanoseconds."""
+        return self._core.time_ns
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the start, seconds."""
+        return self.time_ns * 1e-9
+
+    def step(self, n: int = 1) -> None:
+        """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
+        if not (type(n) is int or isinstance(n, np.integer)) or not 0 <= n < 2**63:
+            raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
+        if n:
+            for vehicle in self.vehicles.values():
+                vehicle.warn_if_docked()
+        for steps in (int(n),) if self.agenda.is_empty else self.agenda.parts(int(n)):
+            self._core.step(steps)
+
+    def advance(self, duration_s: float) -> None:
+        """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
+        steps = number(duration_s, "duration_s", "s") / self.step_s
+        if not np.isfinite(steps) or steps < 0:
+            raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
+        if abs(steps - round(steps)) > STEP_TOLERANCE * max(1.0, steps):
+            rule = f"must be a whole number of steps of {self.step_s:g} s (the scenario's step_s)"
+            nearest = f"advance({round(steps) * self.step_s:.6g}), or wait({duration_s:.6g}), which rounds"
+            raise ValueError(f"duration_s = {duration_s} s: {rule}; take {nearest}")
+        self.step(round(steps))
+
+    def wait(self, duration_s: float) -> None:
+        """Advance, as the clock of a mission, by a duration rounded to whole steps, at least one. Raises ValueError."""
+        steps = number(duration_s, "duration_s", "s") / self.step_s
+        if not 0.0 <= steps < 2**53:
+            raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
+        self.step(max(1, round(steps)) if steps else 0)
+
+    def reset(self, seed: int | None = None) -> None:
+        """Begin anew, as a Simulator of this scenario and a seed would that is made now; by default of the same seed.
+
+        Vehicles, sensors and sonars stay the same objects; vehicles are at their starts, lamps and parameters as
+        the scenario has them. `version` goes on. Raises ValueError, changing nothing.
+        """
+        scenario = self.scenario.with_changes(seed=seed)
+        self._aboard.restart(scenario)
+        self.parameters.restore({})
+        if scenario.seed != self.seed:
+            fill_with_water(self._world, scenario)
+            self._fixed_world = _core.FixedWorld(self._world)
+        self._core.restart(self._world, simulation_spec(scenario))
+        self.events.restore([])
+        self._shared_scene.restart(scenario)
+        self._scenario = scenario
+        self.parameters.restart(scenario)
+        self._resume_vehicles()
+        self._estimates.restore({})
+        self.agenda.jump()
+        self.journal.note("reset", seed=scenario.seed)
+
+    def save_state(self) -> bytes:
+        """Save everything that the future depends on, except scenario and seed.
+
+        This is motion, commands, all stop, clocks, sensors' memories, lamps, cameras' aims and changed parameters. A
+        Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
+        the last bit. The states of missions and maps are not included.
+        """
+        return self._saved.save(self._origin)
+
+    def restore_state(self, state: bytes) -> None:
+        """Continue from a state that `save_state` returned.
+
+        Raises ValueError, changing nothing, if the state is damaged or of another scenario; warns if of another build.
+        """
+        if not isinstance(state, bytes):
+            raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
+        self._saved.restore(state, self._origin)
+        self.agenda.jump()
+        self.journal.note("restore_state", state=state)
+        warn_of_other_build("the saved state", _core.saved_build(state))
+
+    @property
+    def _origin(self) -> tuple[str, str]:
+        return scenario_fingerprint(self.scenario), build_fingerprint()
+
+    def _resume_vehicles(self) -> None:
+        """End what watched the time before a jump, and know by the actuators whether a vehicle is driven."""
+        for rov in self.vehicles.values():
+            commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
+            rov.gate.is_driven = any(commands)
+            for sensor in rov.sensors.values():
+                sensor.end_streams()
+
+    def _change(self, scenario: Scenario) -> None:
+        """Go on with this scenario, which differs in parameters alone. Raises ValueError, changing nothing."""
+        for rov in self.vehicles.values():
+            rov.navigation.take_in()
+        before = self.parameters.scenario
+        other_water = scenario.water != before.water
+        water = scenario_water(scenario, self._world) if other_water else self._world.water
+        specs = list(self._specs)
+        for index, (entry, old) in enumerate(zip(scenario.vehicles, before.vehicles, strict=True)):
+            if other_water or entry != old:
+                with vehicle_errors_at(scenario, index):
+                    specs[index] = vehicle_spec(scenario, entry)
+        sonars = [imaging_models(self, entry) for entry in scenario.vehicles]
+        if scenario.model_copy(update={"optics": before.optics}) != before:
+            self._core.change(water, simulation_spec(scenario), specs)
+        # Nothing fails from here on.
+        self._specs = specs
+        if other_water:
+            self._world.water = water
+            self._fixed_world = _core.FixedWorld(self._world)
+        self._shared_scene.change(scenario)
+        change_cameras(self.cameras, scenario.station.cameras)
+        for index, (entry, rov) in enumerate(zip(scenario.vehicles, self.vehicles.values(), strict=True)):
+            self._dock.hull_radii_m[index] = hull_radius_m(entry.model)
+            change_cameras(rov.cameras, camera_mounts(entry.model))
+            rov.change(entry, specs[index], sonars[index])
+
+    def __repr__(self) -> str:
+        vehicles = ", ".join(self.vehicles)
+        return f"<Simulator '{self.scenario.name}', seed {self.seed}, at {self.time_s:.3f} s, with {vehicles}>"
+
+    def __copy__(self) -> NoReturn:
+        raise TypeError(
+            "a Simulator cannot be copied or pickled: make another of sim.scenario, and give it this one's state by "
+            "save_state() and restore_state()"
+        )
+
+    def __deepcopy__(self, memo: object) -> NoReturn:
+        self.__copy__()
+
+    def __reduce__(self) -> NoReturn:
+        self.__copy__()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Do nothing: the world is freed with the object."""

@@ -1,0 +1,223 @@
+"""Vehicle, one of a simulator's: pose, velocity, telemetry and instruments; vehicle_commands has its commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from uwsim import _core
+from uwsim.base.arguments import read_only
+from uwsim.base.axes import AXES
+from uwsim.base.journal import Journal
+from uwsim.base.motion import Pose, Velocity
+from uwsim.base.named import Named
+from uwsim.instruments.cameras import Camera, Lamp
+from uwsim.instruments.sensors import Sensor, Sensors
+from uwsim.instruments.sonars.imaging import Acoustics
+from uwsim.instruments.sonars.mounted import ImagingSonar
+from uwsim.instruments.sonars.multibeam import Sonar
+from uwsim.scenario.build.control import ControlSettings, floating_text
+from uwsim.scenario.build.vehicle import authority
+from uwsim.scenario.spec.vehicle_entry import VehicleEntry
+from uwsim.simulator.command_gate import CommandGate, FailsafeLike
+from uwsim.simulator.docking import Dock
+from uwsim.simulator.onboard_navigation import ALIGNMENT_STD_M, ALIGNMENT_STD_M_S, OnboardNavigation
+from uwsim.simulator.thruster import Thruster
+from uwsim.simulator.vehicle_commands import CommandedVehicle, Vector
+
+if TYPE_CHECKING:
+    from uwsim.navigation.estimation import Navigator, Start
+
+
+class Vehicle(CommandedVehicle):
+    """One vehicle of a simulator; see Simulator.vehicles.
+
+    sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first. cameras,
+    imaging_sonars: by name. lamps: by the name of their switch.
+    control: the model and the gains of its file, for a Controller; parameters that change later are not in
+    it. A docked vehicle's thrusters are off: the first time that simulated time passes while it is commanded, there is
+    a DockedWarning.
+    """
+
+    name: str
+    sensors: Sensors
+    sonars: Named[Sonar]
+    cameras: Named[Camera]
+    lamps: Named[Lamp]
+    imaging_sonars: Named[ImagingSonar]
+    control: ControlSettings
+    _changed_by = MappingProxyType(
+        {
+            "pose": "place()",
+            "velocity": "place(position, orientation, velocity_body)",
+            "effort": "set_effort()",
+            "thrusters": "set_thrusters()",
+            "fins": "set_fins()",
+            "released": "release(), undock() or dock()",
+            "all_stopped": "all_stop()",
+        }
+    )
+
+    def __init__(
+        self,
+        simulation: _core.Simulation,
+        index: int,
+        spec: _core.VehicleSpec,
+        *,
+        dock: Dock,
+        cameras: Mapping[str, Camera],
+        lamps: Mapping[str, Lamp],
+        imaging_sonars: Mapping[str, ImagingSonar],
+        journal: Journal,
+        sensors_on: Mapping[str, bool],
+        step_s: float,
+        navigate: Callable[[Vehicle, Start], Navigator],
+        control: ControlSettings,
+    ) -> None:
+        self._simulation = simulation
+        self._index = index
+        self.name = spec.name
+        self.control = control
+        sensors: dict[str, Sensor[Any]] = {
+            s.name: Sensor(simulation, index, k, s, step_s, sensors_on[s.name]) for k, s in enumerate(spec.sensors)
+        }
+        sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
+        self.sensors = Sensors(sensors, f"{spec.name}.sensors")
+        self.sonars = Named(sonars, f"{spec.name}.sonars")
+        self.cameras = Named(cameras, f"{spec.name}.cameras")
+        self.lamps = Named(lamps, f"{spec.name}.lamps")
+        self.imaging_sonars = Named(imaging_sonars, f"{spec.name}.imaging_sonars")
+        self._dock = dock
+        self._journal = journal
+        for lamp in lamps.values():
+            lamp.report_to(journal, spec.name)
+        self._craft: _core.Craft = spec.craft
+        self._last_motion = self._new_motion()
+        self._last_panel: tuple[int, _core.Telemetry] | None = None
+        self._navigation = OnboardNavigation(
+            spec.name, journal, step_s, lambda: simulation.tick, lambda start: navigate(self, start), self._known_start
+        )
+        self.gate = CommandGate(spec.name, partial(simulation.set_effort, index, *[0.0] * 6))
+
+    def __repr__(self) -> str:
+        east, north, up = self.pose.position_world_m.tolist()
+        state = "released" if self.released else "docked"
+        floats = floating_text(self.control.net_buoyancy_n)
+        return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m; {floats}>"
+
+    def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
+        """Go on with other figures. Simulator.parameters calls this."""
+        self._craft = spec.craft
+        for sensor in spec.sensors:
+            self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
+        for sonar in spec.sonars:
+            self.sonars[sonar.name].change(sonar)
+        for name, model in imaging_models.items():
+            self.imaging_sonars[name].change(model)
+
+    @property
+    def sonar(self) -> Sonar:
+        """The first of the sonars. Raises ValueError if there is none."""
+        if not self.sonars:
+            raise ValueError(f"vehicle '{self.name}': carries no sonar")
+        return next(iter(self.sonars.values()))
+
+    @property
+    def authority(self) -> Vector:
+        """(6,) acceleration from rest that full effort of each axis alone gives, deep in still water [m/s2, rad/s2].
+
+        From the smaller of the wrenches ahead and astern, and the full mass, added mass included.
+        """
+        return authority(self._craft, self.full_wrench_body)
+
+    @property
+    def failsafe(self) -> FailsafeLike | None:
+        """What it does by itself when nobody speaks to it or something fails; None unless its YAML file says so."""
+        return self.gate.failsafe
+
+    @property
+    def effort(self) -> Vector:
+        """(6,) surge, sway, heave, roll, pitch, yaw as last set; zero after set_wrench or set_thrusters."""
+        return read_only(self._simulation.effort(self._index))
+
+    @property
+    def controllable(self) -> frozenset[str]:
+        """The axes, of surge, sway, heave, roll, pitch, yaw, on which an effort has an effect."""
+        driven = self._simulation.controllable(self._index)
+        return frozenset(axis for axis, is_driven in zip(AXES, driven, strict=True) if is_driven)
+
+    @property
+    def full_wrench_body(self) -> tuple[Vector, Vector]:
+        """The largest wrenches in still water for each axis alone, ahead and astern: (6,) magnitudes, N and N m."""
+        ahead, astern = self._simulation.full_wrench_body(self._index)
+        return read_only(ahead), read_only(astern)
+
+    @property
+    def thrusters(self) -> Named[Thruster]:
+        """Each thruster's state, by name."""
+        both = zip(
+            self._simulation.thruster_commands(self._index), self._simulation.thrusts_n(self._index), strict=True
+        )
+        states = {name: Thruster(value, thrust) for (name, value), (_, thrust) in both}
+        return Named(states, f"{self.name}.thrusters", "set_thrusters()")
+
+    @property
+    def fins(self) -> Named[float]:
+        """The fins' present deflections [rad] by name; they follow `set_fins` at their rate."""
+        return Named(dict(self._simulation.fin_angles_rad(self._index)), f"{self.name}.fins", "set_fins()")
+
+    @property
+    def pose(self) -> Pose:
+        """The present pose."""
+        motion = self._last_motion
+        return motion[1] if motion[0] == self._simulation.version else self._new_motion()[1]
+
+    @property
+    def velocity(self) -> Velocity:
+        """The present velocity."""
+        motion = self._last_motion
+        return motion[2] if motion[0] == self._simulation.version else self._new_motion()[2]
+
+    def _new_motion(self) -> tuple[int, Pose, Velocity]:
+        """Make version, pose and velocity, once for each version: missions ask several times in each period."""
+        position, orientation, world_from_body, linear, angular = self._simulation.motion(self._index)
+        motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
+        self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
+        return motion
+
+    @property
+    def estimate(self) -> Navigator:
+        """Where the vehicle is by its own instruments: pose, velocity and their covariance, by an error-state filter.
+
+        The first look starts it, from the pose and velocity of that moment, which it takes to be known within 0.1 m and
+        0.05 m/s; so do place, dock and undock. It goes by the errors that the sensors had then. Raises ValueError for a
+        vehicle without an IMU. See docs/guides/estimation.md.
+        """
+        return self._navigation.navigator
+
+    @property
+    def navigation(self) -> OnboardNavigation:
+        """What keeps `estimate` up to date. For Simulator."""
+        return self._navigation
+
+    def _known_start(self) -> Start:
+        from uwsim.navigation.estimation import Start  # here, since scipy takes long to import
+
+        position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
+        velocity = turn @ self.velocity.linear_body_m_s
+        return Start(tuple(position.tolist()), ALIGNMENT_STD_M, tuple(velocity.tolist()), ALIGNMENT_STD_M_S)
+
+    @property
+    def collisions(self) -> int:
+        """The number of times that the vehicle has come to touch something."""
+        return self._simulation.collisions(self._index)
+
+    def telemetry(self) -> _core.Telemetry:
+        """The panel of the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
+        version = self._simulation.version
+        last = self._last_panel
+        if last is None or last[0] != version:
+            self.__dict__["_last_panel"] = last = version, self._simulation.telemetry(self._index)
+        return last[1]

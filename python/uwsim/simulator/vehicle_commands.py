@@ -1,0 +1,211 @@
+"""The commands of a simulated vehicle: what each does to the simulation, and the journal's note of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim import _core
+from uwsim.base.arguments import number, numbers_by_name
+from uwsim.base.axes import AXES
+from uwsim.base.journal import Journal
+from uwsim.base.sealed import Sealed
+from uwsim.commands import Placeable, command_named
+from uwsim.simulator.command_gate import CommandGate
+from uwsim.simulator.docking import Dock
+
+Vector = NDArray[np.float64]
+PLAIN = {float}
+
+
+class CommandedVehicle(Sealed, Placeable):
+    """The part of uwsim.simulator.vehicle.Vehicle that takes commands.
+
+    Commands are held until the next one; a command that raises ValueError changes nothing. gate: decides whether they
+    take effect.
+    """
+
+    name: str
+    gate: CommandGate
+    _simulation: _core.Simulation
+    _index: int
+    _dock: Dock
+    _journal: Journal
+
+    @property
+    def released(self) -> bool:
+        """Whether the vehicle is free of the station."""
+        return self._simulation.released(self._index)
+
+    @property
+    def all_stopped(self) -> bool:
+        """Whether all stop is set."""
+        return self.gate.all_stopped
+
+    def command(self, name: str, /, **arguments: Any) -> Any:
+        """Give a command of uwsim.commands by its name. Raises ValueError, changing nothing."""
+        command = command_named(name)
+        return command.give(self, self._journal, command.named(self.name, arguments))
+
+    def set_effort(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Command efforts in [-1, 1] along and about the body axes (REP 103: forward, left, up), held until the next.
+
+        Full effort of one axis alone is the largest wrench about it that the vehicle gives, or its fins' largest
+        deflection; efforts that exceed the thrusters together are scaled down together. Efforts of axes that are not
+        `controllable` do nothing. Raises ValueError for an effort outside [-1, 1] or not finite.
+        """
+        efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
+        if set(map(type, efforts)) != PLAIN:
+            efforts = tuple(number(value, f"effort.{axis}") for axis, value in zip(AXES, efforts, strict=True))
+        self.gate.hears()
+        self._simulation.set_effort(self._index, *efforts)
+        self.gate.yields(moves=any(efforts))
+        if self._journal.observers:
+            self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
+
+    def set_wrench(
+        self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Command the thrusters' force (3,) and torque (3,) in still water, body axes, about the origin; fins stay.
+
+        A wrench beyond the thrusters keeps its direction and is scaled to the largest that they give. Raises
+        ValueError.
+        """
+        given = (("force_body_n", force_body_n, "N"), ("torque_body_nm", torque_body_nm, "N m"))
+        parts: list[float] = []
+        for name, part, unit in given:
+            if np.shape(part) != (3,):
+                raise ValueError(f"{name}.shape = {np.shape(part)}: expected (3,)")
+            parts += [number(value, f"{name}[{k}]", unit) for k, value in enumerate(part)]
+        self.gate.hears()
+        self._simulation.set_wrench(self._index, np.array(parts))
+        self.gate.yields(moves=any(parts))
+        self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
+
+    def set_thrusters(self, commands: Mapping[str, float]) -> None:
+        """Command thrusters in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
+        known = [name for name, _ in self._simulation.thruster_commands(self._index)]
+        pairs = numbers_by_name(commands, "thrusters", known)
+        self.gate.hears()
+        self._simulation.set_thrusters(self._index, pairs)
+        self.gate.yields(moves=any(value for _, value in pairs))
+        self._note("set_thrusters", commands=dict(pairs))
+
+    def set_fins(self, angles_rad: Mapping[str, float]) -> None:
+        """Command deflections by name, right-handed about each fin's span; unnamed fins return to 0; thrusters stay.
+
+        Raises ValueError.
+        """
+        known = [name for name, _ in self._simulation.fin_angles_rad(self._index)]
+        pairs = numbers_by_name(angles_rad, "fins", known, "rad")
+        self.gate.hears()
+        self._simulation.set_fins(self._index, pairs)
+        self.gate.yields(moves=self.gate.is_driven or any(value for _, value in pairs))
+        self._note("set_fins", angles_rad=dict(pairs))
+
+    def steer_silently(self, efforts: Sequence[float]) -> None:
+        """Set efforts, saturated, without a note: what a program aboard does follows from what is noted already."""
+        if not self.all_stopped:
+            self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
+
+    def override_failsafe(self) -> None:
+        """Take the vehicle back from its failsafe, which acts no more on this cause. ValueError if there is none."""
+        self.gate.override()
+        self._note("override_failsafe")
+
+    def all_stop(self, on: bool = True) -> None:
+        """Stop the thrusters and put the fins to neutral, against all commands, until False releases them. ValueError.
+
+        Until then commands have no effect, of which an AllStopWarning warns once, and the dock keeps a docked vehicle.
+        After that it rests until the next command; a failsafe that steers goes on from there.
+        """
+        self.gate.all_stop(on)
+        self._note("all_stop", on=bool(on))
+
+    def release(self) -> None:
+        """Leave the station; the mission time starts. Nothing if already free; ValueError if all stop keeps it."""
+        if not self.released:
+            self.gate.require_no_stop("release")
+        self._simulation.release(self._index)
+        self._note("release")
+
+    def undock(self) -> None:
+        """Leave the station at once: release the vehicle and put it, at rest, at the dock's way out (station.exit_m).
+
+        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked, the
+        water there is not free, or all stop is set.
+        """
+        if self.released:
+            raise ValueError(f"vehicle '{self.name}': undock: is not docked")
+        self.gate.require_no_stop("undock")
+        with self._named_errors():
+            self._dock.require_exit(self._index)
+        self._put(_core.BodyState(self._dock.exit_world_m, self._dock.orientation_xyzw, np.zeros(6)))
+        self._note("undock")
+
+    def dock(self) -> None:
+        """Enter the station's dock from nearby: it holds the vehicle, at rest, until the next release or undock.
+
+        The vehicle must be within 1.5 m of its place in the dock, slower than 0.5 m/s and within 30 degrees of the
+        dock's heading, and the dock empty; else ValueError, which says how far away it is. Its commands end and its
+        battery is charged at once: the next release starts another mission.
+        """
+        if not self.released:
+            raise ValueError(f"vehicle '{self.name}': dock: is docked already")
+        with self._named_errors():
+            self._dock.require_entry(self._index)
+        self._simulation.dock(self._index, self._dock.position_world_m, self._dock.orientation_xyzw)
+        self.gate.is_driven = False
+        self._note("dock")
+
+    def place(
+        self,
+        position_world_m: Sequence[float] | Vector,
+        orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
+        velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given; a docked one is released.
+
+        Commands are still held, propellers keep turning, and sensors keep their samples. Raises ValueError for numbers
+        that are not finite or too large, and if the vehicle's origin, by whatever distance, is not above the ground or
+        is inside a closed obstacle. The hull is not checked: where it overlaps a surface, contacts push it out.
+        """
+        self._put(_core.BodyState(position_world_m, orientation_xyzw, velocity_body))
+        self._note(
+            "place",
+            position_world_m=position_world_m,
+            orientation_xyzw=orientation_xyzw,
+            velocity_body=velocity_body,
+        )
+
+    def _put(self, state: _core.BodyState) -> None:
+        self._simulation.set_state(self._index, state)
+
+    @contextmanager
+    def _named_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except ValueError as error:
+            raise ValueError(f"vehicle '{self.name}': {error}") from None
+
+    def _note(self, command: str, **arguments: Any) -> None:
+        """Report a command that has taken effect to the observers of the simulator."""
+        if self._journal.observers:
+            self._journal.note(command, vehicle=self.name, **arguments)
+
+    def warn_if_docked(self) -> None:
+        """Warn, once, if the vehicle is commanded while its dock holds it. Simulator.step calls this."""
+        if self.gate.is_driven and not self.released:
+            self.gate.warn_of_dock()

@@ -1,6 +1,0 @@
-"""The operator's station: a web page to fly by, and the part of the server that serves it."""
-
-from uwsim.station.hub import Station
-from uwsim.station.site import Site
-
-__all__ = ["Site", "Station"]

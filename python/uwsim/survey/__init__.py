@@ -1,1 +1,0 @@
-"""Aliases, for one version: a survey is a mission flown by uwsim.flight with a map."""

@@ -1,5 +1,0 @@
-"""Sweeps: one survey or mission flown many times, with other figures each time, on many processes."""
-
-from uwsim.sweeps.sweep import Sweep, fly_again, run_sweep
-
-__all__ = ["Sweep", "fly_again", "run_sweep"]

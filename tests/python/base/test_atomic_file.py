@@ -1,0 +1,33 @@
+"""Atomic writing: a failure leaves the old file, no temporary file, and a message that names the target."""
+
+import errno
+import os
+import re
+
+import pytest
+
+from uwsim.base.atomic_file import write_atomically
+
+
+def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(tmp_path):
+    target = tmp_path / "report.html"
+    target.mkdir()
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: Is a directory$"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    nowhere = tmp_path / "nowhere" / "report.html"
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(nowhere))}': cannot be written: No such file or directory$"):
+        write_atomically(nowhere, b"new")
+
+
+def test_an_error_on_a_full_disk_names_the_target(tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    target = tmp_path / "report.html"
+    target.write_bytes(b"old")
+    with pytest.raises(OSError, match=rf"^'{re.escape(str(target))}': cannot be written: No space left on device$"):
+        write_atomically(target, b"new")
+    assert list(tmp_path.iterdir()) == [target]
+    assert target.read_bytes() == b"old"

@@ -1,0 +1,57 @@
+"""Quaternions by hand are SciPy's rotations."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from uwsim.base.quaternions import (
+    about_x,
+    about_y,
+    about_z,
+    heading_rad,
+    matrix,
+    of_yaw_pitch_roll_deg,
+    product,
+    turned,
+)
+
+TURNS = Rotation.random(20, rng=np.random.default_rng(1))
+
+
+def same(quaternion: np.ndarray, turn: Rotation) -> bool:
+    return bool((Rotation.from_quat(quaternion) * turn.inv()).magnitude() < 1e-12)
+
+
+def test_products_and_turns_about_axes_are_those_of_scipy() -> None:
+    for first, then in zip(TURNS[:10], TURNS[10:], strict=True):
+        assert same(product(first.as_quat(), then.as_quat()), first * then)
+    for angle_rad in (-3.0, 0.0, 0.4, 3.1):
+        assert same(about_x(angle_rad), Rotation.from_euler("x", angle_rad))
+        assert same(about_y(angle_rad), Rotation.from_euler("y", angle_rad))
+        assert same(about_z(angle_rad), Rotation.from_euler("z", angle_rad))
+
+
+def test_the_heading_is_that_of_the_x_axis() -> None:
+    for turn in TURNS:
+        x, y, _ = turn.apply((1.0, 0.0, 0.0))
+        assert heading_rad(turn.as_quat()) == pytest.approx(np.arctan2(y, x), abs=1e-12)
+
+
+def test_mountings_matrices_and_turned_points_are_those_of_scipy() -> None:
+    points = np.random.default_rng(2).normal(size=(7, 3))
+    for turn in TURNS:
+        angles_deg = turn.as_euler("ZYX", degrees=True)
+        quaternion = of_yaw_pitch_roll_deg(angles_deg)
+        assert same(quaternion, turn)
+        np.testing.assert_allclose(matrix(quaternion), turn.as_matrix(), atol=1e-12)
+        np.testing.assert_allclose(turned(quaternion, points), turn.apply(points), atol=1e-12)
+        np.testing.assert_allclose(turned(quaternion, points[0]), turn.apply(points[0]), atol=1e-12)
+
+
+def test_simulator_and_survey_are_imported_without_scipy() -> None:
+    """Its import would take longer than to make a simulator."""
+    program = "import sys, uwsim.simulator.simulator, uwsim.flight.survey; sys.exit('scipy' in sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=120)

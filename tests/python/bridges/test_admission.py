@@ -1,0 +1,169 @@
+"""Who may connect: one law for every socket on which any part of uwsim listens."""
+
+import ast
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from websockets.datastructures import Headers
+
+from listening_sockets import NOTHING, listening, status, upgrade
+from ros1_tools import master, ros_is_installed
+from ros2_tools import free_domain
+from uwsim import Simulator
+from uwsim.bridges.admission import Door
+from uwsim.recording import Recorder
+
+SOURCES = Path(__file__).parents[3] / "python" / "uwsim"
+UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
+TOKEN = "correct-horse"
+EVIL = "http://evil.example"
+PUBLISHER_UPDATE = b"""<?xml version='1.0'?><methodCall><methodName>publisherUpdate</methodName><params>
+<param><value><string>/master</string></value></param><param><value><string>/cmd_vel</string></value></param>
+<param><value><array><data><value><string>http://127.0.0.1:1/</string></value></data></array></value></param>
+</params></methodCall>"""
+
+REFUSED = {401, 403, NOTHING}
+NO_SUCH_THING = {404, 405, 426, 501}  # there is nothing to be had by this method, for nobody
+
+
+@contextmanager
+def program(*command: str, **options: object) -> Iterator[tuple[int, str]]:
+    """Run a program that listens; yields its process and the line that it prints when it does."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options) as process:  # type: ignore[call-overload]
+        try:
+            assert process.stdout is not None
+            greeting = process.stdout.readline()
+            assert greeting, "it ended"
+            yield process.pid, greeting
+        finally:
+            process.send_signal(signal.SIGTERM)
+
+
+def hold_to_the_law(pid: int, greeting: str, *, sockets: int, websockets: int, has_token: bool = True) -> None:
+    """Hold each socket of a program to the law. sockets: how many there are; websockets: how many of them are such."""
+    ports = listening(pid)
+    assert len(ports) == sockets, f"{greeting}: listens on {ports}"
+    right = f"/?token={TOKEN}" if has_token else "/"
+    admitting = 0
+    for port in sorted(ports):
+        rebound = f"evil.example:{port}"
+        evil = {
+            "a page of another site opens a WebSocket": upgrade(port, right, Origin=EVIL),
+            "a sandboxed page": upgrade(port, right, Origin="null"),
+            "a page of a file": upgrade(port, right, Origin="file://"),
+            "a name that was made to point here": upgrade(port, right, Host=rebound, Origin=f"http://{rebound}"),
+            "... of a page or file": status(port, path=right, Host=rebound),
+            "... of Dask's own": status(port, path="/json/counts.json", Host=rebound),
+            "another site's page loads something": status(port, path=right, Origin=EVIL),
+            "it posts what needs no leave": status(
+                port, "POST", "/", PUBLISHER_UPDATE, Origin=EVIL, Content_Type="text/plain"
+            ),
+        }
+        if has_token:
+            evil["no token"] = upgrade(port)
+            evil["a wrong token"] = upgrade(port, "/?token=correct-house", Origin=f"http://127.0.0.1:{port}")
+        for what, answer in evil.items():
+            assert answer in REFUSED | NO_SUCH_THING, f"{greeting}: port {port}: {what}: {answer}"
+        own = upgrade(port, right, Origin=f"http://127.0.0.1:{port}"), upgrade(port, right)
+        assert own in ((101, 101), (404, 404), (NOTHING, NOTHING), (501, 501)), f"{greeting}: port {port}: {own}"
+        if own == (101, 101):
+            admitting += 1
+            assert {*evil.values()} <= REFUSED, f"{greeting}: port {port}: {evil}"
+    assert admitting == websockets, greeting
+
+
+def test_every_socket_of_serve(tmp_path: Path) -> None:
+    options = ["--foxglove", "--foxglove-port", "0", "--ros2", "--ros-domain-id", str(free_domain())]
+    served = [*UWSIM, "serve", "pool", "--port", "0", "--token", TOKEN, "--station", *options]
+    if not ros_is_installed():
+        with program(*served) as (pid, greeting):
+            hold_to_the_law(pid, greeting, sockets=2, websockets=2)
+        return
+    with master(tmp_path) as environment, program(*served, "--ros1", env=environment) as (pid, greeting):
+        hold_to_the_law(pid, greeting, sockets=4, websockets=2)  # XML-RPC and TCPROS are rospy's
+
+
+def test_the_socket_of_the_station() -> None:
+    with program(*UWSIM, "station", "--no-browser", "--port", "0", "--token", TOKEN) as (pid, greeting):
+        hold_to_the_law(pid, greeting, sockets=1, websockets=1)
+
+
+def test_every_socket_of_a_playback(tmp_path: Path) -> None:
+    run, sim = tmp_path / "run.mcap", Simulator("pool", seed=3)
+    with Recorder(sim, run, topics=("odom",)):
+        sim.advance(0.5)
+    options = ["--as-topics", "--wait", "--port", "0", "--foxglove", "--foxglove-port", "0", "--token", TOKEN]
+    with program(*UWSIM, "replay", str(run), *options) as (pid, greeting):
+        hold_to_the_law(pid, greeting, sockets=2, websockets=2)
+
+
+def test_every_socket_of_workers() -> None:
+    work = (
+        "import signal, sys, time\nfrom uwsim.campaigns.workers.dask_workers import local_workers\n"
+        "if __name__ == '__main__':\n"
+        "  signal.signal(signal.SIGTERM, lambda *_: sys.exit())\n"
+        "  with local_workers(1):\n    print('workers', flush=True)\n    time.sleep(600)\n"
+    )
+    with program(sys.executable, "-c", work) as (pid, greeting):
+        # Dask's scheduler and worker, each with one for its own protocol and one for HTTP, and its nanny.
+        hold_to_the_law(pid, greeting, sockets=len(listening(pid)), websockets=0, has_token=False)
+
+
+@pytest.mark.parametrize(
+    ("page", "admits", "not_even"),
+    [
+        ("https://station.example:8080", "https://station.example:8080", "https://station.example"),
+        ("https://Station.example/", "https://station.example", "http://station.example"),
+        ("file://", "file://", "null"),
+        ("app://station", "app://station", "app://other"),
+    ],
+)
+def test_a_door_admits_the_page_that_is_named(page: str, admits: str, not_even: str) -> None:
+    door = Door([page], "127.0.0.1")
+    fields = {origin: Headers([("Host", "127.0.0.1:9090"), ("Origin", origin)]) for origin in (admits, not_even)}
+    assert door.refusal(fields[admits], names_matter=False) is None
+    assert door.refusal(fields[not_even], names_matter=False) is not None
+
+
+@pytest.mark.parametrize(
+    "page", ["station", "null", "*", "", "https://", "http:///x", "https://a.example/b", "https://a@b"]
+)
+def test_what_is_no_origin_is_refused(page: str) -> None:
+    with pytest.raises(ValueError, match=r"must be such as 'https://station.example:8080'"):
+        Door([page], "127.0.0.1")
+
+
+def test_a_page_is_admitted_where_it_is_named() -> None:
+    pages = ["--page", "https://app.foxglove.dev", "--page", "file://"]
+    with program(*UWSIM, "serve", "pool", "--port", "0", "--foxglove", "--foxglove-port", "0", *pages) as (pid, _):
+        for port in listening(pid):
+            assert upgrade(port, Origin="https://app.foxglove.dev") == upgrade(port, Origin="file://") == 101
+            assert upgrade(port, Origin="https://app.foxglove.dev.evil.example") == upgrade(port, Origin=EVIL) == 403
+
+
+LISTENERS = re.compile(
+    r"serve|start_server|start_unix_server|create_server|unix_serve|[A-Za-z]*(HTTP|TCP|UDP|XMLRPC|Unix\w*)Server|"
+    r"serve_forever|accept"
+)
+"""Names by which Python's libraries listen."""
+
+
+def test_only_the_listener_listens() -> None:
+    found = set()
+    for path in SOURCES.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("uwsim"):
+                names = []
+            if isinstance(node, ast.Attribute):
+                owner = node.value.id if isinstance(node.value, ast.Name) else ""
+                names = [node.attr] if owner not in ("self", "typer", "app") else []
+            if any(LISTENERS.fullmatch(name) for name in names):
+                found.add(str(path.relative_to(SOURCES)))
+    assert found == {"bridges/listener.py"}

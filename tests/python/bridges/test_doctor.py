@@ -1,0 +1,125 @@
+"""`uwsim doctor`: each cause of two sides not seeing each other is named, with what to do."""
+
+import http.server
+import os
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from fast_dds import BINARY, fast_dds_peer
+from ros2_tools import free_domain, until
+from uwsim.bridges.doctor import network, servers, software
+from uwsim.bridges.doctor.discovery import discovery
+from uwsim.bridges.doctor.environment import environment
+from uwsim.bridges.ros2 import Ros2Node, Ros2Settings
+from uwsim.bridges.ros2.settings import unicast_port
+from uwsim.bridges.rosbridge import RosbridgeServer
+from uwsim.live import LiveSimulator
+
+LOCAL = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def wrong(findings):
+    return {finding.what: finding.advice for finding in findings if finding.verdict == "wrong"}
+
+
+@pytest.mark.parametrize(
+    ("variables", "settings", "what", "advice"),
+    [
+        ({"ROS_DOMAIN_ID": "5"}, Ros2Settings(), "ROS_DOMAIN_ID", "export ROS_DOMAIN_ID=0"),
+        ({"RMW_IMPLEMENTATION": "rmw_zenoh_cpp"}, Ros2Settings(), "RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"),
+        ({"ROS_DISCOVERY_SERVER": "1.2.3.4"}, Ros2Settings(), "ROS_DISCOVERY_SERVER", "unset"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, Ros2Settings(), "discovery range", "LOCALHOST"),
+        (LOCAL, Ros2Settings(reach="subnet"), "discovery range", "--ros-reach localhost"),
+    ],
+)
+def test_a_variable_of_ros_that_is_at_odds_is_named(variables, settings, what, advice):
+    assert wrong(environment({}, settings)) == {}
+    assert advice in wrong(environment(variables, settings))[what]
+
+
+def test_nothing_is_wrong_with_a_node_of_the_same_kind():
+    settings = Ros2Settings(domain_id=free_domain())
+    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings):
+        found = discovery(settings, 2.0)
+    assert wrong(found) == {} and any("/uwsim (jazzy)" in finding.found for finding in found)
+
+
+def test_a_node_of_another_distribution_is_named():
+    settings = Ros2Settings(domain_id=free_domain())
+    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings):
+        found = discovery(Ros2Settings("humble", settings.domain_id), 2.0)
+    assert wrong(found) == {"nodes": "uwsim serve --ros2 --ros-distro jazzy"}
+
+
+def test_who_does_not_answer_and_who_is_in_another_domain_is_noticed():
+    domain = free_domain()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf:
+        deaf.bind(("127.0.0.1", unicast_port(domain, 0)))
+        found = wrong(discovery(Ros2Settings(domain_id=domain), 0.5))
+        assert "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in found[f"domain {domain}"]
+        (finding,) = discovery(Ros2Settings(domain_id=free_domain()), 0.5)
+        assert finding.verdict == "wrong" and "participants in" in finding.found
+
+
+@pytest.mark.skipif(not BINARY.is_file(), reason="fast_dds_peer is built by tools/setup --dev")
+def test_a_node_that_was_told_nothing_of_us_is_found():
+    domain = free_domain()
+    with fast_dds_peer(domain, "alone", "pub", "rt/cmd_vel", "10"):
+        until(lambda: network.participants_here(domain, network.udp_ports()), "the peer's port")
+        assert discovery(Ros2Settings(domain_id=domain), 3.0)[0].found == "1 participants answer, 1 are on this machine"
+
+
+def test_a_port_is_free_ours_or_taken():
+    class Silent(http.server.BaseHTTPRequestHandler):
+        def log_message(self, *_):
+            pass
+
+    with RosbridgeServer(None) as server:
+        taken = servers.rosbridge_port(server.port)
+        assert taken.verdict == "wrong" and "another rosbridge" in taken.found
+        port = server.port
+    assert servers.rosbridge_port(port).found == "free"
+    with http.server.HTTPServer(("127.0.0.1", 0), Silent) as web:
+        threading.Thread(target=web.serve_forever, daemon=True).start()
+        assert servers.rosbridge_port(web.server_port).found == "taken, but not by a rosbridge"
+        assert servers.foxglove_port(web.server_port).verdict == "note"
+        web.shutdown()
+    with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
+        assert servers.rosbridge_port(server.port).found == "uwsim serves here"
+    with RosbridgeServer(None, token="correct-horse") as server:
+        for look in (servers.rosbridge_port, servers.foxglove_port):
+            assert look(server.port) == servers.Finding(look(server.port).what, servers.LOCKED)
+
+
+def test_interfaces_and_buffers_are_looked_at(monkeypatch):
+    assert network.interfaces()["lo"][0] == "127.0.0.1"
+    assert wrong(network.network(Ros2Settings())) == {}
+    monkeypatch.setattr(network, "interfaces", dict)
+    assert wrong(network.network(Ros2Settings())) == {"interface": "sudo ip link set lo up"}
+    assert "--ros-reach localhost" in wrong(network.network(Ros2Settings(reach="subnet")))["interface"]
+    assert "multicast on" in network.multicast("lo", "127.0.0.1", network.UP).advice
+
+
+def test_a_missing_extra_is_a_note_that_names_the_command(monkeypatch):
+    monkeypatch.setitem(software.EXTRAS, "ros2", ("no-such-package",))
+    found = software.extra("ros2")
+    assert (found.verdict, found.advice) == ("note", "pip install 'uwsim[ros2]'")
+
+
+@pytest.mark.parametrize(("domain", "code"), [("same", 0), ("other", 1)])
+def test_the_command_prints_a_table_and_exits_with_1_when_something_is_wrong(domain, code):
+    settings = Ros2Settings(domain_id=free_domain())
+    variables = {"ROS_DOMAIN_ID": str(settings.domain_id if domain == "same" else settings.domain_id + 1), **LOCAL}
+    uwsim = Path(sys.executable).parent / "uwsim"
+    with LiveSimulator("pool", paused=True) as live, Ros2Node(live, [], (), settings), RosbridgeServer(live) as server:
+        command = [uwsim, "doctor", "--ros-domain-id", settings.domain_id, "--listen", 2, "--port", server.port]
+        surroundings = os.environ | variables
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120, env=surroundings)
+    assert done.returncode == code, done.stdout + done.stderr
+    assert "uwsim serves here" in done.stdout and "/uwsim (jazzy)" in done.stdout
+    assert ("WRONG" in done.stdout) == bool(code)

@@ -1,0 +1,113 @@
+"""The paper's chain as processes over rosbridge: the map has the bytes of the chain in one process."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.nodes.chain import INSERTED, decode, to_cloud, to_scan, to_transform
+from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.channels import channels
+from uwsim.channels.messages import default_message
+from uwsim.cli.nodes import nodes
+from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
+
+PATIENCE_S = 60.0
+UWSIM = Path(sys.executable).with_name("uwsim")
+PINGS = 120  # a survey in miniature: 9 s of lanes and turns
+LANE = 30
+
+
+def until(condition, process):
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.01)
+
+
+def interval_steps(sim):
+    rate_hz = next(channel.rate_hz for channel in channels(sim, wire="published") if channel.name == "depthArray")
+    return round(1.0 / rate_hz / sim.step_s)
+
+
+def effort(ping):
+    """Return the efforts of the flight: lanes ahead, down at first, with a half turn after each."""
+    turning = ping % LANE >= LANE - 14
+    return {"surge": 0.2 if turning else 1.0, "yaw": 1.0 if turning else 0.0, "heave": -0.5 if ping < LANE else 0.0}
+
+
+def chain_in_process(path):
+    """Fly as the test does, and pass what the channels say through the nodes' functions."""
+    sim, builder = Simulator("lake"), MapBuilder()
+    table = {channel.name: channel for channel in channels(sim, wire="published")}
+    flown = []
+    for ping in range(PINGS):
+        flown.append(sim.rov.pose.position_world_m)
+        if ping == 1:
+            sim.rov.undock()
+        sim.rov.set_effort(**effort(ping))
+        sim.step(0 if ping == 0 else interval_steps(sim))
+        stamp = default_message("builtin_interfaces/msg/Time")
+        stamp.sec, stamp.nanosec = divmod(sim.time_ns, 10**9)
+        model = sim.rov.sonar.model.number
+        for topic, parent, child in (("propPos", "odom", "base_footprint"), ("scanPos", "base_footprint", "base_scan")):
+            builder.add_transforms(to_transform(table[topic].read(sim), stamp, parent, child))
+        builder.add_cloud(to_cloud(to_scan(decode(table["depthArray"].read(sim), model), model, stamp), model))
+        builder.insert_ready()
+    assert builder.inserted == PINGS
+    builder.write(path)
+    return np.array(flown)
+
+
+def test_five_processes_make_the_map_of_one(tmp_path):
+    heard, limits = [], Limits(work_share=1.0)
+    with LiveSimulator("lake", paused=True) as live, RosbridgeServer(live, wire="published", limits=limits) as server:
+        arguments = [UWSIM, "nodes", "--url", server.url, "--out", tmp_path / "nodes.bt"]
+        process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
+        try:
+            until(lambda: INSERTED in server.graph.topics, process)
+            server._listener.loop.call_soon_threadsafe(
+                lambda: server.graph.subscribe("/test", 0, INSERTED, None, lambda s: heard.append(s.message.data))
+            )
+            assert "octomap" in process.stdout.readline()
+            for ping in range(PINGS):
+                if ping == 1:
+                    live.rov.undock()
+                live.rov.set_effort(**effort(ping))
+                live.step(0 if ping == 0 else interval_steps(live.simulator))
+                until(lambda ping=ping: heard[-1:] == [ping + 1], process)
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE_S) == 0
+        finally:
+            process.kill()
+            process.wait()
+    flown = chain_in_process(tmp_path / "chain.bt")
+    assert np.ptp(flown, axis=0)[:2].min() > 3.0
+    assert (tmp_path / "nodes.bt").read_bytes() == (tmp_path / "chain.bt").read_bytes()
+    assert len((tmp_path / "chain.bt").read_bytes()) > 20_000
+
+
+def test_clouds_wait_for_the_transforms_of_their_time():
+    builder = MapBuilder()
+    stamp = default_message("builtin_interfaces/msg/Time")
+    stamp.sec = 5
+    scan = to_scan(type("Decoded", (), {"data": np.full(513, 10.0, np.float32)}), 2, stamp)
+    builder.add_cloud(to_cloud(scan, 2))
+    pose = default_message("geometry_msgs/msg/Pose")
+    pose.orientation.w = 1.0
+    for parent, child, expected in (("odom", "base_footprint", 0), ("base_footprint", "base_scan", 1)):
+        builder.add_transforms(to_transform(pose, stamp, parent, child))
+        assert builder.insert_ready() == expected
+
+
+def test_a_missing_server_is_named():
+    with pytest.raises(OSError, match=r"ws://127\.0\.0\.1:9: no rosbridge answers"):
+        nodes("all", url="ws://127.0.0.1:9", patience=0.0)

@@ -1,0 +1,100 @@
+"""The simulator's parameters from elsewhere: rosapi and services of the rosbridge, and the command line."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from websockets.sync.client import ClientConnection
+from websockets.sync.client import connect as websocket
+
+from command_line import error_line, uwsim
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
+
+PATIENCE_S = 20.0
+
+
+@pytest.fixture(scope="module")
+def live() -> Iterator[LiveSimulator]:
+    with LiveSimulator("pool", speed=5.0) as live:
+        yield live
+
+
+@pytest.fixture(scope="module")
+def client(live: LiveSimulator) -> Iterator[ClientConnection]:
+    with RosbridgeServer(live) as server, websocket(server.url) as client:
+        yield client
+
+
+def call(client: ClientConnection, service: str, **args: Any) -> tuple[bool, Any]:
+    client.send(json.dumps({"op": "call_service", "service": service, "id": service, "args": args}))
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        answer = json.loads(client.recv(PATIENCE_S))
+        if answer.get("id") == service:
+            return answer["result"], answer["values"]
+    raise TimeoutError(service)
+
+
+def test_rosapi_reads_and_sets_them_and_keeps_a_store_beside(client: ClientConnection, live: LiveSimulator) -> None:
+    name = "/rov/drag/linear/surge"
+    assert call(client, "/rosapi/get_param", name=name) == (True, {"value": "29.4"})
+    assert call(client, "/rosapi/set_param", name=name, value="44.5")[0] is True
+    assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
+    assert list(live.log)[-1].arguments == {"name": "rov.drag.linear.surge", "value": 44.5}
+    drag = json.loads(call(client, "/rosapi/get_param", name="/rov/drag/linear")[1]["value"])
+    assert drag[0] == 44.5
+    refused = call(client, "/rosapi/set_param", name=name, value="-1")
+    assert refused[0] is False and "rov.drag.linear.surge = -1 N s/m: must be in" in refused[1]
+    assert live.simulator.parameters["rov.drag.linear.surge"] == 44.5
+    assert call(client, "/rosapi/has_param", name=name)[1] == {"exists": True}
+    assert call(client, "/rosapi/delete_param", name=name)[0] is False
+    call(client, "/rosapi/set_param", name="/my/own", value='{"p": 1}')
+    assert call(client, "/rosapi/get_param", name="my/own")[1] == {"value": '{"p": 1}'}
+    names = call(client, "/rosapi/get_param_names")[1]["names"]
+    assert {name, "/my/own", "/use_sim_time"} <= set(names)
+
+
+def test_services_list_get_describe_set_and_reset(client: ClientConnection, live: LiveSimulator) -> None:
+    listed = call(client, "/simulation/list_parameters", prefix="rov.max_force_n")[1]["names"]
+    assert listed == ["rov.max_force_n.x", "rov.max_force_n.y", "rov.max_force_n.z"]
+    changes = {"rov.friction": 0.7, "optics.jerlov": "5C"}
+    assert call(client, "/simulation/set_parameters", values_json=json.dumps(changes))[1]["success"] is True
+    answer = call(client, "/simulation/get_parameters", names=["rov.friction", "optics.jerlov"])[1]
+    assert json.loads(answer["values_json"]) == changes
+    wrong = json.dumps({"rov.friction": 0.1, "rov.mass_kg": -1})
+    answer = call(client, "/simulation/set_parameters", values_json=wrong)[1]
+    assert answer["success"] is False and "rov.mass_kg = -1 kg: must be in" in answer["message"]
+    assert live.simulator.parameters["rov.friction"] == 0.7, "all or none"
+    described = call(client, "/simulation/describe_parameters", names=["rov.friction"])[1]["descriptions_json"]
+    assert json.loads(described)[0] | {"value": 0.7, "default": 0.5, "low": 0, "high": 2} == json.loads(described)[0]
+    assert call(client, "/simulation/reset_parameters", names=["rov.friction"])[1]["success"] is True
+    assert live.simulator.parameters["rov.friction"] == 0.5
+    assert live.simulator.parameters["optics.jerlov"] == "5C"
+    assert call(client, "/simulation/reset_parameters")[1]["success"] is True
+    assert live.simulator.parameters.changes == {}
+    assert call(client, "/simulation/get_parameters", names=["rov.nothing"])[1]["success"] is False
+    assert call(client, "/simulation/get_parameters", names="rov")[1]["success"] is False
+
+
+def test_the_command_line_lists_them() -> None:
+    table = uwsim("parameters", "pool", "rov.drag.linear").stdout.splitlines()
+    assert table[1].split()[:4] == ["rov.drag.linear.surge", "29.4", "N", "s/m"]
+    assert len(table) == 7
+    assert "did you mean 'rov.drag'?" in error_line(uwsim("parameters", "pool", "rov.drg"))
+    parameters = Simulator("pool").parameters
+    reasons = {
+        "rov.fins": "is empty: rov has none; it is",
+        "rov.sonar.noise": "has no effect: it is for `mode: physics`",
+    }
+    for name, why in reasons.items():
+        with pytest.raises(ValueError, match=f"{re.escape(name)}'\\]: {why}"):
+            parameters.list(name)
+    with pytest.raises(ValueError, match=r"must be in \[0\.01, 1000000\] kg"):
+        parameters["rov.mass_kg"] = 1e9

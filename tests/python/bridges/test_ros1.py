@@ -1,0 +1,312 @@
+"""The simulator as a node of ROS 1, as Debian's rospy, tf2 and laser_geometry see it."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from command_line import error_line, uwsim_process
+from ros1_tools import master, ros_is_installed, run_node, running, serving
+from uwsim import Simulator, recording
+from uwsim.bridges.ros1.raw_types import read_message
+from uwsim.channels.build import message
+from uwsim.channels.message_types import ros1_typestore
+from uwsim.channels.messages import to_bytes
+from uwsim.recording import Recorder
+from uwsim.recording.live_map import live_map
+from uwsim.simulator.command_gate import STOPPED
+
+pytestmark = pytest.mark.skipif(not ros_is_installed(), reason="Debian's packages of ROS 1 are not installed")
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    with master(tmp_path_factory.mktemp("ros")) as environment, serving(environment, "lake", "--seed", "3"):
+        yield environment
+
+
+SEE = """
+import json, rospy, tf2_ros, sys
+from laser_geometry import LaserProjection
+from sensor_msgs import point_cloud2
+from sensor_msgs.msg import LaserScan, PointCloud2
+from std_msgs.msg import String
+from geometry_msgs.msg import Pose
+rospy.init_node("test", anonymous=True)
+found = {}
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer)
+found["types"] = dict(rospy.get_published_topics())
+found["depthArray"] = rospy.wait_for_message("/depthArray", String, 60).data
+found["modelTrigger"] = rospy.wait_for_message("/modelTrigger", String, 60).data
+found["propPos"] = rospy.wait_for_message("/propPos", Pose, 60).position.z
+scans, clouds = {}, {}
+def keep(kept):
+    return lambda m: kept.setdefault(m.header.stamp.to_nsec(), m)
+rospy.Subscriber("/scan", LaserScan, keep(scans)), rospy.Subscriber("/laserPointCloud", PointCloud2, keep(clouds))
+import time
+until = time.time() + 60
+while not set(scans) & set(clouds) and time.time() < until:
+    time.sleep(0.05)
+stamp = min(set(scans) & set(clouds))
+scan = scans[stamp]
+projected = LaserProjection().projectLaser(scan)
+found["frame"] = scan.header.frame_id
+found["theirs"] = [list(map(float, p)) for p in point_cloud2.read_points(projected, ("x", "y", "z"))]
+found["ours"] = [list(map(float, p)) for p in point_cloud2.read_points(clouds[stamp], ("x", "y", "z"))]
+tree = ("world", "odom", "base_footprint", "base_link", "base_scan")
+for parent, child in zip(tree, tree[1:]):
+    moved = buffer.lookup_transform(parent, child, rospy.Time(0), rospy.Duration(30)).transform
+    found[parent + ">" + child] = [moved.translation.x, moved.translation.y, moved.translation.z]
+print(json.dumps(found))
+"""
+
+
+def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str, str]) -> None:
+    found = json.loads(run_node(SEE, ros))
+    assert found["types"].items() >= {
+        "/scan": "sensor_msgs/LaserScan", "/tf": "tf2_msgs/TFMessage", "/octomap_binary": "octomap_msgs/Octomap"
+    }.items()  # fmt: skip
+    # The published decoder: every number is followed by the letter a, 513 or 1025 of them.
+    ranges = found["depthArray"].split("a")
+    assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
+    assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
+    # The paper's figure 10: odom -> base_footprint -> base_link -> base_scan.
+    assert found["base_footprint>base_link"] == [0.0, 0.0, 0.0] and found["odom>base_footprint"][2] == found["propPos"]
+    assert found["frame"] == "base_scan" and found["base_link>base_scan"][0] > 0.3
+    ours, theirs = np.array(found["ours"]), np.array(found["theirs"])
+    assert ours.shape == theirs.shape and len(ours) > 20
+    np.testing.assert_allclose(ours, theirs, atol=2e-5)
+
+
+LENGTH_M, SPACING_M, LANES = 8.0, 2.5, 4
+
+MOW = """
+import json, math, sys, threading, time
+import rospy
+from geometry_msgs.msg import Pose, Twist
+from std_msgs.msg import Float64, String
+from tf2_msgs.msg import TFMessage
+rospy.init_node("mower")
+length, spacing, lanes = map(float, sys.argv[1:])
+news, track = threading.Condition(), []
+class Vehicle:
+    stamp_s = -1.0
+def look(m):
+    (found,) = [t for t in m.transforms if t.child_frame_id == "base_footprint"]
+    p, q = found.transform.translation, found.transform.rotation
+    with news:
+        Vehicle.stamp_s, Vehicle.x, Vehicle.y = found.header.stamp.to_sec(), p.x, p.y
+        Vehicle.yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+        news.notify()
+def reached(stamp_s):
+    with news:
+        return news.wait_for(lambda: Vehicle.stamp_s > stamp_s - 0.001, 60.0)
+rospy.Subscriber("/tf", TFMessage, look)
+steer = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
+step = rospy.Publisher("/simulation/step", String, queue_size=1)
+tilt = rospy.Publisher("/cmd_tilt", Float64, queue_size=1, latch=True)
+release = rospy.Publisher("/key", Pose, queue_size=1, latch=True)
+key = Pose()
+key.orientation.w = 1
+release.publish(key)
+tilt.publish(1.5)
+while min(p.get_num_connections() for p in (steer, step, tilt, release)) == 0:
+    time.sleep(0.02)
+def advance(seconds):
+    # Simulated time waits for this node: however busy the machine is, the flight is the same.
+    wanted = max(Vehicle.stamp_s, 0.0) + seconds
+    while True:
+        step.publish(json.dumps({"steps": round(seconds / 0.005)}))
+        if reached(wanted):
+            return
+def fly_to(x, y):
+    while math.hypot(x - Vehicle.x, y - Vehicle.y) > 0.6:
+        if Vehicle.stamp_s > 300.0:
+            raise SystemExit("lost: %s" % track[-1])
+        turn = (math.atan2(y - Vehicle.y, x - Vehicle.x) - Vehicle.yaw + math.pi) % (2 * math.pi) - math.pi
+        command = Twist()
+        command.linear.x = 1.0 if abs(turn) < 0.3 else 0.0
+        command.angular.z = max(-0.6, min(0.6, 1.2 * turn))
+        steer.publish(command)
+        advance(0.2)
+        track.append((Vehicle.x, Vehicle.y))
+advance(0.2)
+x0, y0, ahead = Vehicle.x, Vehicle.y, (math.cos(Vehicle.yaw), math.sin(Vehicle.yaw))
+def place(along, left):
+    return x0 + along * ahead[0] - left * ahead[1], y0 + along * ahead[1] + left * ahead[0]
+fly_to(*place(3.0, 0.0))
+del track[:]
+for lane in range(int(lanes)):
+    ends = [place(3.0, lane * spacing), place(3.0 + length, lane * spacing)]
+    for end in ends[:: 1 if lane % 2 == 0 else -1]:
+        fly_to(*end)
+corners = [place(3.0, 0.0), place(3.0 + length, 0.0), place(3.0, (lanes - 1) * spacing)]
+print(json.dumps({"track": track, "corners": corners, "stamp_s": Vehicle.stamp_s, "ros_s": rospy.get_time()}))
+"""
+
+
+def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path) -> None:
+    """It leaves the dock and flies four lanes; the track and the map then cover the area between them.
+
+    The node makes the steps itself, so that it holds pace on any machine.
+    """
+    path = tmp_path / "run.mcap"
+    options = ("lake", "--paused", "--record", str(path), "--record-topic", "sonar_ping")
+    with master(tmp_path) as environment, serving(environment, *options):
+        found = json.loads(run_node(MOW, environment, str(LENGTH_M), str(SPACING_M), str(LANES)))
+    corner, ahead, left = map(np.array, found["corners"])
+    along, across = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 9)
+    grid = np.array([corner + a * (ahead - corner) + b * (left - corner) for a in along for b in across])
+    track = np.array(found["track"])
+    gaps_m = np.linalg.norm(grid[:, None] - track[None], axis=2).min(axis=1)
+    assert gaps_m.max() < 0.5 * SPACING_M + 0.6, gaps_m.reshape(9, 9)
+    assert abs(found["ros_s"] - found["stamp_s"]) < 0.5, "ROS's time is the simulator's"
+    occupancy, pings = live_map(recording.open(path))
+    mapped = occupancy.occupied_voxels()[:, :2]
+    holes_m = np.linalg.norm(grid[:, None] - mapped[None], axis=2).min(axis=1)
+    assert pings > 100 and holes_m.max() < 0.5
+
+
+HEAR = """
+import json, rospy, time
+from sensor_msgs.msg import LaserScan
+from tf2_msgs.msg import TFMessage
+rospy.init_node("listener", anonymous=True)
+heard, latched = [], []
+rospy.Subscriber("/scan", LaserScan, lambda m: heard.append((m.header.stamp.to_nsec(), list(m.ranges))))
+rospy.Subscriber("/tf_static", TFMessage, lambda m: latched.append(len(m.transforms)))
+until = time.time() + 60
+while (len(heard) < 3 or not latched) and time.time() < until:
+    time.sleep(0.02)
+print(json.dumps([heard, latched, rospy.has_param("/use_sim_time")]))
+"""
+
+
+def test_a_recording_plays_to_rospy(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    sim = Simulator("pool", seed=3)
+    with Recorder(sim, path, topics=["scan", "tf_static"]):
+        sim.advance(4.0)
+    with (
+        master(tmp_path) as environment,
+        running(environment, "replay", str(path), "--as-topics", "--wait") as greeting,
+    ):
+        assert f"ROS 1 at {environment['ROS_MASTER_URI']}" in greeting
+        heard, latched, uses_sim_time = json.loads(run_node(HEAR, environment))
+    said = {recorded.time_ns: recorded.message for recorded in recording.open(path).messages("scan")}
+    assert len(heard) >= 3
+    for time_ns, ranges in heard:
+        np.testing.assert_array_equal(np.float32(ranges), said[time_ns].ranges)
+    assert latched == [len(next(recording.open(path).messages("tf_static")).message.transforms)]
+    assert not uses_sim_time  # there is no clock in it, for which nodes would wait
+
+
+def test_services_are_std_srvs_and_others_take_json(ros: dict[str, str]) -> None:
+    script = """
+import genpy, io, json, rospy, struct, time
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+from rospy.impl.tcpros_service import ServiceProxy
+rospy.init_node("caller", anonymous=True)
+class Empty(genpy.Message):
+    _type, _md5sum, _full_text, _has_header, __slots__, _slot_types = "std_srvs/TriggerRequest", "x", "", False, (), ()
+    def serialize(self, buff): pass
+    def deserialize(self, data): return self
+class Answer(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/TriggerResponse", "x", "", False
+    __slots__, _slot_types = ("success", "message"), ("bool", "string")
+    def __init__(self, *a, **k): self.success, self.message = False, ""
+    def serialize(self, buff): pass
+    def deserialize(self, data):
+        self.success, self.message = bool(data[0]), data[5:].decode()
+        return self
+class Trigger:
+    _type, _md5sum = "std_srvs/Trigger", "937c9679a518e3a18d831e57125ea522"
+    _request_class, _response_class = Empty, Answer
+rospy.wait_for_service("/undock", 60)
+first, second = rospy.ServiceProxy("/undock", Trigger)(), rospy.ServiceProxy("/undock", Trigger)()
+said = []
+rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
+call = rospy.Publisher("/simulation/pace", String, queue_size=1)
+until = time.time() + 60
+while not any("factor" in text for text in said) and time.time() < until:
+    call.publish("{}")
+    time.sleep(0.1)
+bad = rospy.Publisher("/cmd_vel", __import__("geometry_msgs.msg").msg.Twist, queue_size=1)
+twist = __import__("geometry_msgs.msg").msg.Twist()
+twist.linear.x = float("nan")
+while not any("cmd_vel" in text for text in said) and time.time() < until:
+    bad.publish(twist)
+    time.sleep(0.1)
+print(json.dumps([first.success, second.success, second.message, [t for t in said if "cmd_vel" in t][:1]]))
+"""
+    first, second, why, said = json.loads(run_node(script, ros))
+    assert first is True and second is False and "is not docked" in why
+    assert "must be finite" in said[0]
+
+
+def test_all_stop_is_a_service_and_commands_meanwhile_are_refused(ros: dict[str, str]) -> None:
+    script = """
+import genpy, json, rospy, struct, time
+from geometry_msgs.msg import Pose
+from rosgraph_msgs.msg import Log
+rospy.init_node("stopper", anonymous=True)
+class Flag(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolRequest", "x", "bool data", False
+    __slots__, _slot_types = ("data",), ("bool",)
+    def serialize(self, buff): buff.write(struct.pack("<B", self.data))
+    def deserialize(self, data): return self
+class Answer(genpy.Message):
+    _type, _md5sum, _full_text, _has_header = "std_srvs/SetBoolResponse", "x", "", False
+    __slots__, _slot_types = ("success", "message"), ("bool", "string")
+    def __init__(self, *a, **k): self.success, self.message = False, ""
+    def serialize(self, buff): pass
+    def deserialize(self, data):
+        self.success, self.message = bool(data[0]), data[5:].decode()
+        return self
+class SetBool:
+    _type, _md5sum = "std_srvs/SetBool", "09fb03525b03e7ea1fd3992bafd87e16"
+    _request_class, _response_class = Flag, Answer
+rospy.wait_for_service("/all_stop", 60)
+stop = rospy.ServiceProxy("/all_stop", SetBool)
+said = []
+rospy.Subscriber("/rosout", Log, lambda m: said.append(m.msg))
+key, ahead = rospy.Publisher("/key", Pose, queue_size=1), Pose()
+ahead.position.x = 1.0
+found = [stop(True).success]
+until = time.time() + 60
+while not any("all stop is set" in text for text in said) and time.time() < until:
+    key.publish(ahead)
+    time.sleep(0.1)
+found += [[text for text in said if "all stop is set" in text][:1], stop(False).success]
+key.publish(Pose())
+print(json.dumps(found))
+"""
+    stopped, refusals, released = json.loads(run_node(script, ros))
+    assert stopped and released
+    assert refusals == [f"/key: vehicle 'rov': set_effort: {STOPPED}"]
+
+
+def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:
+    import os
+
+    environment = {**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:9"}
+    line = error_line(uwsim_process("serve", "lake", "--ros1", "--port", "0", env=environment))
+    assert "no master answers at http://127.0.0.1:9: start roscore" in line
+
+
+def test_bytes_of_ros_1_come_back_as_messages_and_damaged_ones_are_refused() -> None:
+    twist = message("geometry_msgs/msg/Twist", linear=message("geometry_msgs/msg/Vector3", x=1.5))
+    data = to_bytes(twist, ros=1)
+    assert read_message(data, "geometry_msgs/msg/Twist").linear.x == 1.5
+    values = message("std_msgs/msg/Float64MultiArray", data=np.array([0.5, -1.0]))
+    assert read_message(to_bytes(values, ros=1), "std_msgs/msg/Float64MultiArray").data.tolist() == [0.5, -1.0]
+    with pytest.raises(ValueError, match="bytes that are not its serialisation"):
+        read_message(data[:-3], "geometry_msgs/msg/Twist")
+    assert (
+        ros1_typestore().generate_msgdef("geometry_msgs/msg/Twist", ros_version=1)[1]
+        == "9f195f881246fdfa2798d1d3eebca84a"
+    )

@@ -1,0 +1,311 @@
+"""Datasets: labelled frames whose depth, normals, masks and poses agree with each other and with the world."""
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+from pycocotools.coco import COCO
+from ruamel.yaml import YAML
+
+import uwsim
+from uwsim.campaigns.datasets.formats.masks import bounds, run_lengths
+from uwsim.campaigns.datasets.spec import DatasetSpec
+from uwsim.campaigns.datasets.split import split_of_frames
+from uwsim.campaigns.datasets.studio import Studio
+from uwsim.scenario.build.hull import hull_radius_m
+from uwsim.scenario.read.assets import assets_folder
+
+BED_M, CENTRE_M, RADIUS_M = -8.0, np.array([0.0, 0.0, -5.0]), 1.0
+AQUARIUM = """
+name: aquarium
+terrain: {source: noise, size_m: [40, 40], spacing_m: 1, bed_depth_m: 8}
+station: {position_m: [-12, 0, 0]}
+obstacles:
+  - {kind: sphere, name: ball, position_m: [0, 0, -5], radius_m: 1}
+  - {kind: pipeline, name: pipe, points_m: [[-5, 5], [5, 5]], radius_m: 0.3}
+vehicles: [{name: rov, model: small_sonar.yaml, sonar: {model: 2}}]
+"""
+SONAR = "forward_looking: {kind: forward_looking, "
+FRAMES = 6
+EVERYTHING = ("rgb", "depth", "normals", "instances", "classes", "boxes", "yolo", "arrays", "sonar", "multibeam")
+OPTIONS = {
+    "size": (96, 72),
+    "without": ("wobble", "distortion"),
+    "write": EVERYTHING,
+    "look_at": ("ball",),
+    "distance_m": (2.0, 5.0),
+    "val_share": 0.3,
+    "min_pixels": 4,
+}
+
+
+@pytest.fixture(scope="module")
+def aquarium(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("world") / "aquarium.yaml"
+    path.write_text(AQUARIUM)
+    rov = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+    assert SONAR in rov
+    small = "range_max_m: 12, range_bins: 150, beams: 64, rays_per_column: 96, beam_width_deg: 2, "
+    path.with_name("small_sonar.yaml").write_text(rov.replace(SONAR, SONAR + small))
+    return path
+
+
+@pytest.fixture(scope="module")
+def data(aquarium: Path, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+    """A dataset, its tables and the pictures of its frames."""
+    out = tmp_path_factory.mktemp("data")
+    made = uwsim.make_dataset(aquarium, out, FRAMES, workers=0, **OPTIONS)
+    lines = [json.loads(line) for line in (out / "frames.jsonl").read_text().splitlines()]
+    pictures = [
+        {kind: np.asarray(Image.open(out / file)) for kind, file in line["files"].items() if file.endswith("png")}
+        for line in lines
+    ]
+    about = json.loads((out / "dataset.json").read_text())
+    transforms = json.loads((out / "transforms.json").read_text())
+    return SimpleNamespace(
+        out=out, made=made, lines=lines, pictures=pictures, about=about, transforms=transforms, k=about["camera"]["k"]
+    )
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    """All files but the ledger, which is in the order in which frames were finished."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "ledger.jsonl"]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def points_m(k: np.ndarray, depth_m: np.ndarray) -> np.ndarray:
+    """(H, W, 3), of the pixels in the optical frame, by a pinhole camera."""
+    (fx, _, cx), (_, fy, cy), _ = np.asarray(k)
+    v, u = np.indices(depth_m.shape)
+    return np.stack([(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m], axis=-1)
+
+
+def seen_points_m(data: SimpleNamespace) -> list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray], np.ndarray]]:
+    """Of each frame: world points (H, W, 3), where there is depth (H, W), pictures, rotation to the world (3, 3)."""
+    found = []
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        pose = np.array(line["world_from_optical"])
+        points = points_m(data.k, pictures["depth"] / 1000.0) @ pose[:3, :3].T + pose[:3, 3]
+        found.append((points, pictures["depth"] > 0, pictures, pose[:3, :3]))
+    return found
+
+
+def test_depth_and_pose_give_points_on_the_surfaces_that_the_masks_name(data: SimpleNamespace) -> None:
+    ball, terrain = (data.about["label_names"].index(name) for name in ("ball", "terrain"))
+    seen = 0
+    for points, hit, pictures, _ in seen_points_m(data):
+        of_ball = hit & (pictures["instances"] == ball)
+        seen += of_ball.sum()
+        from_centre = np.linalg.norm(points[of_ball] - CENTRE_M, axis=1)
+        assert np.abs(from_centre - RADIUS_M).max() < 2e-3  # depth is in whole millimetres
+        of_bed = hit & (pictures["instances"] == terrain)
+        assert np.abs(points[of_bed][:, 2] - BED_M).max(initial=0.0) < 2e-3
+    assert seen > 200
+
+
+def test_normals_are_those_of_a_sphere_and_a_plane_in_the_optical_frame(data: SimpleNamespace) -> None:
+    names = data.about["label_names"]
+    for points, hit, pictures, rotation in seen_points_m(data):
+        normals_world = (pictures["normals"] / 127.5 - 1.0) @ rotation.T
+        of_ball = hit & (pictures["instances"] == names.index("ball"))
+        assert np.abs(normals_world[of_ball] - (points[of_ball] - CENTRE_M) / RADIUS_M).max(initial=0.0) < 0.01
+        of_bed = hit & (pictures["instances"] == names.index("terrain"))
+        assert np.abs(normals_world[of_bed] - (0.0, 0.0, 1.0)).max(initial=0.0) < 0.01
+        nothing = pictures["normals"].sum(axis=-1) == 0
+        assert (pictures["depth"][nothing] == 0).all()
+
+
+def test_pycocotools_reads_the_masks_and_boxes(data: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
+    annotations = 0
+    for split in ("train", "val"):
+        for kind, folder in (("instances", "images"), ("sonar", "sonar")):
+            coco = COCO(str(data.out / f"annotations/{kind}_{split}.json"))
+            for image in coco.loadImgs(coco.getImgIds()):
+                pictures = data.pictures[image["id"]]
+                labels = pictures["instances" if kind == "instances" else "sonar_instances"]
+                assert labels.shape == (image["height"], image["width"])
+                assert (data.out / folder / image["file_name"]).is_file()
+                for thing in coco.loadAnns(coco.getAnnIds(imgIds=image["id"])):
+                    mask = labels == thing["instance"]
+                    assert np.array_equal(coco.annToMask(thing).astype(bool), mask)
+                    rows, columns = np.nonzero(mask)
+                    left, top, width, height = thing["bbox"]
+                    assert (left, top) == (columns.min(), rows.min())
+                    assert (left + width - 1, top + height - 1) == (columns.max(), rows.max())
+                    assert thing["area"] == mask.sum()
+                    assert (
+                        coco.cats[thing["category_id"]]["name"]
+                        == {"ball": "structure", "pipe": "pipeline"}[thing["name"]]
+                    )
+                    annotations += 1
+    assert annotations >= FRAMES
+
+
+def test_things_are_in_coco_once_for_each_label_in_the_mask(data: SimpleNamespace) -> None:
+    things = [thing for split in ("train", "val") for thing in json.loads(
+        (data.out / f"annotations/instances_{split}.json").read_text())["annotations"]]  # fmt: skip
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        labels, counts = np.unique(pictures["instances"], return_counts=True)
+        large = set(labels[counts >= OPTIONS["min_pixels"]].tolist()) - {0, 1}
+        assert {thing["instance"] for thing in things if thing["image_id"] == line["frame"]} == large
+        of_label = np.array(data.about["class_of_label"])
+        assert np.array_equal(pictures["classes"], of_label[pictures["instances"]])
+
+
+def test_yolo_s_boxes_are_coco_s(data: SimpleNamespace) -> None:
+    width, height = OPTIONS["size"]
+    names = YAML(typ="safe").load((data.out / "data.yaml").read_text())["names"]
+    for split in ("train", "val"):
+        coco = json.loads((data.out / f"annotations/instances_{split}.json").read_text())
+        files = [data.out / line for line in (data.out / f"{split}.txt").read_text().splitlines()]
+        assert [file.name for file in files] == [image["file_name"] for image in coco["images"]]
+        category = {each["id"]: each["name"] for each in coco["categories"]}
+        for image, file in zip(coco["images"], files, strict=True):
+            rows = Path(str(file).replace("/images/", "/labels/")).with_suffix(".txt").read_text().splitlines()
+            things = [thing for thing in coco["annotations"] if thing["image_id"] == image["id"]]
+            for row, thing in zip(rows, things, strict=True):
+                number, *shares = row.split()
+                x, y, across, down = np.array(shares, float) * (width, height, width, height)
+                assert names[int(number)] == category[thing["category_id"]]
+                assert [x - across / 2, y - down / 2, across, down] == pytest.approx(thing["bbox"], abs=1e-3)
+
+
+def test_transforms_project_the_ball_into_its_mask(data: SimpleNamespace) -> None:
+    ball, inside = data.about["label_names"].index("ball"), 0
+    of = data.transforms
+    assert of["k1"] == 0.0
+    for frame, pictures in zip(of["frames"], data.pictures, strict=True):
+        x, y, z, _ = np.linalg.inv(np.array(frame["transform_matrix"])) @ np.append(CENTRE_M, 1.0)
+        u, v = of["cx"] + of["fl_x"] * x / -z, of["cy"] - of["fl_y"] * y / -z  # OpenGL: y up, z back
+        if 0 <= u < of["w"] and 0 <= v < of["h"]:
+            assert pictures["instances"][int(v), int(u)] == ball
+            depth_m = pictures["depth"][int(v), int(u)] / 1000.0
+            assert depth_m == pytest.approx(-z - RADIUS_M * -z / np.hypot(np.hypot(x, y), z), abs=0.03)
+            inside += 1
+    assert inside >= 3
+    splits = {line["files"]["rgb"]: line["split"] for line in data.lines}
+    assert of["train_filenames"] == [file for file, split in splits.items() if split == "train"]
+    assert of["val_filenames"] == [file for file, split in splits.items() if split == "val"]
+
+
+def test_the_sonar_shows_the_ball_where_it_is(data: SimpleNamespace) -> None:
+    ball, seen = data.about["label_names"].index("ball"), 0
+    sonar = data.about["sonar"]
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        at = np.linalg.inv(np.array(line["world_from_sonar"])) @ np.append(CENTRE_M, 1.0)
+        range_m, bearing = np.linalg.norm(at[:3]) - RADIUS_M, np.arctan2(at[1], at[0])
+        if abs(at[2]) > 0.3 or abs(bearing) > 0.4 * sonar["field_of_view_rad"]:
+            continue
+        rows, columns = pictures["sonar_instances"].shape
+        row = rows - 1 - int(range_m / sonar["range_max_m"] * rows)
+        column = round((columns - 1) * (0.5 - bearing / sonar["field_of_view_rad"]))
+        nearby = pictures["sonar_instances"][row - 4 : row + 1, column - 2 : column + 3]
+        assert (nearby == ball).any()
+        seen += 1
+    labels = [pictures["sonar_instances"] for pictures in data.pictures]
+    assert seen or any((label == ball).any() for label in labels)
+
+
+def test_arrays_hold_what_the_pictures_round(data: SimpleNamespace) -> None:
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        arrays = np.load(data.out / line["files"]["arrays"])
+        near = arrays["depth_m"] < 65.0
+        assert np.abs(1e-3 * pictures["depth"] - arrays["depth_m"])[near].max() <= 0.000501
+        levels = np.load(data.out / line["files"]["sonar_arrays"])
+        low, high = line["sonar_limits_db"]
+        shown = 255.0 * np.clip((levels["level_db"][::-1, ::-1] - low) / (high - low), 0.0, 1.0)
+        assert np.abs(shown - pictures["sonar"]).max() <= 0.5001
+        ping = np.load(data.out / line["files"]["multibeam"])
+        assert ping["ranges_m"].shape == ping["labels"].shape == ping["angles_rad"].shape
+
+
+def test_drawn_poses_are_in_free_water_and_look_at_something(data: SimpleNamespace, aquarium: Path) -> None:
+    sim = uwsim.Simulator(aquarium)
+    clear_m = hull_radius_m(sim.scenario.vehicles[0].model) + 0.2
+    for line, pictures in zip(data.lines, data.pictures, strict=True):
+        body = np.array(line["world_from_body"])
+        assert sim.scene.distance_m(body[None, :3, 3])[0] >= clear_m
+        assert BED_M + clear_m <= body[2, 3] <= -clear_m
+        assert abs(np.degrees(np.arcsin(body[2, 0]))) <= 15.0
+        assert line["target"] == "ball"
+        assert 2.0 <= line["distance_m"] <= 5.0
+        assert (pictures["instances"] == data.about["label_names"].index("ball")).any()
+
+
+def test_frames_differ_in_time_and_pose(data: SimpleNamespace) -> None:
+    assert len({line["time_ns"] for line in data.lines}) == FRAMES
+    assert len({tuple(np.ravel(line["world_from_body"])) for line in data.lines}) == FRAMES
+
+
+def test_the_same_bytes_after_a_stop_and_with_two_workers(
+    data: SimpleNamespace, aquarium: Path, tmp_path: Path
+) -> None:
+    stopped, asked = tmp_path / "stopped", iter([False, False, True])
+    begun = uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, stop_requested=lambda: next(asked), **OPTIONS)
+    assert begun.interrupted and begun.finished == 2 and not begun.files
+    (stopped / "depth" / ".000003.png.half").write_bytes(b"half")  # as a kill leaves it
+    (stopped / "images" / "000003.png").write_bytes(b"half")
+    with pytest.raises(ValueError, match="holds a dataset already, 2 frames"):
+        uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, **OPTIONS)
+    with pytest.raises(ValueError, match=r"--resume: .*options"):
+        uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, resume=True, **{**OPTIONS, "seed": 9})
+    done = uwsim.make_dataset(aquarium, stopped, FRAMES, workers=2, resume=True, **OPTIONS)
+    assert done.made == FRAMES - 2 and not done.interrupted
+    assert files_of(stopped) == files_of(data.out)
+
+
+def test_what_is_far_has_no_label(aquarium: Path, tmp_path: Path) -> None:
+    options = {**OPTIONS, "write": ("instances", "arrays", "boxes"), "label_range_m": 0.5}
+    uwsim.make_dataset(aquarium, tmp_path, 1, workers=0, **options)
+    assert not np.asarray(Image.open(tmp_path / "instances/000000.png")).any()
+    assert np.load(tmp_path / "arrays/000000.npz")["labels"].any()
+    for split in ("train", "val"):
+        assert not json.loads((tmp_path / f"annotations/instances_{split}.json").read_text())["annotations"]
+
+
+def test_parameters_are_drawn_for_each_frame(aquarium: Path, tmp_path: Path) -> None:
+    vary = {"optics.jerlov": {"choices": ["I", "5C"]}, "optics.sun_elevation_deg": {"low": 10.0, "high": 80.0}}
+    options = {"size": (32, 24), "write": ("rgb", "boxes"), "vary": vary, "pictures": "jpg"}
+    uwsim.make_dataset(aquarium, tmp_path, 8, workers=0, **options)
+    lines = [json.loads(line) for line in (tmp_path / "frames.jsonl").read_text().splitlines()]
+    assert {line["values"]["optics.jerlov"] for line in lines} == {"I", "5C"}
+    ranges = {line["values"]["optics.jerlov"]: line["label_range_m"] for line in lines}
+    assert ranges["I"] > 50.0 > 5.0 > ranges["5C"]  # 4.8 / c
+    assert len({line["values"]["optics.sun_elevation_deg"] for line in lines}) == 8
+    with Image.open(tmp_path / "images/000000.jpg") as picture:
+        assert picture.size == (32, 24)
+
+
+def test_each_frame_depends_on_its_number_alone(aquarium: Path) -> None:
+    spec = DatasetSpec(scenario=str(aquarium), n=4, size=(16, 12), write=("depth",))
+    one, other = Studio(spec, 1), Studio(spec, 2)
+    several = [one.viewpoint(number) for number in range(4)]
+    alone = other.viewpoint(3)
+    assert np.array_equal(several[3].position_m, alone.position_m)
+    assert several[3].target == alone.target
+    assert one.time_ns(3) == other.time_ns(3)
+
+
+@pytest.mark.parametrize("in_sequence", [False, True])
+def test_the_split_has_its_share_and_no_frame_twice(in_sequence: bool) -> None:
+    for count in (1, 7, 40, 1000):
+        for share in (0.0, 0.1, 0.25, 1.0):
+            splits = split_of_frames(count, share, 3, in_sequence=in_sequence)
+            assert len(splits) == count
+            assert splits.count("val") == round(share * count)
+            assert set(splits) <= {"train", "val"}
+    changes = np.count_nonzero(np.diff(np.array(split_of_frames(1000, 0.2, 3, in_sequence=in_sequence)) == "val"))
+    assert changes <= 8 if in_sequence else changes > 100
+
+
+def test_run_lengths_are_undone_by_counting() -> None:
+    random = np.random.default_rng(1)
+    for share in (0.0, 0.3, 1.0):
+        mask = random.random((7, 5)) < share
+        runs = run_lengths(mask)
+        values = np.arange(len(runs["counts"])) % 2
+        assert np.array_equal(np.repeat(values, runs["counts"]).reshape(mask.shape, order="F").astype(bool), mask)
+    assert bounds(np.eye(3, 4, dtype=bool)) == [0, 0, 3, 3]

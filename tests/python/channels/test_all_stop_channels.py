@@ -1,0 +1,142 @@
+"""All stop outranks every topic that is heard and the pilot's hands; its service, what tells of it, a full queue."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from all_stop_world import DRIVES, at_rest, scenario
+from channel_tools import table
+from uwsim import Simulator
+from uwsim.channels import Table, build, channels
+from uwsim.channels.diagnostics import diagnostics_channel
+from uwsim.live import LiveSimulator
+from uwsim.live.step_loop import REQUESTS_MAX
+from uwsim.operator.station.helm import Helm
+
+
+def floats(*values: float) -> Any:
+    return build.message("std_msgs/msg/Float64MultiArray", data=np.array(values, np.float64))
+
+
+AHEAD = build.pose((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
+X, ZERO = build.vector((0.5, 0.0, 0.0)), build.vector((0.0, 0.0, 0.0))
+HEARD: dict[str, Any] = {
+    "thrusters/key": AHEAD, "fins/key": AHEAD, "forces/key": AHEAD,
+    **{f"{name}/cmd_vel": build.message("geometry_msgs/msg/Twist", linear=X, angular=ZERO) for name in DRIVES},
+    **{f"{name}/cmd_wrench": build.message("geometry_msgs/msg/Wrench", force=X, torque=ZERO) for name in DRIVES},
+    "thrusters/cmd_thrusters": floats(*[0.5] * 8), "fins/cmd_thrusters": floats(1.0),
+    "fins/cmd_fins": floats(0.1, 0.1, 0.2, 0.2),
+}  # fmt: skip
+"""A message that moves the vehicle on every channel that does."""
+LOOKING = {"thrusters/cmd_tilt", "forces/cmd_tilt", "forces/camera/front/cmd_pan", "forces/camera/front/cmd_tilt"}
+
+
+@pytest.fixture
+def live(tmp_path: Path) -> Iterator[LiveSimulator]:
+    with LiveSimulator(Simulator(scenario(tmp_path)), paused=True) as live:
+        yield live
+
+
+def test_every_topic_that_is_heard_has_been_thought_of(live: LiveSimulator) -> None:
+    heard = {channel.name for channel in channels(live.simulator) if channel.direction == "in"}
+    assert heard == set(HEARD) | LOOKING
+
+
+def is_driven(live: LiveSimulator) -> bool:
+    """Whether something drives a vehicle: a force that no thruster gives shows by what it does."""
+    before = live.vehicles["forces"].velocity.linear_body_m_s[0]
+    live.step(20)
+    return not at_rest(live.simulator) or live.vehicles["forces"].velocity.linear_body_m_s[0] > before + 1e-6
+
+
+@pytest.mark.parametrize("topic", HEARD)
+def test_no_topic_moves_a_stopped_vehicle_and_who_publishes_is_told(live: LiveSimulator, topic: str) -> None:
+    hear, name = table(live.simulator)[topic].apply, topic.split("/")[0]
+    hear(live, HEARD[topic])
+    assert is_driven(live)
+    live.vehicles[name].all_stop()
+    live.step(200)
+    assert not is_driven(live), "a velocity is held no longer"
+    with pytest.raises(ValueError, match=f"vehicle '{name}': .*: all stop is set"):
+        hear(live, HEARD[topic])
+    assert not is_driven(live)
+    live.vehicles[name].all_stop(False)
+    live.step(200)
+    assert not is_driven(live), "what was commanded before does not come back"
+    hear(live, HEARD[topic])
+    assert is_driven(live)
+
+
+def test_a_velocity_that_is_held_ends_though_all_stop_is_released_at_once(live: LiveSimulator) -> None:
+    table(live.simulator)["forces/cmd_vel"].apply(live, HEARD["forces/cmd_vel"])
+    live.step(20)
+    live.vehicles["forces"].all_stop()
+    live.vehicles["forces"].all_stop(False)
+    live.step(200)
+    assert at_rest(live.simulator)
+
+
+def test_zero_and_lamps_are_no_reason_to_complain(live: LiveSimulator) -> None:
+    live.vehicles["forces"].all_stop()
+    key = table(live.simulator)["forces/key"].apply
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        key(live, build.pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 3.0)))
+        live.step()
+    assert live.vehicles["forces"].lamps["front"].on
+
+
+def test_the_service_stops_and_releases_and_every_vehicle_has_one(live: LiveSimulator) -> None:
+    found = {service.name: service for service in Table(live.simulator).services}
+    for name in DRIVES:
+        stop = found[f"{name}/all_stop"]
+        assert stop.type == "std_srvs/srv/SetBool"
+        live.vehicles[name].set_effort(surge=0.5)
+        assert stop.call(live, {"data": True}) == {"success": True, "message": ""}
+        assert live.vehicles[name].all_stopped and at_rest(live.simulator)
+        assert stop.call(live, {"data": False})["success"] and not live.vehicles[name].all_stopped
+        assert "data = None: must be given" in stop.call(live, {})["message"]
+
+
+def test_telemetry_and_diagnostics_say_so(live: LiveSimulator) -> None:
+    panel, diagnosed = table(live.simulator)["fins/telemetry"], diagnostics_channel(live)
+    assert list(panel.read(live.simulator).alarms) == []
+    live.vehicles["fins"].all_stop()
+    assert list(panel.read(live.simulator).alarms) == ["all stop"]
+    levels = {status.name: status.level for status in diagnosed.read(live.simulator).status}
+    assert (levels["uwsim: fins"], levels["uwsim: forces"]) == (1, 0)
+
+
+def test_the_pilot_s_hands_move_nothing_and_release_does_not_move_it_either(live: LiveSimulator) -> None:
+    helm = Helm(live, Table(live.simulator).steering)
+    assert helm.drive({"vehicle": "forces", "surge": 0.5}).result()["success"]
+    for _ in range(2):
+        assert helm.all_stop({"vehicle": "forces"}).result()["success"]
+        assert at_rest(live.simulator)
+        with pytest.raises(ValueError, match="all stop is set"):
+            helm.drive({"vehicle": "forces", "surge": 0.5})
+    helm.beat()
+    assert helm.all_stop({"vehicle": "forces", "on": False}).result()["success"]
+    assert at_rest(live.simulator)
+    for wrong in ({"vehicle": "boat"}, {"vehicle": "forces", "on": 1}):
+        with pytest.raises(ValueError, match="must be"):
+            helm.all_stop(wrong)
+
+
+def test_all_stop_is_taken_however_many_commands_wait(live: LiveSimulator) -> None:
+    waiting: Future[None] = Future()
+    held = live.call(lambda sim: waiting.result())
+    with pytest.raises(RuntimeError, match=f"{REQUESTS_MAX} commands wait"):
+        for _ in range(2 * REQUESTS_MAX):
+            live.command("set_effort", vehicle="forces", surge=1.0)
+    stopped = live.command("all_stop", vehicle="forces")
+    waiting.set_result(None)
+    held.result(), stopped.result()
+    assert at_rest(live.simulator)

@@ -1,0 +1,252 @@
+"""Every channel says what the simulator knows, in the frames, signs and units of its message."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import orjson
+import pytest
+
+from channel_tools import chain, stamp_ns, table
+from uwsim import Simulator
+from uwsim.channels import Table, channels
+from uwsim.channels.messages import to_bytes, to_plain, typestore
+from uwsim.mapping import OccupancyMap, ranging
+
+
+@pytest.fixture(scope="module")
+def sim() -> Simulator:
+    sim = Simulator("pool", seed=3)
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.5, yaw=0.2, heave=-0.2)
+    sim.rov.sonar.aim(-0.4)
+    sim.advance(3.0)
+    return sim
+
+
+@pytest.mark.parametrize("scenario", ["pool", "pair"])
+def test_every_message_is_of_its_channel_s_type_and_can_be_written(scenario: str) -> None:
+    sim = Simulator(scenario)
+    sim.advance(2.0)
+    for channel in channels(sim):
+        assert channel.type in typestore().fielddefs
+        assert channel.description
+        if channel.direction == "in":
+            continue
+        message = channel.read(sim)
+        if message is None:
+            continue  # such as a sensor's sample that was lost
+        assert message.__msgtype__ == channel.type
+        assert to_bytes(message, 1)
+        assert to_bytes(message, 2)
+        assert orjson.dumps(to_plain(message), option=orjson.OPT_SERIALIZE_NUMPY)
+        if hasattr(message, "header"):
+            assert message.header.frame_id == channel.frame_id or not channel.frame_id or "usbl" in channel.name
+            assert 0 <= stamp_ns(message) <= sim.time_ns
+
+
+def test_several_vehicles_speak_under_their_names() -> None:
+    found = table(Simulator("pair"))
+    assert {"rov/scan", "scout/scan", "rov/key", "scout/cmd_vel", "tf", "clock"} <= set(found)
+    assert not {"scan", "key", "cmd_vel"} & set(found)
+    assert found["scout/scan"].frame_id == "scout/base_scan"
+
+
+def test_the_wires_are_chosen(sim: Simulator) -> None:
+    published, standard = set(table(sim, wire="published")), set(table(sim, wire="standard"))
+    assert {
+        "propPos",
+        "scanPos",
+        "depthArray",
+        "modelTrigger",
+        "stateData",
+        "proximitySensor",
+        "hFOV",
+        "key",
+    } < published
+    assert {"image/compressed", "images/compressed"} < published
+    assert not published & standard
+    assert published | standard == set(table(sim))
+    with pytest.raises(ValueError, match="wire = 'both ends': must be"):
+        channels(sim, wire="both ends")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"origin = 'mars': must be .*published"):
+        channels(sim, origin="mars")
+
+
+@pytest.mark.parametrize("origin", ["world", "published", (10.0, -20.0, 3.0)])
+def test_transforms_lead_from_the_world_to_every_instrument(sim: Simulator, origin: str | tuple[float, ...]) -> None:
+    found = table(sim, origin=origin)
+    np.testing.assert_allclose(chain(sim, found, "base_link"), sim.rov.pose.world_from_body, atol=1e-12)
+    np.testing.assert_allclose(chain(sim, found, "base_scan"), sim.rov.sonar.ping().world_from_sonar, atol=1e-9)
+    for name, camera in (*sim.rov.cameras.items(), *sim.cameras.items()):
+        expected = camera.capture(geometry_only=True).world_from_optical
+        np.testing.assert_allclose(chain(sim, found, f"{name}_optical"), expected, atol=1e-9)
+
+
+def test_odometry_is_the_pose_in_odom_and_the_velocity_of_the_body(sim: Simulator) -> None:
+    message = table(sim, origin=(10.0, -20.0, 3.0))["odom"].read(sim)
+    position = message.pose.pose.position
+    expected = sim.rov.pose.position_world_m + np.array([10.0, -20.0, 3.0])
+    np.testing.assert_allclose([position.x, position.y, position.z], expected)
+    assert message.twist.twist.linear.x == sim.rov.velocity.linear_body_m_s[0]
+    assert message.twist.twist.angular.z == sim.rov.velocity.angular_body_rad_s[2]
+    assert (message.header.frame_id, message.child_frame_id) == ("odom", "base_footprint")
+
+
+def test_the_scan_s_echoes_lie_where_the_ping_met_the_world(sim: Simulator) -> None:
+    found = table(sim)
+    scan, cloud, points = (found[name].read(sim) for name in ("scan", "laserPointCloud", "points"))
+    ping = sim.rov.sonar.ping()
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    hit = np.isfinite(scan.ranges)
+    expected = np.column_stack([scan.ranges * np.cos(angles), scan.ranges * np.sin(angles), 0 * angles])[hit]
+    np.testing.assert_allclose(ping.points_sonar_m[hit], expected, atol=1e-3)
+    got = np.frombuffer(cloud.data.tobytes(), np.float32).reshape(-1, 3)
+    np.testing.assert_allclose(got, expected, atol=1e-3)
+    assert [field.name for field in points.fields] == ["x", "y", "z", "intensity"]
+    columns = np.frombuffer(points.data.tobytes(), np.float32).reshape(-1, 4)
+    np.testing.assert_array_equal(columns[:, 3], ping.intensity_db[ping.valid])
+
+
+def test_a_ping_is_repeated_until_sound_has_had_time_for_another() -> None:
+    sim = Simulator("lake")
+    found = table(sim)
+    stamps = []
+    for _ in range(50):
+        stamps.append(stamp_ns(found["scan"].read(sim)))
+        sim.advance(0.02)
+    intervals = np.diff(np.unique(stamps)) * 1e-9
+    assert intervals.min() >= 1.0 / sim.rov.sonar.ping_rate_max_hz
+    assert intervals.max() <= 1.0 / sim.rov.sonar.ping_rate_max_hz + 0.02
+    assert found["depthArray"].rate_hz == pytest.approx(1.0 / intervals.min())
+
+
+def test_the_map_is_that_of_the_chain(tmp_path: Path) -> None:
+    sim = Simulator("pool")
+    sim.rov.release()
+    sim.rov.sonar.aim(-1.0)  # sweeps down over the bed
+    found = table(sim, origin="published")
+    channel, depth_strings = found["octomap_binary"], found["depthArray"]
+    expected = OccupancyMap(sim.scenario.survey.voxel_m if sim.scenario.survey else 0.2, on_outside="count")
+    said = []
+    for _ in range(40):
+        message = channel.read(sim)
+        said += [message] if message is not None and (not said or message is not said[-1]) else []
+        ranges = ranging.decode_depth_string(depth_strings.read(sim).data, 2)
+        odom_from_scan = chain(sim, found, "base_scan", root="odom")
+        points = ranging.to_point_cloud(ranging.to_laser_scan(ranges, 2))
+        expected.insert_scan(ranging.transform_points(points, odom_from_scan), odom_from_scan[:3, 3], 55.0)
+        sim.advance(1.0 / channel.rate_hz)
+    message = said[-1]
+    path = tmp_path / "said.bt"
+    nodes = 1 + np.unpackbits(message.data.view(np.uint8)).reshape(-1, 2).any(axis=1).sum()  # two bits a child
+    header = f"# Octomap OcTree binary file\nid OcTree\nsize {nodes}\nres {message.resolution}\ndata\n"
+    path.write_bytes(header.encode() + message.data.tobytes())
+    got, whole = OccupancyMap.read(path).occupied_voxels(), expected.occupied_voxels()
+    assert (message.binary, message.id) == (True, "OcTree")
+    assert got[:, 2].max() > 60.0  # the published world's surface is at 75.3 m
+    shared = {tuple(voxel) for voxel in got.round(3)} & {tuple(voxel) for voxel in whole.round(3)}
+    assert len(shared) > 0.9 * len(got) > 50
+
+
+def test_acceleration_includes_gravity_and_the_attitude_is_the_body_s(sim: Simulator) -> None:
+    at_rest = Simulator("pool")
+    message = table(at_rest)["imu"].read(at_rest)
+    assert message.linear_acceleration.z == pytest.approx(9.81, abs=0.1)  # REP 145: +g upwards
+
+
+def test_the_dvl_speaks_in_its_frame_which_points_down() -> None:
+    sim = Simulator("lake")
+    sim.rov.release()
+    sim.rov.place(sim.rov.pose.position_world_m, velocity_body=[0.6, 0.3, 0.1, 0.0, 0.0, 0.0])
+    found = table(sim)
+    message = found["dvl"].read(sim)
+    while message is None:
+        sim.step()
+        message = found["dvl"].read(sim)
+    body_from_dvl = chain(sim, found, "dvl_link", root="base_link")[:3, :3]
+    np.testing.assert_allclose(body_from_dvl[:, 2], [0, 0, -1], atol=1e-12)
+    velocity = body_from_dvl @ [message.velocity.x, message.velocity.y, message.velocity.z]
+    np.testing.assert_allclose(velocity, [0.6, 0.3, 0.1], atol=0.1)
+    for beam, along_m_s in zip(message.beam_unit_vec, message.beam_velocity, strict=True):
+        expected = beam.x * message.velocity.x + beam.y * message.velocity.y + beam.z * message.velocity.z
+        assert along_m_s == pytest.approx(expected, abs=0.05)
+        assert beam.z == pytest.approx(np.cos(np.radians(30.0)))
+    assert message.num_good_beams == 4
+
+
+def test_units_are_those_of_the_messages(sim: Simulator) -> None:
+    found = table(sim)
+    assert found["pressure"].read(sim).fluid_pressure == sim.rov.sensors["pressure"].read()  # Pa
+    assert found["temperature"].read(sim).temperature == sim.rov.sensors["temperature"].read()  # deg C
+    assert found["battery_state"].read(sim).percentage == pytest.approx(0.01 * sim.rov.telemetry().battery_percent)
+    assert found["altitude"].read(sim).range == sim.rov.sensors["altitude"].read()
+    assert found["altitude"].read(sim).max_range == 100.0
+    joints = found["joint_states"].read(sim)
+    angles = dict(zip(joints.name, joints.position, strict=True))
+    assert angles == {"sonar_tilt": -sim.rov.sonar.elevation_rad, "front_pan": 0.0, "front_tilt": 0.0}
+    clock = found["clock"].read(sim).clock
+    assert clock.sec * 1_000_000_000 + clock.nanosec == sim.time_ns
+
+
+def test_nothing_to_measure_is_infinite_for_a_range() -> None:
+    sim = Simulator("lake")
+    sim.rov.release()
+    sim.rov.place([0.0, 0.0, 150.0])  # out of the altimeter's reach
+    sim.advance(0.2)
+    assert table(sim)["altitude"].read(sim).range == np.inf
+
+
+def test_importing_uwsim_imports_no_message_types() -> None:
+    program = "import sys, uwsim, uwsim.simulator.simulator, uwsim.live; sys.exit('rosbags' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False, timeout=60).returncode == 0
+
+
+def voxels_after(known: set, message) -> set:
+    """Return the occupied voxels that one knows after a MapChanges message."""
+    known, at = set() if message.snapshot else set(known), 0
+    for block, count in zip(message.blocks.reshape(-1, 3).tolist(), message.counts.tolist(), strict=True):
+        for cell in message.cells[at : at + count].tolist():
+            voxel = tuple(16 * block[axis] + (cell >> 4 * axis & 15) for axis in range(3))
+            (known.add if cell >> 15 else known.remove)(voxel)
+        at += count
+    return known
+
+
+def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to_listen():
+    sim = Simulator("lake")
+    whole, known, cursors = Table(sim), {"early": set(), "late": set()}, {"early": None}
+    channel = next(channel for channel in whole.channels if channel.name == "map_changes")
+    ping_map = whole.maps["rov"]
+    for k in range(12):
+        sim.rov.place((-30.0 + 0.5 * k, -40.0, -20.0))
+        channel.read(sim)
+        centres, edge_m = ping_map.points()
+        occupied = set(map(tuple, np.floor(centres / edge_m).astype(int).tolist()))
+        if k == 8:
+            cursors["late"] = None
+        for name, cursor in cursors.items():
+            message, cursors[name] = channel.catch_up(cursor)
+            assert message.snapshot == (cursor is None)
+            known[name] = voxels_after(known[name], message)
+            assert known[name] == occupied and len(occupied) > 100
+        sim.advance(0.25)
+    sim.reset()
+    channel.read(sim)
+    ping_map.points()
+    assert channel.catch_up(cursors["late"])[0].snapshot  # another map
+
+
+def test_telemetry_tells_the_truth_only_where_it_may():
+    sim = Simulator("lake")
+    sim.rov.place((-30.0, -40.0, -20.0))
+    sim.advance(3.0)
+    told = table(sim)["telemetry"].read(sim)
+    assert told.is_truth and np.allclose(told.true_position, sim.rov.pose.position_world_m)
+    assert (np.abs(told.position - told.true_position) < 5 * told.position_std).all()
+    assert told.link_delay == pytest.approx(told.distance_to_station / 1475.0, rel=0.02)
+    assert (told.depth, told.released) == (pytest.approx(20.0, abs=0.1), True)
+    hidden = table(sim, truth=False)["telemetry"].read(sim)
+    assert not hidden.is_truth and np.isnan(hidden.true_position).all()
+    assert (hidden.position == told.position).all() and (hidden.orientation == told.orientation).all()

@@ -1,0 +1,82 @@
+"""ROS 2's bytes of messages: made once, the same as rosbags', and described as ROS 2 does."""
+
+import re
+import threading
+
+import numpy as np
+import pytest
+
+from channel_tools import table
+from uwsim.channels import cdr
+from uwsim.channels.feed import Feed, Reading
+from uwsim.channels.message_types import typestore
+from uwsim.channels.messages import from_bytes, to_bytes
+from uwsim.live import LiveSimulator
+from uwsim.simulator.simulator import Simulator
+
+
+@pytest.fixture(scope="module")
+def sim() -> Simulator:
+    return Simulator("lake", seed=3)
+
+
+def test_every_channel_s_message_comes_back_from_its_bytes(sim: Simulator) -> None:
+    for name, channel in table(sim).items():
+        message = channel.read(sim)
+        if channel.direction == "in" or message is None:
+            continue
+        data = cdr.encode(message)
+        plain = to_bytes(message)
+        assert len(data) % 4 == 0 and len(data) - len(plain) < 4
+        assert bytes(data) == plain.ljust(len(data), b"\0"), name
+        assert to_bytes(from_bytes(data, channel.type)) == plain, name
+
+
+def test_a_schema_has_all_that_the_type_contains_and_ros_2_s_hash() -> None:
+    scan = cdr.schema("sensor_msgs/msg/LaserScan")
+    assert "MSG: std_msgs/Header" in scan.text and "float32[] ranges" in scan.text
+    # As `ros2 topic info -v` of Jazzy prints it for std_msgs/msg/String.
+    known = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+    assert cdr.schema("std_msgs/msg/String").type_hash == known
+    hashes = {cdr.schema(name).type_hash for name in ("sensor_msgs/msg/LaserScan", "marine_acoustic_msgs/msg/Dvl")}
+    assert len(hashes) == 2 and all(re.fullmatch("RIHS01_[0-9a-f]{64}", text) for text in hashes)
+
+
+def test_threads_that_ask_at_once_get_the_same_bytes(sim: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    channel = table(sim)["odom"]
+    reading = Reading(channel, channel.read(sim), sim.time_ns, sim.tick)
+    made = []
+    encode = cdr.encode
+    monkeypatch.setattr("uwsim.channels.feed.encode", lambda message: made.append(message) or encode(message))
+    found: list[memoryview] = []
+    threads = [threading.Thread(target=lambda: found.append(reading.cdr)) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(made) == 1 and all(data is found[0] for data in found)
+
+
+def test_a_feed_reads_once_for_all_and_only_while_somebody_listens() -> None:
+    with LiveSimulator("lake", paused=True) as live:
+        channel, static = table(live.simulator)["odom"], table(live.simulator)["tf_static"]
+        feed = Feed(live)
+        first: list[Reading] = []
+        second: list[Reading] = []
+        leave = [feed.listen(channel, first.append), feed.listen(channel, second.append)]
+        live.step(20)
+        assert first[1:] and all(a is b for a, b in zip(first[1:], second[-len(first) + 1 :], strict=True))
+        assert [reading.time_ns for reading in first] == sorted({reading.time_ns for reading in first})
+        for end in leave:
+            end()
+        count = len(first)
+        live.step(20)
+        assert len(first) == count
+        early: list[Reading] = []
+        late: list[Reading] = []
+        feed.listen(static, early.append)
+        live.step(1)
+        feed.listen(static, late.append)
+        assert late == early and len(late) == 1
+        assert typestore().types["tf2_msgs/msg/TFMessage"] is type(late[0].message)
+        assert np.frombuffer(late[0].cdr, np.uint8).size % 4 == 0

@@ -1,0 +1,150 @@
+"""The published wire: its strings decode, its signs are as published, its commands saturate."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from channel_tools import matrix, table
+from uwsim import Simulator
+from uwsim.channels import build
+from uwsim.channels.published import csharp_number
+from uwsim.live import LiveSimulator
+from uwsim.mapping import ranging
+
+
+@pytest.fixture
+def live() -> Iterator[LiveSimulator]:
+    with LiveSimulator("pool", speed="max", paused=True) as live:
+        live.rov.release()
+        yield live
+
+
+def key(w: float = 0.0, **efforts: float) -> Any:
+    """Return a `key` message. efforts: x, y, z of the position, pitch, roll, yaw."""
+    given = {"x": 0.0, "y": 0.0, "z": 0.0, "pitch": 0.0, "roll": 0.0, "yaw": 0.0, **efforts}
+    turn = given["pitch"], given["roll"], given["yaw"], w
+    return build.pose([given["x"], given["y"], given["z"]], turn)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (12.31, "12.31"), (95.0, "95"), (0.1 + 0.2, "0.3"), (1e-5, "1E-05"), (1234567.9, "1234568"), (1e10, "1E+10"),
+        (-0.5, "-0.5"), (math.inf, "Infinity"), (0.0, "0"), (1 / 3, "0.3333333"),
+    ],
+)  # fmt: skip
+def test_numbers_are_written_as_csharp_does(value: float, text: str) -> None:
+    assert csharp_number(value) == text
+
+
+def test_the_depth_string_decodes_to_the_ping() -> None:
+    for model in (1, 2, 3, 4):
+        sim = Simulator("pool", sonar_model=model)
+        found = table(sim)
+        assert found["modelTrigger"].read(sim).data == str(model)
+        assert float(found["hFOV"].read(sim).data) == (85.0 if model < 3 else 170.0)
+        decoded = ranging.decode_depth_string(found["depthArray"].read(sim).data, model)
+        np.testing.assert_allclose(decoded, found["scan"].read(sim).ranges, rtol=1e-6)  # of seven digits
+        assert np.isfinite(decoded).any()
+
+
+def test_another_sonar_is_not_on_the_published_wire() -> None:
+    sim = Simulator("pool", sonar_model="em2040-04", sonar_frequency_khz=400)
+    found = table(sim)
+    assert {"scan", "scanPos"} <= set(found)
+    assert not {"depthArray", "modelTrigger"} & set(found)
+
+
+def test_the_state_string_has_the_nine_values_of_the_panel() -> None:
+    sim = Simulator("lake")
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.5, heave=-0.3, yaw=0.3)
+    sim.advance(4.0)
+    text, panel = table(sim)["stateData"].read(sim).data, sim.rov.telemetry()
+    assert text.endswith("a")
+    values = [float(value) for value in text[:-1].split("a")]
+    expected = [
+        panel.speed_m_s, panel.angular_speed_rad_s, panel.temperature_deg_c, panel.pressure_pa / 1000.0, panel.depth_m,
+        panel.distance_to_station_m, panel.distance_to_seabed_m, panel.mission_time_s, panel.battery_percent,
+    ]  # fmt: skip
+    np.testing.assert_allclose(values, expected, rtol=1e-6)
+    assert values[3] == pytest.approx(101.325 + 9.81 * values[4], rel=0.01)  # kPa in fresh water
+    proximity = float(table(sim)["proximitySensor"].read(sim).data)
+    assert proximity == pytest.approx(sim.rov.sensors["proximity_port"].read(), rel=1e-6)
+    assert proximity <= 10.0
+
+
+def test_poses_are_offset_by_the_origin_and_the_tilt_is_positive_nose_down() -> None:
+    sim = Simulator("lake")
+    sim.rov.sonar.aim(-0.5)
+    sim.advance(10.0)
+    found = table(sim, origin="published")
+    pose = found["propPos"].read(sim)
+    expected = np.array(sim.rov.pose.world_from_body)
+    expected[2, 3] += 75.3
+    np.testing.assert_allclose(matrix(pose.position, pose.orientation), expected, atol=1e-12)
+    head = found["scanPos"].read(sim)
+    assert head.orientation.y == pytest.approx(math.sin(0.25))  # 0.5 rad about +y
+    forward = matrix(head.position, head.orientation)[:3, 0]
+    np.testing.assert_allclose(forward, [math.cos(0.5), 0.0, -math.sin(0.5)])
+    np.testing.assert_allclose([head.position.x, head.position.y, head.position.z], [0.52, 0.0, -0.22])
+
+
+@pytest.mark.parametrize(
+    ("effort", "axis", "sign"),
+    [
+        ({"x": 1}, 0, 1), ({"y": 1}, 1, -1), ({"z": 1}, 2, 1),
+        ({"roll": 1}, 3, 1), ({"pitch": 1}, 4, 1), ({"yaw": 1}, 5, -1),
+    ],
+)  # fmt: skip
+def test_efforts_have_the_published_signs(live: LiveSimulator, effort: dict[str, float], axis: int, sign: int) -> None:
+    table(live.simulator)["key"].apply(live, key(**effort))
+    live.step(60)
+    velocity = live.rov.velocity
+    moved = np.concatenate([velocity.linear_body_m_s, velocity.angular_body_rad_s])
+    assert np.sign(moved[axis]) == sign
+    assert abs(moved[axis]) > 0.02
+
+
+def test_efforts_saturate(live: LiveSimulator) -> None:
+    table(live.simulator)["key"].apply(live, key(x=4.0, y=-4.0, yaw=math.inf))
+    live.step(1)
+    np.testing.assert_array_equal(live.rov.effort, [1.0, 1.0, 0.0, 0.0, 0.0, -1.0])
+
+
+def test_functions_of_the_keyboard(live: LiveSimulator) -> None:
+    live.reset()
+    hear = table(live.simulator)["key"].apply
+    assert not live.rov.released
+    hear(live, key(1))
+    hear(live, key(3))
+    live.step(1)
+    assert live.rov.released
+    assert (live.rov.lamps["front"].on, live.rov.lamps["down"].on) == (True, False)
+    hear(live, key(2))
+    hear(live, key(5))
+    live.step(1)
+    assert (live.rov.lamps["front"].on, live.rov.lamps["down"].on) == (False, True)
+    before = live.rov.sonar.elevation_rad
+    hear(live, key(6))
+    live.step(400)  # two seconds at 5 degrees a second
+    assert live.rov.sonar.elevation_rad - before == pytest.approx(math.radians(-10.0), abs=1e-3)
+    hear(live, key(7))
+    live.step(200)
+    held = live.rov.sonar.elevation_rad
+    assert held - before == pytest.approx(math.radians(-10.0), abs=1e-3)
+    hear(live, key(8))
+    live.step(200)
+    assert live.rov.sonar.elevation_rad - held == pytest.approx(math.radians(5.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("message", [key(9.0), key(0.5), key(x=math.nan), key(1.0, pitch=math.nan)])
+def test_what_is_no_key_is_refused_whole(live: LiveSimulator, message: Any) -> None:
+    before = len(live.log)
+    with pytest.raises(ValueError, match="key: "):
+        table(live.simulator)["key"].apply(live, message)
+    live.step(1)
+    assert len(live.log) == before

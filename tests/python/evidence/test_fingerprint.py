@@ -1,0 +1,99 @@
+"""Same in, same out: whatever the threads, processors, locale, time zone, hash seed and addresses."""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.fuzz.laws import Laws
+from tests.fuzz.readers import READERS
+from tests.fuzz.seeds import seeds
+
+from command_line import error_line, uwsim, uwsim_process
+from uwsim.evidence.fingerprint import Fingerprint, fingerprint
+
+ELSEWHERE = """
+import json, locale, sys
+locale.setlocale(locale.LC_ALL, "")
+assert locale.localeconv()["decimal_point"] == ",", locale.localeconv()
+from test_fingerprint import read_all
+from uwsim.evidence.fingerprint import fingerprint
+print(json.dumps([fingerprint("pool", seed=7, threads=int(sys.argv[1])).parts, read_all()]))
+"""
+
+
+def read_all() -> dict[str, str]:
+    """A digest of what each reader makes of the files that its fuzzer begins with."""
+    digests = {}
+    for name in sorted(READERS.keys() - {"mcap"}):
+        laws = Laws(name)
+        try:
+            read = [repr(laws.hold(data).content) for _, data in sorted(seeds(name).items())]
+        finally:
+            laws.close()
+        said = "".join(read).replace(str(laws.folder), "")
+        digests[name] = hashlib.blake2b(said.encode(), digest_size=8).hexdigest()
+    return digests
+
+
+@pytest.fixture(scope="module")
+def seven() -> Fingerprint:
+    return fingerprint("pool", seed=7, threads=1)
+
+
+@pytest.fixture(scope="module")
+def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """A locale with a decimal comma."""
+    folder = tmp_path_factory.mktemp("locales")
+    subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", folder / "de_DE.UTF-8"], check=True)
+    return {"LOCPATH": str(folder), "LC_ALL": "de_DE.UTF-8"}
+
+
+def test_the_same_in_another_process_elsewhere(german: dict[str, str], seven: Fingerprint) -> None:
+    """With other addresses, processors, threads, hash seeds, a time zone and a locale."""
+    prefix, threads = ["setarch", "-R", "taskset", "--cpu-list", "0"], 3
+    places = [str(Path(__file__).parents[k]) for k in (0, 1, 3)]
+    other = {"TZ": "Pacific/Chatham", "PYTHONHASHSEED": str(threads), "UWSIM_CACHE": "", **german}
+    env = os.environ | other | {"PYTHONPATH": os.pathsep.join(places)}
+    ran = subprocess.run(
+        [*prefix, sys.executable, "-c", ELSEWHERE, str(threads)], env=env, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads(ran.stdout) == [seven.parts, read_all()]
+
+
+def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_returns(
+    seven: Fingerprint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, other = seven, fingerprint("pool", seed=8, threads=1)
+    different = {part for part in first.parts if first.parts[part] != other.parts[part]}
+    assert {"samples", "samples in rough water", "poses in rough water", "ranges in rough water"} <= different
+    assert first.whole != other.whole
+    assert {"poses", "samples", "ranges", "pictures", "map"} <= first.parts.keys()
+    printed = json.loads(uwsim("fingerprint", "pool", "--seed", "7", "--json").stdout)
+    assert printed == {
+        "scenario": "pool",
+        "seed": 7,
+        "whole": first.whole,
+        "parts": first.parts,
+        "machine": first.machine,
+    }
+    monkeypatch.setattr("uwsim.evidence.fingerprint.fingerprint", lambda *_, **__: seven)
+    assert uwsim("fingerprint", "pool", "--seed", "7").stdout.splitlines()[-1].split() == ["all", first.whole]
+
+
+@pytest.mark.parametrize("chosen, rule", [("mmx", "must be portable, avx2 or avx512"), ("AVX2", "must be portable")])
+def test_an_instruction_set_that_there_is_not_is_refused(chosen: str, rule: str) -> None:
+    failed = uwsim_process("fingerprint", "pool", env=os.environ | {"UWSIM_INSTRUCTION_SET": chosen})
+    assert failed.returncode == 1
+    assert f"UWSIM_INSTRUCTION_SET = {chosen}: {rule}" in error_line(failed)
+
+
+def test_the_narrowest_instruction_set_is_one_that_every_machine_can_choose() -> None:
+    env = os.environ | {"UWSIM_INSTRUCTION_SET": "portable"}
+    program = "from uwsim.evidence.fingerprint import machine; print(machine()['instruction set'])"
+    chosen = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
+    assert chosen.stdout == "portable\n"

@@ -1,0 +1,171 @@
+"""The scenario `paper`: it behaves as the published simulator does, and the published lawn-mower flies it."""
+
+import json
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from websockets.sync.client import connect as websocket
+
+from uwsim import Simulator
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.rosbridge.limits import Limits
+from uwsim.live import LiveSimulator
+from uwsim.mapping.ranging import decode_depth_string
+from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, NEAR_M, Seen, published_mower
+from uwsim.scenario import load
+
+PATIENCE_S = 30.0
+CONTROL_S = 0.05
+BASIN = {"wall_east": (26, -156, -20), "wall_west": (-4, -156, -20), "wall_south": (10, -163, -20)}
+"""Walls that are nearer, so that lanes are short."""
+
+
+@pytest.fixture(scope="module")
+def sim():
+    return Simulator("paper")
+
+
+@pytest.fixture
+def paper(sim):
+    sim.reset()
+    return sim
+
+
+def test_released_it_falls_into_the_water_and_rises_until_the_pilot_trims_it(paper):
+    rov = paper.rov
+    rov.release()
+    paper.advance(0.3)
+    assert rov.velocity.linear_body_m_s[2] == pytest.approx(-9.81 * 0.3, rel=0.03)  # in the air: free fall
+    rov.place([0, -100, -20])
+    paper.advance(20.0)
+    assert 0.1 < rov.velocity.linear_body_m_s[2] < 0.3
+    lift_n = 0.01 * 0.245 * 997 * 9.81
+    rov.set_effort(heave=-lift_n / rov.full_wrench_body[0][2])
+    paper.advance(30.0)
+    assert abs(rov.velocity.linear_body_m_s[2]) < 0.03
+
+
+def test_afloat_below_the_davit_it_can_dock_again(paper):
+    rov, dock = paper.rov, paper.rov.pose.position_world_m
+    rov.release()
+    paper.advance(60.0)
+    rov.dock()
+    assert not rov.released
+    np.testing.assert_allclose(rov.pose.position_world_m, dock)
+
+
+@pytest.mark.parametrize(("axis", "row"), [("pitch", 0), ("roll", 1)])
+def test_no_righting_moment_holds_roll_and_pitch(paper, axis, row):
+    rov = paper.rov
+    rov.place([0, -100, -20])
+    rov.set_effort(**{axis: 1.0})
+    paper.advance(4.0)
+    rov.set_effort()
+    paper.advance(1.0)
+    tilted = rov.pose.world_from_body[2, row]
+    assert abs(tilted) > math.sin(math.radians(40))
+    paper.advance(5.0)
+    assert rov.pose.world_from_body[2, row] == pytest.approx(tilted, abs=0.02)
+
+
+@pytest.mark.parametrize("height_m", [1.5, 20.0, 39.0])
+def test_temperature_and_pressure_follow_the_published_lines(paper, height_m):
+    paper.rov.place([0, -100, height_m - 41.5])
+    panel = paper.rov.telemetry()
+    assert panel.temperature_deg_c == pytest.approx(0.144 * height_m + 18.0, abs=0.03)
+    assert 1e-3 * panel.pressure_pa == pytest.approx(101.325 + (41.5 - height_m) * 997 * 9.8 / 1000, rel=0.003)
+
+
+def test_refraction_moves_pictures_by_up_to_the_published_share_of_their_width(paper):
+    paper.rov.place([4, -99, -38], Rotation.from_euler("z", 90, degrees=True).as_quat())
+    camera = paper.rov.cameras["front"]
+    still, moving = (camera.capture([*effects]) for effects in ((), ("wobble",)))
+    post = [(frame.labels == frame.label_names.index("gate"))[150:200, :320] for frame in (still, moving)]
+    left = [picture.argmax(axis=1) for picture in post if picture.any(axis=1).all()]
+    shift = np.abs(left[1] - left[0]).max()
+    assert 1 <= shift <= math.ceil(0.0055 * camera.mount.width)
+
+
+class Wire:
+    """The published nodes' side of a rosbridge, in step with a paused simulator."""
+
+    def __init__(self, client, live):
+        self.client, self.live, self.newest = client, live, {"/clock": {"clock": {"secs": -1, "nsecs": 0}}}
+        for topic, kind in (
+            ("/propPos", "geometry_msgs/Pose"), ("/depthArray", "std_msgs/String"),
+            ("/proximitySensor", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"),
+        ):  # fmt: skip
+            self.say("subscribe", topic=topic, type=kind)
+        self.say("advertise", topic="/key", type="geometry_msgs/Pose")
+        self.step(2)
+
+    @property
+    def clock_ns(self):
+        stamp = self.newest["/clock"]["clock"]
+        return 10**9 * stamp["secs"] + stamp["nsecs"]
+
+    def say(self, op, **fields):
+        self.client.send(json.dumps({"op": op, **fields}))
+
+    def step(self, count):
+        """Let simulated time pass, a multiple of the clock's 0.01 s, and read all that is said until then."""
+        until_ns = self.live.simulator.time_ns + round(count * self.live.simulator.step_s * 1e9)
+        self.say("call_service", service="/simulation/step", args={"steps": count})
+        while self.clock_ns < until_ns:
+            heard = json.loads(self.client.recv(PATIENCE_S))
+            if heard["op"] == "publish":
+                self.newest[heard["topic"]] = heard["msg"]
+
+    def publish(self, key):
+        position = {"x": key.surge, "y": key.sway, "z": key.heave}
+        orientation = {"x": 0.0, "y": 0.0, "z": key.yaw, "w": key.function}
+        self.say("publish", topic="/key", msg={"position": position, "orientation": orientation})
+
+    def seen(self):
+        pose = self.newest["/propPos"]
+        at, turn = pose["position"], pose["orientation"]
+        ranges = decode_depth_string(self.newest["/depthArray"]["data"], 2)
+        yaw_rad = Rotation.from_quat([turn[axis] for axis in "xyzw"]).as_euler("ZYX")[0]
+        beams_m = tuple(float(ranges[beam]) for beam in BEAMS)
+        return Seen((at["x"], at["y"], at["z"]), yaw_rad, beams_m, float(self.newest["/proximitySensor"]["data"]))
+
+
+def test_the_published_lawn_mower_flies_it_over_rosbridge():
+    scenario = load("paper")
+    walls = [item.model_copy(update={"position_m": BASIN.get(item.name, item.position_m)})
+             if item.name in BASIN else item for item in scenario.obstacles]  # fmt: skip
+    limits = Limits(work_share=1.0)
+    with (
+        LiveSimulator(scenario.model_copy(update={"obstacles": tuple(walls)}), paused=True) as live,
+        RosbridgeServer(live, wire="published", origin="published", limits=limits) as server,
+        websocket(server.url) as client,
+    ):
+        wire = Wire(client, live)
+        mower, lanes = published_mower(), []
+        key = next(mower)
+        while True:
+            wire.publish(key)
+            wire.step(round((5.0 if key.function else CONTROL_S) / live.simulator.step_s))
+            seen = wire.seen()
+            if key.surge == FULL_AHEAD:
+                west = abs(seen.yaw_rad) > 0.5 * math.pi
+                if not lanes or lanes[-1][0] != west:
+                    lanes.append((west, []))
+                lanes[-1][1].append(seen.position_m)
+            try:
+                key = mower.send(seen)
+            except StopIteration:
+                break
+            assert live.simulator.time_s < 600.0
+        assert live.rov.collisions == 0
+        assert seen.port_m < NEAR_M  # the southern wall
+        assert len(lanes) >= 3
+        assert [west for west, _ in lanes] == [lane % 2 == 1 for lane in range(len(lanes))]
+        for _, lane in lanes:
+            assert abs(lane[-1][0] - lane[0][0]) > 8.0
+        south = [np.mean([y for _, y, _ in lane]) for _, lane in lanes]
+        assert all(after < before for before, after in pairwise(south))
+        assert all(70.0 - 1.5 < z < 75.3 for _, lane in lanes for _, _, z in lane)

@@ -1,0 +1,84 @@
+"""The paper's figures, made again: pictures with values behind them, trees and maps as the messages tell them."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from command_line import error_line, uwsim
+from uwsim.evidence.reproduce import drawn_graphs, mown_map, paper, place_and_release, running_system, scenes, sonar
+from uwsim.evidence.reproduce.running_system import Edge, Link
+from uwsim.simulator.simulator import Simulator
+
+
+@pytest.fixture(scope="module")
+def sim():
+    return Simulator("paper")
+
+
+def picture(path):
+    pixels = np.asarray(Image.open(path).convert("L"), int)
+    assert min(pixels.shape) > 100
+    return pixels
+
+
+def test_what_a_running_system_tells_is_the_published_tree_and_chain(tmp_path):
+    with running_system.running(tmp_path / "nodes.bt") as (published, standard):
+        tree = {(link.parent, link.child) for link in running_system.transforms(published)}
+        edges = {(edge.publisher, edge.topic, edge.subscriber) for edge in running_system.connections(published)}
+        full = {link.child: link for link in running_system.transforms(standard)}
+    assert tree == {("odom", "base_footprint"), ("base_footprint", "base_scan")}
+    assert edges >= {
+        ("simulator", "depthArray", "string_decoder"), ("string_decoder", "decodedDepth", "scan_publisher"),
+        ("scan_publisher", "scan", "laser_to_cloud"), ("laser_to_cloud", "laserPointCloud", "octomap"),
+        ("simulator", "propPos", "tf_broadcaster"), ("tf_broadcaster", "tf", "octomap"),
+    }  # fmt: skip
+    assert full["odom"].rate_hz == 0.0  # static
+    assert full["base_footprint"].rate_hz == pytest.approx(50.0, rel=0.05)
+
+
+def test_trees_and_node_maps_are_drawn_with_all_that_they_hold(tmp_path):
+    links = [Link("odom", "base_footprint", 50.0), Link("base_footprint", "base_scan", 50.0)]
+    figure = drawn_graphs.transform_tree(links, links, tmp_path / "tree.png")
+    assert [row[2] for row in figure.rows] == 2 * ["base_footprint", "base_scan"]
+    edges = [Edge("a", "one", "b"), Edge("b", "two", "c"), Edge("a", "three", "c")]
+    places = drawn_graphs._layered([(edge.publisher, edge.subscriber) for edge in edges])
+    assert places["a"][0] < places["b"][0] < places["c"][0]
+    assert len(drawn_graphs.node_map(edges, tmp_path / "map.png").rows) == 3
+    assert picture(tmp_path / "map.png").min() < 100 < picture(tmp_path / "tree.png").max()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [scenes.vehicle, scenes.scene, scenes.main_screen, place_and_release.place, sonar.depth_image, sonar.ping],
+)
+def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
+    sim.reset()
+    figure = make(sim, tmp_path / "figure.png")
+    assert picture(tmp_path / "figure.png").std() > 10
+    assert figure.values or figure.rows
+    assert all(len(row) == len(figure.columns) for row in figure.rows)
+    json.dumps(paper._plain(figure.rows), allow_nan=False)
+
+
+def test_the_release_falls_and_the_depth_image_agrees_with_rays(sim, tmp_path):
+    fall = place_and_release.release(sim, tmp_path / "release.png").values
+    assert fall["fastest_fall_m_s"] == pytest.approx(np.sqrt(2 * 9.81 * (1.0 - 0.35)), rel=0.1)
+    assert 0.1 < fall["rises_at_m_s"] < 0.3
+    assert sonar.depth_image(sim, tmp_path / "depth.png").values["mean_m"] < 0.1
+
+
+def test_the_map_of_the_lawn_mower_has_the_walls_that_it_turned_at(tmp_path):
+    figure = mown_map.mown_map(tmp_path / "map.png", tmp_path / "map.bt")
+    assert figure.values["collisions"] == 0
+    assert figure.values["lanes"] >= 6
+    assert (tmp_path / "map.bt").stat().st_size > 20_000
+    x, y, _ = np.transpose(figure.rows)
+    assert (x.min(), x.max()) == pytest.approx((-22.0, 42.0), abs=6.0)  # between the walls
+    assert y.min() < -170
+
+
+def test_mistakes_are_one_line(tmp_path):
+    assert re.search("WHAT = 'poster': must be one of paper", error_line(uwsim("reproduce", "poster")))

@@ -1,0 +1,60 @@
+"""Checks, suites and the command of the validation. All the suites themselves are run by tools/docs."""
+
+import math
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from uwsim.cli.main import app
+from uwsim.evidence import validate
+from uwsim.evidence.validate.check import Check, along, relative, within
+
+
+def test_errors_are_relative_to_their_scale_and_a_nan_is_a_miss() -> None:
+    assert relative("g", "n", 2.0, 2.1, 0.04).error == pytest.approx(0.05)
+    assert not relative("g", "n", 2.0, 2.1, 0.04).passed
+    assert within("g", "n", 0.0, 0.1, 10.0, 0.02).passed
+    worst = along("g", "n", [1.0, 2.0, 3.0], [1.0, 2.5, 3.1], 2.0, 0.3)
+    assert (worst.expected, worst.got, worst.error, worst.passed) == (2.0, 2.5, 0.25, True)
+    assert not relative("g", "n", 1.0, math.nan, 1.0).passed
+    assert not along("g", "n", [1.0, 2.0], [1.0, math.nan], 1.0, 1.0).passed
+
+
+@pytest.fixture
+def extra(monkeypatch: pytest.MonkeyPatch) -> list[Check]:
+    """Return the checks that two suites, the only ones, have besides a good one."""
+    extra: list[Check] = []
+
+    def run(out: Path | None) -> list[Check]:
+        assert out is not None
+        (out / "curve.png").touch()
+        return [relative("g", "good", 1.0, 1.0, 0.1), *extra]
+
+    monkeypatch.setattr(validate, "SUITES", {name: validate.SUITES[name] for name in ("dynamics", "link")})
+    for module in validate.SUITES.values():
+        monkeypatch.setattr(f"{module}.run", run)
+    return extra
+
+
+def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(extra: list[Check], tmp_path: Path) -> None:
+    passed = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "new")])
+    assert passed.exit_code == 0
+    assert "good" in passed.output and "all within tolerance" in passed.output
+    assert (tmp_path / "new" / "curve.png").exists()
+    page = (tmp_path / "new" / "index.md").read_text()
+    assert (
+        "## dynamics" in page
+        and "## link" in page
+        and "| g | good | 1 | 1 | 0.0e+00 | 1e-01 | ok |" in page
+        and "(curve.png)" in page
+    )
+    extra.append(relative("g", "bad", 1.0, 2.0, 0.1))
+    missed = CliRunner().invoke(app, ["validate", "dynamics", "--out", str(tmp_path)])
+    assert missed.exit_code == 1
+    assert "MISS" in missed.output and "1 missed" in missed.output
+
+
+def test_an_unknown_suite_is_refused_with_a_list_of_the_known_ones() -> None:
+    with pytest.raises(ValueError, match="'optics': unknown; there are: dynamics"):
+        validate.run_suite("optics")

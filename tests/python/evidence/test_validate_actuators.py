@@ -1,0 +1,116 @@
+"""Thrusters and fins pass the validation, and would not if a figure of theirs were 5 % off."""
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import pytest
+from ruamel.yaml import YAML
+
+from uwsim.evidence.validate import fins, thrusters
+from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.published_thrusters import MOUNTS
+from uwsim.scenario import VehicleModel, load_vehicle
+from uwsim.scenario.read.assets import assets_folder
+
+HEAVY, REMUS = "bluerov2_heavy", "remus100"
+
+
+def misses(checks: list[Check]) -> list[str]:
+    return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
+
+
+def test_thrusters_and_fins_act_as_published() -> None:
+    assert misses(thrusters.thruster_checks()) == []
+    assert misses(fins.fin_checks()) == []
+
+
+Law = Callable[[str, VehicleModel], Iterable[Check]]
+T200_BAND_US = {4: 1472, 5: 1528}  # index in the table: pulse width at an end of the dead band
+KIND_LAWS: dict[str, Law] = {
+    "time_constant_s": thrusters.thruster_lag,
+    "diameter_m": thrusters.advance_loss,
+    "bollard_coefficient": thrusters.advance_loss,
+    "zero_thrust_advance_ratio": thrusters.advance_loss,
+    "torque_per_thrust_m": thrusters.thruster_wrenches,
+}
+
+
+def test_every_field_of_thrusters_and_fins_has_a_case_below() -> None:
+    """A new field in the YAML files needs a law that checks it."""
+    cases = [(name, path) for name, _, path, _ in actuator_figures()]
+    for name in (HEAVY, REMUS):
+        kind = next(iter(load_vehicle(name).thrusters.values())).model
+        fields = kind.model_fields_set - {"name", "description"}
+        assert fields <= {path[1] for n, path in cases if n == name and path[0] == "model"}
+    for fin, surface in load_vehicle(REMUS).fins.items():
+        assert surface.model_fields_set - {"span"} <= {path[2] for _, path in cases if path[:2] == ("fins", fin)}
+
+
+def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]]:
+    """Vehicle, the law that should miss, the figure's path in the file, and the factor that changes it."""
+    for name in MOUNTS:
+        model = load_vehicle(name)
+        for thruster, mount in model.thrusters.items():
+            horizontal = mount.axis[2] == 0
+            for k, value in enumerate(mount.position_m):
+                if value:
+                    alone = k == (0 if mount.axis[1] == mount.axis[2] == 0 else 2)
+                    law = thrusters.thruster_heights if alone else thrusters.thruster_wrenches
+                    yield name, law, ("thrusters", thruster, "position_m", k), 1.05
+            if horizontal and mount.axis[1]:  # for an axis along x or z, its length has no effect
+                yield name, thrusters.thruster_wrenches, ("thrusters", thruster, "axis", 0), 1.05
+                yield name, thrusters.thruster_wrenches, ("thrusters", thruster, "axis", 1), 1.05
+        if name not in (HEAVY, REMUS):
+            continue
+        kind = next(iter(model.thrusters.values())).model
+        for key, law in KIND_LAWS.items():
+            yield name, law, ("model", key), 1.05
+        for k, (_, thrust_n) in enumerate(kind.thrust_n):
+            if thrust_n:
+                yield name, thrusters.thrust_tables, ("model", "thrust_n", k, 1), 1.05
+    for band in (4, 5):  # 5 % of the 28 us from the middle of the band
+        factor = 1 + 0.05 * (T200_BAND_US[band] - 1500) / T200_BAND_US[band]
+        yield HEAVY, thrusters.thrust_tables, ("model", "thrust_n", band, 0), factor
+    yield HEAVY, thrusters.thrust_tables, ("model", "pwm", "span_us"), 1.05
+    for fin, surface in load_vehicle(REMUS).fins.items():
+        for key in sorted(surface.model_fields_set - {"span", "position_m"}):
+            law = fins.fin_travel if key in ("deflection_max_deg", "rate_max_deg_s") else fins.fin_wrenches
+            yield REMUS, law, ("fins", fin, key), 1.05
+        for k, value in enumerate(surface.position_m):
+            if value:
+                yield REMUS, fins.fin_wrenches, ("fins", fin, "position_m", k), 1.05
+
+
+def changed_copy(folder: Path, name: str, path: tuple[str | int, ...], factor: float) -> VehicleModel:
+    """Return the vehicle from a copied YAML file in which one figure is multiplied by `factor`."""
+    yaml = YAML(typ="safe")
+    vehicle = yaml.load(assets_folder() / "vehicles" / f"{name}.yaml")
+    top = vehicle
+    if path[0] == "model":
+        kind = next(iter(vehicle["thrusters"].values()))["model"]
+        top, path = yaml.load(assets_folder() / "thrusters" / f"{kind}.yaml"), path[1:]
+        for mount in vehicle["thrusters"].values():
+            mount["model"] = "changed.yaml"
+    node = top
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] *= factor
+    if top is not vehicle:
+        yaml.dump(top, folder / "changed.yaml")
+    yaml.dump(vehicle, folder / "vehicle.yaml")
+    return load_vehicle(folder / "vehicle.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "path", "factor"),
+    [pytest.param(*f, id="-".join(map(str, (f[0], *f[2])))) for f in actuator_figures()],
+)
+def test_an_actuator_figure_five_percent_off_is_a_miss(
+    tmp_path: Path, name: str, law: Law, path: tuple[str | int, ...], factor: float
+) -> None:
+    assert any(not check.passed for check in law(name, changed_copy(tmp_path, name, path, factor)))
+
+
+@pytest.mark.parametrize("path", [("mass_kg",), ("model", "time_constant_s")])
+def test_an_unchanged_copy_passes(tmp_path: Path, path: tuple[str, ...]) -> None:
+    assert misses(list(thrusters.thruster_wrenches(HEAVY, changed_copy(tmp_path, HEAVY, path, 1.0)))) == []

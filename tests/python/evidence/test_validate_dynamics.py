@@ -1,0 +1,110 @@
+"""The dynamics pass the validation, and would not if a coefficient were 5 % off."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from uwsim.evidence.validate import closed_forms, contact
+from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.published import PUBLISHED
+from uwsim.evidence.validate.vehicle_curves import draw_decays, draw_turning
+from uwsim.evidence.validate.vehicles import vehicle_checks
+from uwsim.scenario import load_vehicle
+
+HEAVY, REMUS = "bluerov2_heavy", "remus100"
+
+
+def misses(checks: list[Check]) -> list[str]:
+    return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        closed_forms.sphere_from_rest,
+        closed_forms.terminal_speed,
+        closed_forms.floating_box,
+        closed_forms.tumbling,
+        contact.impulses,
+        contact.energy,
+        contact.rest,
+    ],
+)
+def test_a_closed_form_is_met(law) -> None:
+    assert misses(law()) == []
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_packaged_vehicle_moves_as_published(name: str) -> None:
+    checks, curves = vehicle_checks(name)
+    assert misses(checks) == []
+    assert {curve.name for curve in curves} >= {"free fall", "turning circle", "decay of surge"}
+
+
+def coefficients(name: str) -> Iterator[tuple[str, dict[str, object]]]:
+    """Each coefficient of motion in a vehicle's file, 5 % larger; and the mass, where it follows from the volume."""
+    model = load_vehicle(name)
+    if model.mass_kg is None:
+        yield "mass", {"buoyancy": None, "mass_kg": 1.05 * PUBLISHED[name].mass_kg}
+    for key in ("mass_kg", "volume_m3"):
+        if getattr(model, key) is not None:
+            yield key, {key: 1.05 * getattr(model, key)}
+    for key in (
+        "centre_of_buoyancy_m",
+        "centre_of_mass_m",
+        "inertia_kg_m2",
+        "added_mass",
+        "linear_damping",
+        "quadratic_damping",
+    ):
+        values = getattr(model, key)
+        for axis, value in enumerate(values):
+            if value != 0 and not (key == "inertia_kg_m2" and axis > 0 and is_slender(values)):
+                changed = tuple(1.05 * v if k == axis else v for k, v in enumerate(values))
+                yield f"{key}[{axis}]", {key: changed}
+        if key == "inertia_kg_m2" and is_slender(values):
+            yield f"{key}[1:]", {key: (values[0], 1.05 * values[1], 1.05 * values[2])}
+
+
+def is_slender(inertia_kg_m2: tuple[float, ...]) -> bool:
+    """Whether pitch and yaw inertia cannot differ by 5 %, because no body has such moments."""
+    return inertia_kg_m2[0] < 0.05 * inertia_kg_m2[1]
+
+
+def test_impossible_moments_of_inertia_are_refused() -> None:
+    model = load_vehicle(REMUS)
+    assert model.inertia_kg_m2 is not None
+    roll, pitch, yaw = model.inertia_kg_m2
+    for inertia in ((roll, 1.05 * pitch, yaw), (roll, pitch, 1.05 * yaw)):
+        with pytest.raises(ValueError, match="must not exceed the sum of the two others"):
+            vehicle_checks(REMUS, model.model_copy(update={"inertia_kg_m2": inertia}))
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [pytest.param(name, change, id=f"{name}-{what}") for name in PUBLISHED for what, change in coefficients(name)],
+)
+def test_a_coefficient_five_percent_off_is_a_miss(name: str, change: dict[str, object]) -> None:
+    checks, _ = vehicle_checks(name, load_vehicle(name).model_copy(update=change))
+    assert misses(checks)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_the_mass_check_measures_the_mass(name: str) -> None:
+    """A mass 5 % larger is measured as 5 % larger; for a neutral vehicle the volume is changed."""
+    model = load_vehicle(name)
+    key = "volume_m3" if model.mass_kg is None else "mass_kg"
+    heavier = model.model_copy(update={key: 1.05 * getattr(model, key)})
+    for used, factor in ((model, 1.0), (heavier, 1.05)):
+        (mass,) = [check for check in vehicle_checks(name, used)[0] if check.name == "mass"]
+        assert mass.got == pytest.approx(factor * PUBLISHED[name].mass_kg, rel=1e-3)
+        assert mass.passed == (factor == 1.0)
+
+
+def test_curves_are_drawn(tmp_path: Path) -> None:
+    _, curves = vehicle_checks(HEAVY)
+    draw_decays(curves, tmp_path / "decay.png")
+    draw_turning(curves[-1], tmp_path / "turning.png")
+    assert (tmp_path / "decay.png").stat().st_size > 10_000
+    assert (tmp_path / "turning.png").stat().st_size > 10_000

@@ -1,0 +1,39 @@
+"""The navigation's validation, with few flights; `uwsim validate estimation` flies 50."""
+
+import numpy as np
+
+from uwsim import Simulator
+from uwsim.evidence.validate import estimation
+from uwsim.evidence.validate.after_contact import contact_checks
+from uwsim.evidence.validate.turning_flights import turning_checks
+
+
+def test_the_filter_is_as_sure_of_itself_as_it_may_be(monkeypatch) -> None:
+    monkeypatch.setattr(estimation, "LEGS", 9)
+    monkeypatch.setattr(estimation, "DROP_OUT_AFTER_S", 30.0)
+    monkeypatch.setattr("uwsim.evidence.validate.turning_flights.turning_checks", lambda seeds: [])
+    checks = estimation.run(seeds=5)
+    assert [check.name for check in checks if not check.passed] == []
+
+
+def test_a_filter_that_is_too_sure_of_itself_fails() -> None:
+    honest = np.random.default_rng(0).chisquare(3, (20, 12, 3))
+    nees = np.concatenate([honest.sum(axis=2, keepdims=True), honest], axis=2)
+    assert all(check.passed for check in estimation.consistency_checks(nees))
+    assert not any(check.passed for check in estimation.consistency_checks(2.0 * nees))
+    assert not any(check.passed for check in estimation.consistency_checks(0.5 * nees))
+
+
+def test_the_closed_form_grows_with_the_cube_of_time_at_last() -> None:
+    sim = Simulator("lake")
+    navigator, _ = estimation.start_navigation(sim, 0)
+    early, late = (np.trace(estimation.closed_form(sim, navigator, t)) for t in (500.0, 1000.0))
+    assert 2.0**6 < late / early < 2.0**7  # a gyroscope's bias: t^3; its drift: t^3.5
+
+
+def test_after_contacts_the_filter_errs_by_no_more_than_it_says() -> None:
+    assert [check for check in contact_checks(Simulator("lake"), seeds=4) if not check.passed] == []
+
+
+def test_a_vehicle_that_rolls_pitches_and_tumbles_knows_where_it_is() -> None:
+    assert [check for check in turning_checks(seeds=8) if not check.passed] == []

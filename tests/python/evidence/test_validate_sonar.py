@@ -1,0 +1,98 @@
+"""The sonar suite passes, and each of its checks can fail."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from uwsim import _core
+from uwsim.evidence.validate import refraction, sonar, sonar_table
+from uwsim.evidence.validate.check import Check
+from uwsim.evidence.validate.sonar_instrument import detection_rate, half_detected_m, half_detected_swath_m
+from uwsim.evidence.validate.sonar_table import ARRAYS, COVERAGE_M, DEPTH_M, FREQUENCIES_KHZ, WATERS, Cell, acoustics
+
+
+def misses(checks: list[Check]) -> list[Check]:
+    return [check for check in checks if not check.passed]
+
+
+def test_the_figures_of_the_files_agree_with_the_manufacturers_table() -> None:
+    checks = sonar.table_checks()
+    assert len(checks) == len(DEPTH_M) + len(COVERAGE_M) == 28
+    assert misses(checks) == []
+
+
+@pytest.mark.parametrize("khz", FREQUENCIES_KHZ)
+def test_a_source_level_too_low_by_eight_decibels_misses_the_table(khz: int) -> None:
+    figures = acoustics(ARRAYS[0], khz).figures
+    figures.source_level_db -= 8.0
+    try:
+        assert any(cell.depth_m() < 0.9 * DEPTH_M[cell] for cell in (Cell(ARRAYS[0], khz, water) for water in WATERS))
+    finally:
+        figures.source_level_db += 8.0
+
+
+def test_warmer_water_does_not_fit_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sonar_table, "TEMPERATURE_DEG_C", 12.0)
+    sonar_table._mean_absorption_db_km.cache_clear()
+    assert any(abs(cell.depth_m() / table_m - 1) > sonar.TABLE_TOLERANCE for cell, table_m in DEPTH_M.items())
+    sonar_table._mean_absorption_db_km.cache_clear()
+
+
+def test_physics_mode_reaches_the_depth_of_its_formula_and_no_deeper() -> None:
+    cells = [Cell(ARRAYS[0], 700, "ocean"), Cell(ARRAYS[1], 200, "fresh")]
+    found = {cell: half_detected_m(cell) for cell in cells}
+    assert misses(sonar.instrument_checks(found)) == []
+    assert misses(sonar.instrument_checks({cell: 1.11 * depth_m for cell, depth_m in found.items()}))
+
+
+def test_physics_mode_is_as_wide_as_its_formula() -> None:
+    cell = Cell(ARRAYS[0], 400, "ocean")
+    for depth_m in (60.0, 200.0):
+        assert half_detected_swath_m(cell, depth_m) == pytest.approx(cell.swath_m(depth_m), rel=sonar.SWATH_TOLERANCE)
+
+
+def test_physics_mode_is_as_wide_as_its_formula_at_every_frequency() -> None:
+    checks = sonar.swath_checks()
+    assert len(checks) == len(FREQUENCIES_KHZ)
+    assert misses(checks) == []
+
+
+def test_a_level_off_by_one_and_a_half_decibels_misses_the_swath_at_600_kilohertz() -> None:
+    cell = Cell(ARRAYS[0], 600, "ocean")
+    figures = acoustics(cell.array, cell.frequency_khz).figures
+    expected_m = cell.swath_m(77.0)
+    figures.source_level_db -= 1.5
+    try:
+        assert half_detected_swath_m(cell, 77.0) < (1 - sonar.SWATH_TOLERANCE) * expected_m
+    finally:
+        figures.source_level_db += 1.5
+
+
+def test_the_detection_rate_falls_with_depth() -> None:
+    rates = detection_rate(Cell(ARRAYS[0], 400, "ocean"), [150.0, 290.0, 308.0, 330.0, 500.0])
+    assert rates == sorted(rates, reverse=True)
+    assert rates[0] > 0.99 and rates[-1] < 0.01
+
+
+def test_refraction_follows_snells_law_and_its_check_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert misses(refraction.refraction_checks()) == []
+    monkeypatch.setattr(refraction, "circle", lambda dip_rad: (1.0, 0.03))
+    assert misses(refraction.refraction_checks())
+
+
+def test_figures_are_drawn(tmp_path: Path) -> None:
+    from uwsim.evidence.validate.sonar_curves import draw_detections, draw_smile, draw_table
+
+    draw_smile(tmp_path / "smile.png")
+    assert (tmp_path / "smile.png").stat().st_size > 10_000
+    draw_table(dict(DEPTH_M), tmp_path / "depths.png")
+    draw_detections(tmp_path / "detections.png")
+    assert (tmp_path / "depths.png").stat().st_size > 10_000
+    assert (tmp_path / "detections.png").stat().st_size > 10_000
+
+
+def test_absorption_agrees_with_reference_data() -> None:
+    for khz, db_km in ((100, 33.4), (200, 54.1), (300, 72.8)):
+        assert _core.absorption_db_km(1e3 * khz, 10.0, 35.0, 50.0) == pytest.approx(db_km, abs=0.06)

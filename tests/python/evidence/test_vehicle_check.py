@@ -1,0 +1,305 @@
+"""A check builds the vehicle that it checks, and reports trim, stability and mounts: a sick one is warned of."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+
+from command_line import uwsim
+from uwsim import Simulator
+from uwsim.evidence.scenario_check import CheckReport, check_file, check_part
+from uwsim.evidence.scenario_check.mounts import enters
+from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, rest_attitude_deg
+from uwsim.scenario.read.assets import assets_folder, packaged_names
+from uwsim.scenario.schema import FILES
+from vehicle_files import box_mesh, scenario_file, vehicle_file
+
+REMUS = assets_folder() / "vehicles" / "remus100.yaml"
+
+
+def checked(folder: Path, **changes: Any) -> CheckReport:
+    """Return the check of the vehicle's own file; a scenario with it must say the same of it."""
+    model = vehicle_file(folder, **changes)
+    report = check_part(model, "vehicle")
+    whole = check_file(scenario_file(folder, model))
+    assert (report.mistakes == ()) is (whole.mistakes == ()), whole.mistakes
+    for warning in report.warnings if changes.get("mass_kg") is None else ():
+        assert any(warning in told for told in whole.warnings), (warning, whole.warnings)
+    return report
+
+
+def only_warning(report: CheckReport) -> str:
+    assert report.mistakes == ()
+    assert len(report.warnings) == 1, report.warnings
+    return report.warnings[0]
+
+
+def figures(report: CheckReport) -> VehicleFigures:
+    assert report.vehicle is not None
+    return report.vehicle
+
+
+@pytest.mark.parametrize("name", packaged_names("vehicles"))
+def test_packaged_vehicles_are_sound(name: str) -> None:
+    report = check_part(name, "vehicle")
+    assert (report.mistakes, report.warnings) == ((), ())
+    assert report.to_dict()["vehicle"]["mass_kg"] == pytest.approx(figures(report).mass_kg)
+
+
+def test_the_sound_vehicle_is_told_of_in_figures(tmp_path: Path) -> None:
+    report = checked(tmp_path)
+    assert (report.mistakes, report.warnings) == ((), ())
+    it = figures(report)
+    np.testing.assert_allclose(it.size_m, (1.2, 0.8, 0.7))
+    assert it.mass_kg == pytest.approx(672.0)
+    assert it.righting_lever_m == pytest.approx(0.1)
+    assert it.righting_nm_rad == pytest.approx(672.0 * 9.80665 * 0.1)
+    assert (it.nose_down_deg, it.roll_to_starboard_deg) == (pytest.approx(0.0), pytest.approx(0.0))
+
+
+def test_a_hull_that_cannot_be_built_is_a_mistake_of_the_file(tmp_path: Path) -> None:
+    """The file alone is sound: only building it shows what is wrong with its mesh, its pieces or its centre of mass."""
+    assert any("centre_of_mass_m" in told for told in checked(tmp_path, centre_of_mass_m=[3, 0, 0]).mistakes)
+    model = vehicle_file(tmp_path)
+    lines = (tmp_path / "hull.obj").read_text().splitlines()
+    lines = [line for k, line in enumerate(lines) if not (line.startswith("f ") and k % 2)]
+    (tmp_path / "hull.obj").write_text("\n".join(lines) + "\n")
+    told = check_part(model, "vehicle").mistakes
+    assert len(told) == 1 and "hull.obj" in told[0]
+    assert told[0].startswith(str(model))
+
+
+@pytest.mark.parametrize(
+    ("centre_of_mass_m", "nose_down_deg", "to_starboard_deg"),
+    [((0.05, 0, -0.1), 26.565, 0), ((-0.05, 0, -0.1), -26.565, 0), ((0, -0.05, -0.1), 0, 26.565)],
+)
+def test_trim_is_where_the_centres_are_above_each_other(
+    centre_of_mass_m: tuple[float, float, float], nose_down_deg: float, to_starboard_deg: float, tmp_path: Path
+) -> None:
+    report = checked(tmp_path, centre_of_mass_m=list(centre_of_mass_m))
+    it = figures(report)
+    assert it.nose_down_deg == pytest.approx(nose_down_deg, abs=0.01)
+    assert it.roll_to_starboard_deg == pytest.approx(to_starboard_deg, abs=0.01)
+    assert "left alone it rests" in only_warning(report) and "26.6 deg" in only_warning(report)
+
+
+def test_trim_is_where_the_simulator_brings_the_vehicle(tmp_path: Path) -> None:
+    report = checked(tmp_path, centre_of_mass_m=[0.02, 0.03, -0.1])
+    it = figures(report)
+    with Simulator(tmp_path / "open_water.yaml") as sim:
+        sim.advance(60)
+        up_body = sim.rov.pose.world_from_body[2, :3]
+    nose_down_deg, roll_deg = rest_attitude_deg(up_body)
+    assert it.nose_down_deg == pytest.approx(nose_down_deg, abs=0.2)
+    assert it.roll_to_starboard_deg == pytest.approx(roll_deg, abs=0.2)
+
+
+def test_a_centre_of_mass_above_that_of_buoyancy_is_warned_of(tmp_path: Path) -> None:
+    report = checked(tmp_path, centre_of_mass_m=[0, 0, 0.1])
+    assert "0.1 m above its centre of buoyancy: left alone it hangs upside down" in only_warning(report)
+    assert figures(report).righting_lever_m == pytest.approx(-0.1)
+
+
+def test_ballast_and_trim_move_the_centre_of_mass(tmp_path: Path) -> None:
+    """Half of the mass again, 0.3 m ahead: the whole is 0.1 m ahead."""
+    report = checked(tmp_path, ballast_kg=336.0, ballast_position_m=[0.3, 0, -0.1])
+    assert figures(report).centre_of_mass_m == pytest.approx((0.1, 0, -0.1))
+    assert any("nose down 45.0 deg" in warning for warning in report.warnings)
+
+
+def test_a_centre_of_mass_ahead_is_warned_of(tmp_path: Path) -> None:
+    report = checked(tmp_path, centre_of_mass_m=[0.3, 0, -0.1])
+    assert "nose down 71.6 deg" in only_warning(report)
+    assert "+0.3 m ahead" in only_warning(report)
+
+
+def test_inertia_out_of_scale_is_warned_of(tmp_path: Path) -> None:
+    """Of the box 672/12 (b2 + c2): 63, 108 and 117 kg m2."""
+    assert checked(tmp_path, inertia_kg_m2=[63, 108, 117]).warnings == ()
+    grams = checked(tmp_path, inertia_kg_m2=[63e3, 108e3, 117e3]).warnings
+    assert len(grams) == 3 and all("no point of its hull is farther than" in warning for warning in grams)
+    small = checked(tmp_path, inertia_kg_m2=[0.063, 0.108, 0.117]).warnings
+    assert len(small) == 3 and all("is the inertia in kg m2?" in warning for warning in small)
+
+
+DVL = {"kind": "dvl", "position_m": [0, 0, -0.36]}
+ALTITUDE = {"kind": "altitude", "position_m": [0, 0, -0.36]}
+
+
+@pytest.mark.parametrize(
+    ("sensors", "warning"),
+    [
+        ({"dvl": DVL}, None),
+        ({"dvl": DVL | {"yaw_pitch_roll_deg": [0, 0, 20]}}, None),
+        ({"dvl": DVL | {"position_m": [0, 0, 0.36], "yaw_pitch_roll_deg": [0, 0, 180]}}, "looks up, 180 deg off"),
+        ({"dvl": DVL | {"position_m": [0.7, 0, 0], "yaw_pitch_roll_deg": [0, -90, 0]}}, "looks sideways, 90 deg off"),
+        ({"dvl": DVL | {"position_m": [0, 0, 0.36]}}, "sensors.dvl looks into its own hull"),
+        ({"dvl": DVL | {"position_m": [0, 0, -36.15]}}, "sensors.dvl is 35.8 m away from its hull of 1.2 x 0.8"),
+        ({"altitude": ALTITUDE}, None),
+        ({"altitude": {"kind": "altitude"}}, None),  # somewhere in the frame
+        ({"altitude": ALTITUDE | {"position_m": [0, 0, 0.36]}}, "sensors.altitude looks into its own hull"),
+        ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [0.7, 0, 0]}}, None),
+        ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [-0.7, 0, 0]}}, "sensors.p looks into its own"),
+    ],
+)
+def test_mounts_of_sensors(sensors: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
+    report = checked(tmp_path, sensors=sensors)
+    assert report.warnings == () if warning is None else warning in only_warning(report), report.warnings
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        ({"sonar": {"position_m": [0.61, 0, 0]}}, None),
+        ({"sonar": {"position_m": [-0.61, 0, 0]}}, "sonar looks into its own hull"),
+        ({"sonar": {"position_m": [520, 0, -220]}}, "sonar is 564 m away"),
+        ({"cameras": {"front": {"position_m": [0.61, 0, 0]}}}, None),
+        ({"cameras": {"front": {"position_m": [0.61, 0, 0], "yaw_pitch_roll_deg": [180, 0, 0]}}}, "cameras.front"),
+        ({"cameras": {"chase": {"position_m": [-9, 0, 3], "follows": "heading"}}}, None),
+        ({"imaging_sonars": {"fls": {"kind": "forward_looking", "position_m": [-0.61, 0, 0]}}}, "imaging_sonars.fls"),
+        ({"lamps": {"a": {"flux_lm": 9, "spots": [{"position_m": [0, 0, 9]}]}}}, "lamps.a is 8.65 m away"),
+    ],
+)  # fmt: skip
+def test_mounts_of_what_looks(changes: dict[str, Any], warning: str | None, tmp_path: Path) -> None:
+    report = checked(tmp_path, **changes)
+    assert report.warnings == () if warning is None else warning in only_warning(report), report.warnings
+
+
+def test_a_ray_enters_a_surface_only_from_outside() -> None:
+    box = trimesh.creation.box((2, 2, 2))
+    corners = np.asarray(box.triangles)
+    ahead, aslant = np.array([1.0, 0, 0]), np.array([1.0, 0.1, 0.2])
+    assert enters(np.array([-3.0, 0.2, 0.3]), ahead, corners) and enters(np.array([-3.0, 0, 0]), aslant, corners)
+    assert not enters(np.array([0.1, 0.2, 0.3]), ahead, corners)  # from inside
+    assert not enters(np.array([1.0, 0.2, 0.3]), ahead, corners)  # from its skin
+    assert not enters(np.array([-3.0, 1.2, 0.3]), ahead, corners)  # beside it
+    assert not enters(np.array([3.0, 0.2, 0.3]), ahead, corners)  # behind it
+
+
+def remus(folder: Path, **changes: Any) -> Path:
+    """Write a REMUS 100 without gains, changed; None takes a key away."""
+    values = yaml.safe_load(REMUS.read_text())
+    values.pop("control")
+    fins = values["fins"]
+    for name, fin in changes.pop("fins", {}).items():
+        if fin is None:
+            fins.pop(name)
+        else:
+            fins[name] |= fin
+    path = folder / "remus.yaml"
+    path.write_text(yaml.safe_dump({**values, **changes}))
+    return path
+
+
+TAIL = ("port", "starboard", "top", "bottom")
+
+
+def test_a_vehicle_without_a_tail_is_warned_of(tmp_path: Path) -> None:
+    assert check_part(remus(tmp_path), "vehicle").warnings == ()
+    told = "\n".join(check_part(remus(tmp_path, fins=dict.fromkeys(TAIL)), "vehicle").warnings)
+    assert "nothing turns it" in told and "nothing takes it up or down" in told
+    assert "it does not keep its course under way: a yaw doubles in" in told
+    fixed = {name: {"deflection_max_deg": 0} for name in TAIL}
+    told = "\n".join(check_part(remus(tmp_path, fins=fixed), "vehicle").warnings)
+    assert "nothing turns it" in told and "keep its course" not in told  # it has a tail, but no rudder
+
+
+def test_a_tail_at_the_bow_does_not_hold_the_course(tmp_path: Path) -> None:
+    at_bow = {"top": {"position_m": [0.73, 0, 0.1]}, "bottom": {"position_m": [0.73, 0, -0.1]}}
+    told = check_part(remus(tmp_path, fins=at_bow), "vehicle").warnings
+    assert len(told) == 1 and "it does not keep its course" in told[0]
+
+
+def test_ballast_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
+    told = checked(tmp_path, ballast_kg=1.0, ballast_position_m=[0, 0, -98]).warnings
+    assert len(told) == 1 and "ballast_position_m is 97.7 m away" in told[0]
+
+
+def test_a_propeller_far_from_the_hull_is_warned_of(tmp_path: Path) -> None:
+    thrusters = {"propeller": {"model": "remus100_propeller", "position_m": [-98.0, 0, 0], "axis": [1, 0, 0]}}
+    report = check_part(remus(tmp_path, thrusters=thrusters), "vehicle")
+    assert "thrusters.propeller is 97.2 m away from its hull of 1.586" in only_warning(report)
+
+
+def test_a_stone_and_a_cork_are_warned_of(tmp_path: Path) -> None:
+    for mass_kg, word in ((2000.0, "stone"), (300.0, "cork")):
+        assert word in only_warning(checked(tmp_path, mass_kg=mass_kg, without=("buoyancy",)))
+    for mass_kg in (640.0, 700.0):
+        assert checked(tmp_path, mass_kg=mass_kg, without=("buoyancy",)).warnings == ()
+
+
+@pytest.mark.parametrize("speed_m_s", [0.0, 1e-18, 0.004])
+def test_still_water_is_no_current_to_swim_against(speed_m_s: float, tmp_path: Path) -> None:
+    for force_n in (800.0, 0.0):
+        model = vehicle_file(tmp_path, max_force_n=[force_n, 300, 300], linear_damping=[30, 50, 50, 60, 80, 30])
+        water = {"current_world_m_s": [speed_m_s, 0.0, 0.0]}
+        told = "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
+        assert "cannot swim against" not in told
+        assert ("drive it ahead" in told) is (force_n == 0.0)
+    water = {"current_world_m_s": [0.3, 0.0, 0.0]}
+    told = "\n".join(check_file(scenario_file(tmp_path, model, water=water)).warnings)
+    assert "cannot swim against the current at its start, 0.30 m/s" in told
+
+
+@pytest.mark.parametrize(
+    ("water", "speed_m_s"),
+    [
+        ({"current": {"kind": "tidal", "amplitude_m_s": [4, 0, 0], "period_s": 7200}}, 3.9),  # slack at the start
+        ({"surface": {"kind": "airy", "amplitude_m": 2, "period_s": 9}}, None),  # orbits of 1.4 m/s are no current
+    ],
+)
+def test_a_tide_counts_as_a_current_and_waves_do_not(
+    water: dict[str, Any], speed_m_s: float | None, tmp_path: Path
+) -> None:
+    path = scenario_file(tmp_path, vehicle_file(tmp_path, max_force_n=[100, 300, 300]), water=water)
+    values = yaml.safe_load(path.read_text()) | {"mission_time_s": 3600}
+    values["vehicles"][0]["start"]["position_m"] = [0, 0, -1]
+    path.write_text(yaml.safe_dump(values))
+    told = [warning for warning in check_file(path).warnings if "cannot swim against" in warning]
+    assert len(told) == (speed_m_s is not None), told
+    assert all(f"{speed_m_s:.1f}" in warning for warning in told)
+
+
+def test_what_reaches_over_the_terrain_has_a_height_over_the_rest(tmp_path: Path) -> None:
+    path = scenario_file(tmp_path, vehicle_file(tmp_path))
+    values = yaml.safe_load(path.read_text())
+    values["vehicles"][0]["start"]["position_m"] = [99.8, 0, -20]
+    values["station"] = {"position_m": [500, 0, 0]}
+    path.write_text(yaml.safe_dump(values))
+    report = check_file(path)
+    assert report.mistakes == ()
+    assert report.scene is not None and report.scene.vehicles[0].altitude_m == pytest.approx(39.65, abs=0.1)
+    told = "\n".join(report.warnings)
+    assert "over the terrain's edge" in told and "the station is beside the terrain" in told
+    done = uwsim("scenario", "check", str(path), cwd=tmp_path)
+    assert done.returncode == 0 and "nan" not in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_every_packaged_part_can_be_built(kind: str) -> None:
+    folder = kind if kind.endswith("s") else f"{kind}s"
+    for name in packaged_names(folder):
+        report = check_part(name, kind)
+        assert report.mistakes == (), name
+
+
+def test_the_command_reports_a_vehicle(tmp_path: Path) -> None:
+    done = uwsim("scenario", "check", "rov", "remus100", "--kind", "vehicle", "--json", "--strict", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rov, torpedo = json.loads(done.stdout)
+    assert rov["vehicle"]["righting_lever_m"] == pytest.approx(0.1, abs=1e-3)
+    assert torpedo["vehicle"]["drives"] == ["surge", "roll", "pitch", "yaw"]
+    model = vehicle_file(tmp_path, centre_of_mass_m=[0, 0, 0.1])
+    done = uwsim("scenario", "check", str(model), "--kind", "vehicle", cwd=tmp_path)
+    assert (
+        done.returncode == 0
+        and "hangs upside down" in done.stderr
+        and "turns over: its centre of buoyancy is 0.1 m below" in done.stdout
+    )
+    assert uwsim("scenario", "check", str(model), "--kind", "vehicle", "--strict", cwd=tmp_path).returncode == 1
+    box_mesh(tmp_path / "hull.obj", scale=1e3)
+    assert uwsim("scenario", "check", str(model), "--kind", "vehicle", cwd=tmp_path).returncode == 1

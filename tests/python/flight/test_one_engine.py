@@ -1,0 +1,102 @@
+"""`uwsim survey` and `uwsim run` are one engine: the same flight has the same results, whichever command flies it."""
+
+import inspect
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import uwsim
+from uwsim.cli.run import run
+from uwsim.cli.survey import survey
+from uwsim.flight.fly import fly
+from uwsim.flight.flyable_lanes import survey_plan
+from uwsim.flight.record import BATTERY_EMPTY, DONE
+from uwsim.flight.scored_area import scored_area_m
+from uwsim.flight.survey import fly_survey
+from uwsim.flight.vehicle_chain import ping_steps
+from uwsim.missions import AdaptiveLawnMower, mow, wait
+from uwsim.scenario import load
+
+KEYS_OF_A_SURVEY = """
+    scenario seed sonar_model ended_because ended_early map_verified simulated_s wall_s stage_wall_s threads step_s
+    outlier_filter ping_interval_s range_max_m pings echoes path_length_m collisions pings_with_warning lanes_left_out
+    estimate position_error_mean_m free_voxels occupied_voxels false_voxels precision visible_truth_voxels coverage
+    recall distance_mean_m distance_p95_m distance_max_m resolution_m seabed_cells seabed_obstructed_cells
+    seabed_error_mean_m seabed_error_p95_m s44_order s44_share_exclusive s44_share_special s44_share_1a s44_share_1b
+    s44_share_2 warnings
+"""
+"""The keys of a survey's summary.json before there was one engine: readable for one version."""
+
+
+def mowing(vehicle: Any) -> Any:
+    yield from mow(vehicle, survey_plan(load("pool").survey))
+
+
+def idle(vehicle: Any) -> Any:
+    yield wait(100.0)
+
+
+def test_the_lawn_mower_as_a_mission_is_the_survey(tmp_path: Path) -> None:
+    """The same map, end, score, and summary."""
+    surveyed = uwsim.run_survey("pool", tmp_path / "survey", report="json")
+    flown = fly(mowing, "pool", tmp_path / "flight", map=True, report="json")
+    assert flown.occupancy.to_bytes("ot") == surveyed.occupancy.to_bytes("ot")
+    values, expected = (json.loads((tmp_path / n / "summary.json").read_text()) for n in ("flight", "survey"))
+    assert values.keys() == expected.keys() >= set(KEYS_OF_A_SURVEY.split())
+    assert values["map"] == expected["map"] and values["map"]["coverage"] > 0.95
+    assert values["ended_because"] == expected["ended_because"] == DONE
+    parts = ("pings", "echoes", "vehicles", "simulated_s", "pings_with_warning", "ping_interval_s", "path_length_m")
+    assert {name: values[name] for name in parts} == {name: expected[name] for name in parts}
+    for name, value in expected["map"].items():
+        assert expected[name] == value, "where a survey had it, for one version"
+    assert (tmp_path / "flight" / "track-rov.csv").read_bytes() == (tmp_path / "survey" / "track-rov.csv").read_bytes()
+
+
+def test_the_names_of_a_survey_s_record_remain_for_one_version() -> None:
+    _, flown = fly_survey(uwsim.Simulator("pool", mission_time_s=2.0))
+    named = (flown.stopped_because, flown.scenario_name, flown.collision_count)
+    assert named == (flown.ended_because, flown.scenario, flown.collisions) == (BATTERY_EMPTY, "pool", 0)
+
+
+def test_an_empty_battery_ends_every_flight_in_the_same_words() -> None:
+    sim = uwsim.Simulator("pool", mission_time_s=4.0)
+    assert fly_survey(sim)[1].ended_because == fly(mowing, "pool", mission_time_s=4.0).ended_because == BATTERY_EMPTY
+    with uwsim.Simulator("pool", mission_time_s=4.0) as flown:
+        flown.rov.release()
+        flown.advance(4.0)
+        assert AdaptiveLawnMower(flown.rov, flown, survey_plan(flown.scenario.survey)).run() == BATTERY_EMPTY
+
+
+@pytest.mark.parametrize(
+    ("step_s", "rate_hz", "expected"), [(0.01, 20.0, 125), (0.005, 50.0, None), (0.005, 10.0, 100)]
+)
+def test_no_flight_pings_more_often_than_sound_returns(step_s: float, rate_hz: float, expected: int | None) -> None:
+    pool = load("pool")
+    survey = pool.survey.model_copy(update={"ping_rate_hz": rate_hz})
+    scenario = pool.model_copy(update={"step_s": step_s, "survey": survey})
+    sim = uwsim.Simulator(scenario, mission_time_s=10.0)
+    limit, steps = 10.0 * min(sim.rov.sonar.ping_rate_max_hz, rate_hz), ping_steps(sim, "rov")
+    assert steps - 1 < 10.0 / (limit * step_s) <= steps + 1e-9, "a step more apart would be too far, one less too near"
+    pings = fly_survey(sim)[1].ping_count
+    assert pings == fly(idle, scenario, map=True, mission_time_s=10.0).ping_count == int(10.0 / step_s) // steps
+    assert pings <= limit and expected in (None, pings)
+
+
+def test_a_map_is_scored_over_the_survey_s_area_or_else_where_the_sonar_was() -> None:
+    area_m = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    over, beside = np.array([[5.0, 5.0, -1.0]]), np.array([[50.0, 5.0, -1.0]])
+    assert scored_area_m(area_m, over) is area_m and scored_area_m(area_m, np.empty((0, 3))) is area_m
+    for survey_area_m, path_m in ((area_m, beside), (None, beside)):
+        found = scored_area_m(survey_area_m, path_m)
+        assert np.linalg.norm(found - (50.0, 5.0), axis=1) == pytest.approx(5.0)
+    assert scored_area_m(None, np.empty((0, 3))) is None
+
+
+def test_both_commands_have_the_same_options() -> None:
+    """Apart from those that choose what is flown, and by which vehicle."""
+    of_run, of_survey = set(inspect.signature(run).parameters), set(inspect.signature(survey).parameters)
+    assert of_survey <= of_run
+    assert of_run - of_survey == {"make_map", "vehicle", "argument", "function", "connect", "lockstep", "odometry"}

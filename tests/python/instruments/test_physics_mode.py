@@ -1,0 +1,118 @@
+"""Physics mode in the simulator: repeatable, with time and motion; soundings with true and wrong profiles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator, _core
+from uwsim.instruments.sonars.soundings import SoundSpeedProfile, sound_points, sound_speed_profile
+from uwsim.scenario.read.assets import assets_folder
+
+POOL = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+ARRAYS = ("ranges_m", "points_sonar_m", "incidence_rad", "intensity_db", "snr_db", "travel_time_s", "labels")
+BASIN = """
+name: basin
+water:
+  profile: {kind: table, levels: [
+    {depth_m: 0, temperature_deg_c: 20, salinity_psu: 0}, {depth_m: 40, temperature_deg_c: 5, salinity_psu: 0}]}
+terrain: {source: noise, size_m: [400, 400], spacing_m: 10, bed_depth_m: 40}
+station: {position_m: [0, 0, 0]}
+vehicles:
+  - {name: rov, model: rov, start: {position_m: [0, 0, -1]},
+     sonar: {model: em2040-04, frequency_khz: 400, mode: physics, bending: true, tilt_deg: 90}}
+"""
+
+
+def pool(folder: Path, more: str = "", seed: int = 0) -> Simulator:
+    path = folder / "pool.yaml"
+    path.write_text(POOL.replace("2, tilt_deg: 30}", f"2, tilt_deg: 30, mode: physics{more}}}"))
+    return Simulator(path, seed=seed)
+
+
+def same(a: _core.PhysicsPing, b: _core.PhysicsPing) -> bool:
+    return all(np.array_equal(getattr(a, name), getattr(b, name), equal_nan=name != "labels") for name in ARRAYS)
+
+
+def test_a_ping_is_a_function_of_scenario_seed_and_time(tmp_path: Path) -> None:
+    one, two, other = pool(tmp_path, seed=1), pool(tmp_path, seed=1), pool(tmp_path, seed=2)
+    first = one.rov.sonar.ping()
+    assert same(first, two.rov.sonar.ping())
+    assert same(one._core.acoustic_ping(0, 0, 1), one._core.acoustic_ping(0, 0, 2))
+    assert not same(first, other.rov.sonar.ping())
+    one.step()
+    assert not same(first, one.rov.sonar.ping())
+    assert first.time_ns == 0 and one.rov.sonar.ping().time_ns == 5_000_000
+
+
+def test_a_ping_agrees_with_geometry_within_its_errors_and_its_arrays_with_each_other(tmp_path: Path) -> None:
+    sim = pool(tmp_path)
+    exact, ping = Simulator(tmp_path / "pool.yaml")._core.ping(0, 0), sim.rov.sonar.ping()
+    assert isinstance(ping, _core.PhysicsPing)
+    off_m = np.abs(ping.ranges_m - exact.ranges_m)[ping.valid & exact.valid]
+    assert ping.valid.mean() > 0.98
+    assert 0.0 < np.median(off_m) < 0.02
+    found = ping.valid
+    assert np.array_equal(found, np.isfinite(ping.ranges_m)) and np.array_equal(found, ping.detections > 0)
+    assert np.array_equal(found, np.isfinite(ping.points_sonar_m).all(axis=1))
+    assert np.array_equal(found, np.isfinite(ping.travel_time_s))
+    np.testing.assert_allclose(np.linalg.norm(ping.points_sonar_m[found], axis=1), ping.ranges_m[found], rtol=1e-6)
+    speed_m_s = sound_speed_profile(sim.world.water).at(-float(ping.world_from_sonar[2, 3]))
+    np.testing.assert_allclose(ping.ranges_m[found], 0.5 * speed_m_s * ping.travel_time_s[found], rtol=1e-6)
+    assert not ping.ranges_m.flags.writeable
+
+
+def test_an_approaching_head_receives_the_echo_sooner(tmp_path: Path) -> None:
+    sim = pool(tmp_path)
+    sim.rov.release()
+
+    def nearest(speed_m_s: float) -> float:
+        sim.rov.place((-8.0, 0.0, -2.0), velocity_body=(speed_m_s, 0, 0, 0, 0, 0))
+        return float(np.median(sim.rov.sonar.ping().ranges_m[240:273]))
+
+    still = nearest(0.0)
+    speed_m_s = sound_speed_profile(sim.world.water).at(2.0)
+    assert nearest(50.0) - still == pytest.approx(-still * 50.0 / speed_m_s * np.cos(np.radians(30)), rel=0.1)
+
+
+def test_soundings_with_the_wrong_profile_bend_up_and_with_the_true_one_do_not(tmp_path: Path) -> None:
+    path = tmp_path / "basin.yaml"
+    path.write_text(BASIN)
+    sim = Simulator(path)
+    ping = sim.rov.sonar.ping()
+    assert isinstance(ping, _core.PhysicsPing)
+    profile = sound_speed_profile(sim.world.water)
+    assert profile.at(0) - profile.at(40) > 50  # slower below: sound bends down
+    depth = -float(ping.world_from_sonar[2, 3])
+    right_m = sound_points(ping, profile)[:, 2]
+    wrong_m = sound_points(ping, SoundSpeedProfile.even(profile.at(depth)))[:, 2]
+    outer, inner = slice(0, 20), slice(180, 220)
+    assert np.median(right_m[outer]) == pytest.approx(-40, abs=0.15)
+    assert np.median(right_m[inner]) == pytest.approx(-40, abs=0.05)
+    assert np.median(wrong_m[inner]) < -40.2  # the assumed speed is too high: too deep
+    assert np.median(wrong_m[outer]) - np.median(wrong_m[inner]) > 0.8  # bent up at the ends
+
+
+def test_invalid_soundings_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"sound_speed_profile.depths_m\[2\] = 5 m: must be deeper than the level"):
+        SoundSpeedProfile([0, 10, 5], [1480, 1480, 1480])
+    with pytest.raises(ValueError, match="ping is a Ping: must be of `mode: physics`"):
+        sound_points(Simulator("pool").rov.sonar.ping(), SoundSpeedProfile.even(1480.0))
+    with pytest.raises(ValueError, match=r"origin_world_m = .*: must be finite and under water"):
+        _core.soundings([[1, 0, 0]], [0.1], (0, 0, 1), SoundSpeedProfile.even(1480.0))
+    with pytest.raises(ValueError, match=r"travel_time_s\[0\] = -1: s: must be in"):
+        _core.soundings([[1, 0, 0]], [-1.0], (0, 0, -1), SoundSpeedProfile.even(1480.0))
+    with pytest.raises(ValueError, match=r"sonar\.mode = geometry: must be physics"):
+        Simulator("pool")._core.acoustic_ping(0, 0)
+
+
+def test_a_head_above_the_water_detects_nothing_and_one_under_the_bed_gives_no_nan_range(tmp_path: Path) -> None:
+    sim = pool(tmp_path)
+    sim.rov.release()
+    sim.rov.place((0.0, 5.0, 3.0))
+    assert not sim.rov.sonar.ping().valid.any()
+    sim.rov.place((0.0, 5.0, -4.99))  # the head is below the bed
+    ping = sim.rov.sonar.ping()
+    assert not np.isnan(ping.ranges_m).any()

@@ -1,0 +1,229 @@
+"""Sensors in Python: readings, samples, units, and their figures in a vehicle's YAML file."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator, _core
+from uwsim.instruments.readings import Reading
+from uwsim.scenario import ScenarioError, load, load_vehicle
+from uwsim.scenario.build.sensor import sensor_spec
+from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.spec.scenario import Scenario
+from uwsim.scenario.spec.sensor import Noise, SensorMount
+
+SENSORS = [
+    *("imu", "velocity", "acceleration", "depth", "pressure", "temperature", "altitude", "dvl", "usbl", "compass"),
+    *("contact", "proximity_port", "proximity_starboard", "proximity_fore", "proximity_below"),
+]
+
+
+def mount(**keys: Any) -> SensorMount:
+    return SensorMount.model_validate(keys)
+
+
+def pool_with(sensors: dict[str, SensorMount], *, kept: bool = False, seed: int = 0) -> Simulator:
+    """The pool with a vehicle that carries these sensors, and its own if kept."""
+    scenario = load("pool")
+    vehicle = scenario.vehicles[0]
+    carried = {**(vehicle.model.sensors if kept else {}), **sensors}
+    model = vehicle.model.model_copy(update={"sensors": carried})
+    vehicles = (vehicle.model_copy(update={"model": model}),)
+    return Simulator(scenario.model_copy(update={"vehicles": vehicles, "seed": seed}))
+
+
+def fly(sim: Simulator, duration_s: float) -> None:
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.5, yaw=-0.1)
+    sim.advance(duration_s)
+
+
+def flat(value: float | Reading) -> list[float]:
+    parts = value.to_dict().values() if isinstance(value, Reading) else [value]
+    return [float(number) for part in parts for number in np.atleast_1d(part)]
+
+
+def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[float]]:
+    """The readings of the sensors at regular intervals."""
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.4, yaw=0.1)
+    rows = []
+    for _ in range(steps // every):
+        sim.step(every)
+        rows.append([number for name in names for number in flat(sim.rov.sensors[name].read())])
+    return rows
+
+
+# The published vehicle carries the published instruments alone.
+VEHICLES = sorted(path for path in (assets_folder() / "vehicles").glob("*.yaml") if path.stem != "paper")
+
+
+@pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)
+def test_every_packaged_vehicle_carries_the_sensors(path: Path) -> None:
+    sensors = load_vehicle(str(path)).sensors
+    assert set(SENSORS) <= set(sensors)
+    for name, sensor in sensors.items():
+        sensor_spec(name, sensor)
+
+
+def test_readings_have_values_units_and_meanings() -> None:
+    sim = Simulator("pool")
+    fly(sim, 3.0)
+    for sensor in sim.rov.sensors.values():
+        sample, value = sensor.sample(), sensor.read()
+        assert flat(sample.value) == flat(value)
+        assert 0 <= sample.stamp_ns <= sim.time_ns
+        assert sample.stamp_s == pytest.approx(sample.stamp_ns * 1e-9)
+        assert sensor.meaning
+        if isinstance(value, float):
+            assert isinstance(sensor.unit, str)
+        else:
+            assert isinstance(sensor.unit, dict)
+            assert sensor.unit.keys() == vars(value).keys()
+    rov, sensors = sim.rov, sim.rov.sensors
+    np.testing.assert_allclose(
+        sensors["velocity"].read(noise=False).linear_velocity_m_s, rov.velocity.linear_body_m_s, atol=1e-12
+    )
+    np.testing.assert_allclose(sensors["imu"].read(noise=False).orientation_xyzw, rov.pose.orientation_xyzw, atol=1e-12)
+    heading = sensors["compass"].read(noise=False)
+    assert np.cos(heading - (np.pi / 2 - rov.pose.yaw_rad)) > np.cos(np.radians(2.0)), "clockwise from north"
+    assert sensors["dvl"].unit["velocity_m_s"] == "m/s"
+
+
+def test_neither_reads_nor_other_sensors_change_a_sensors_samples() -> None:
+    own = load("pool").vehicles[0].model.sensors
+    few = {name: own[name] for name in ("dvl", "depth")}
+    names = ["dvl", "depth"]
+    alone = log(pool_with(few), names, every=400, steps=1200)
+    among_others = log(pool_with({}, kept=True), names, every=400, steps=1200)
+    often = log(pool_with({}, kept=True), [*names, *(set(SENSORS) - set(names))], every=10, steps=1200)
+    width = len(alone[0])
+    assert alone == among_others == [row[:width] for row in often[39::40]]
+    assert log(pool_with(few, seed=1), names, every=400, steps=1200) != alone
+
+
+def test_readings_do_not_depend_on_the_number_of_threads() -> None:
+    def run(threads: int) -> list[list[float]]:
+        return log(Simulator("pool", threads=threads), list(SENSORS), every=200, steps=600)
+
+    assert run(1) == run(2)
+
+
+def test_samples_are_held_at_a_rate_and_delayed_by_a_latency() -> None:
+    sensors = {
+        "held": mount(kind="velocity", rate_hz=10),
+        "late": mount(kind="velocity", latency_s=0.25),
+        "now": mount(kind="velocity"),
+    }
+    sim = pool_with(sensors)
+    fly(sim, 0.0)
+    surge: list[float] = []
+    for step in range(200):
+        surge.append(sim.rov.sensors["now"].read().linear_velocity_m_s[0])
+        held, late = sim.rov.sensors["held"].sample(), sim.rov.sensors["late"].sample()
+        assert held.valid and held.stamp_ns == step // 20 * 100_000_000
+        assert held.value.linear_velocity_m_s[0] == surge[step // 20 * 20]
+        assert late.valid == (step >= 50)
+        if late.valid:
+            assert late.value.linear_velocity_m_s[0] == surge[step - 50]
+        sim.step()
+    assert surge[-1] > surge[100] > surge[50] > 0
+
+
+def test_a_usbl_fix_arrives_after_the_two_way_travel_time() -> None:
+    sim = pool_with({"usbl": mount(kind="usbl", rate_hz=10)})
+    sim.rov.release()
+    sample = sim.rov.sensors["usbl"].sample()
+    assert not sample.valid, "the fix has not arrived yet"
+    sim.advance(1.0)
+    sample = sim.rov.sensors["usbl"].sample()
+    assert sample.valid
+    assert sample.stamp_s == pytest.approx(0.9)
+    assert sample.value.range_m == pytest.approx(np.linalg.norm(sample.value.position_m))
+
+
+def test_contact_and_proximity_detect_the_pools_bed() -> None:
+    sim = Simulator("pool")
+    rov = sim.rov
+    rov.release()
+    rov.place([0.0, 0.0, -2.0])
+    assert rov.sensors["contact"].read() == 0.0
+    below = rov.sensors["proximity_below"].read()
+    assert below + 0.35 == pytest.approx(rov.sensors["altitude"].read(noise=False))
+    rov.place([0.0, 0.0, -4.6], velocity_body=[0, 0, -0.5, 0, 0, 0])
+    touched = False
+    for _ in range(100):
+        sim.step()
+        touched = touched or rov.sensors["contact"].read() == 1.0
+    assert touched
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"kind": "sonnar"}, r"kind = 'sonnar': must be one of imu, .*"),
+        ({"kind": "dvl", "beam_slant": 30}, r"beam_slant: unknown key; did you mean 'beam_slant_deg'\?"),
+        ({"kind": "dvl", "beam_slant_deg": 80}, r"beam_slant_deg = 80 deg: must be in \[5, 60\] deg"),
+        ({"kind": "dvl", "range_max_m": "far"}, r"range_max_m = 'far': must be a number"),
+        ({"kind": "proximity"}, r"range_max_m: missing"),
+        ({"kind": "compass", "hard_iron_ut": [1, 2]}, r"hard_iron_ut = \[1, 2\]: must have 3 values"),
+        ({"kind": "imu", "channels": {"gyro": {}}}, r"channels.gyro = 'gyro': must be one of angular_velocity.*"),
+        ({"kind": "depth", "rate_hz": 0}, r"rate_hz = 0 Hz: must be in \[0.0001, 100000\] Hz"),
+        ({"kind": "depth", "drop_out": 1.0}, r"drop_out = 1: must be in \[0, 0.999\]"),
+        ({"kind": "depth", "noise": {"bias_std": 1.0}}, r"noise.bias_time_s: missing: .*"),
+        ({"kind": "depth", "noise": {"limits": [2, 1]}}, r"noise.limits = \[2.0, 1.0\]: must be the lower, .*"),
+        ({"kind": "depth", "noise": {}, "noise_std": 1.0}, r"noise_std = 1: give either noise or noise_std"),
+    ],
+)
+def test_an_error_in_a_sensor_names_the_key(keys: dict[str, object], message: str, tmp_path: Path) -> None:
+    text = (assets_folder() / "vehicles" / "rov.yaml").read_text()
+    head, _ = text.split("\nsensors:\n")
+    path = tmp_path / "odd.yaml"
+    path.write_text(f"{head}\nsensors:\n  odd: {yaml_flow(keys)}\n")
+    with pytest.raises(ScenarioError, match=rf"odd\.yaml:\d+: sensors\.odd\.{message}$"):
+        load_vehicle(str(path))
+
+
+def yaml_flow(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {yaml_flow(item)}" for key, item in value.items()) + "}"
+    return str(value)
+
+
+def test_noise_std_is_short_for_white_noise_on_every_channel() -> None:
+    short = log(pool_with({"s": mount(kind="velocity", noise_std=0.1)}), ["s"], 10, 100)
+    long = log(pool_with({"s": mount(kind="velocity", noise=Noise(std=0.1))}), ["s"], 10, 100)
+    assert short == long
+
+
+def test_kinds_list_their_fields_and_parameters() -> None:
+    for name in _core.sensor_kinds():
+        kind = _core.sensor_kind(name)
+        assert kind.name == name
+        assert kind.fields and kind.meaning
+    with pytest.raises(ValueError, match="must be one of imu"):
+        _core.sensor_kind("sonnar")
+
+
+def test_a_changed_scenario_is_validated_again() -> None:
+    assert isinstance(load("pool").with_changes(seed=3), Scenario), "its vehicles' sensors are validated again"
+
+
+def test_a_set_of_sensors_is_packaged_or_beside_the_vehicles_file(tmp_path: Path) -> None:
+    head, _ = (assets_folder() / "vehicles" / "rov.yaml").read_text().split("\nsensors:\n")
+    vehicle = tmp_path / "lean.yaml"
+    (tmp_path / "lean_sensors.yaml").write_text("name: lean\nsensors: {depth: {kind: depth}}\n")
+    vehicle.write_text(f"{head}\nsensors: lean_sensors.yaml\n")
+    assert set(load_vehicle(str(vehicle)).sensors) == {"depth"}
+    vehicle.write_text(f"{head}\nsensors: bluerov\n")
+    with pytest.raises(ScenarioError, match=r"unknown sensor 'bluerov': expected one of .*; did you mean 'bluerov2'\?"):
+        load_vehicle(str(vehicle))
+
+
+def test_the_limits_of_noise_do_not_apply_to_missing_measurements() -> None:
+    sim = pool_with({"altitude": mount(kind="altitude", range_max_m=2.0, noise={"limits": [0.0, 100.0]})})
+    sample = sim.rov.sensors["altitude"].sample()  # 3 m above the bed
+    assert sample.value == np.inf
+    assert not sample.valid

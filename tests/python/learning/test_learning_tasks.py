@@ -1,0 +1,110 @@
+"""Each task can be done: a simple pilot who sees the truth does it, and is paid more than one who does nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from uwsim.base.axes import AXES
+from uwsim.learning.episodes import Episodes
+from uwsim.learning.motion import Motion
+from uwsim.learning.options import EpisodeOptions
+from uwsim.learning.returns import Flown, fly
+from uwsim.learning.task import Task
+from uwsim.learning.tasks import Coverage, Docking, GatePassing, PipelineFollowing, StationKeeping, Waypoint
+
+SEEDS = range(3)
+Target = Callable[[Any, Motion], tuple[Any, Any]]
+"""From a task and the motion to places (n, 3) and headings (n, 2)."""
+
+EAST = np.array([1.0, 0.0])
+
+
+class Pilot:
+    """Goes to a target by proportional control with damping, level."""
+
+    def __init__(self, episodes: Episodes, target: Target, gain: float = 0.6) -> None:
+        self.episodes, self.target, self.gain = episodes, target, gain
+
+    def __call__(self, observation: Any) -> Any:
+        now, task = self.episodes.motion, self.episodes.task
+        place_m, heading = self.target(task, now)
+        ahead = np.zeros((self.episodes.n, 3))
+        ahead[:, :2] = heading
+        efforts = np.zeros((self.episodes.n, len(AXES)))
+        efforts[:, :3] = self.gain * now.towards(place_m) - 0.8 * now.velocity_body[:, :3]
+        efforts[:, 3:] = -0.3 * now.velocity_body[:, 3:]
+        efforts[:, 3] -= now.up_body[:, 1]
+        efforts[:, 4] += now.up_body[:, 0]
+        efforts[:, 5] += np.arctan2(now.in_body(ahead)[:, 1], now.in_body(ahead)[:, 0])
+        return np.clip(efforts, -1.0, 1.0)[:, task.columns]
+
+
+def flown(kind: type[Task], target: Target | None, gain: float = 0.6) -> Flown:
+    episodes = Episodes(kind, len(SEEDS), EpisodeOptions(threads=1))
+    still = np.zeros((len(SEEDS), len(kind.axes)))
+    pilot = Pilot(episodes, target, gain) if target is not None else lambda observation: still
+    return fly(episodes, pilot, SEEDS)
+
+
+def station(task: StationKeeping, now: Motion) -> tuple[Any, Any]:
+    return task.place_m, EAST
+
+
+def waypoint(task: Waypoint, now: Motion) -> tuple[Any, Any]:
+    return task._places_m, EAST
+
+
+def dock(task: Docking, now: Motion) -> tuple[Any, Any]:
+    """Ahead of the dock as long as it is not straight behind, so that no post is in the way."""
+    aside = np.linalg.norm((now.position_world_m - task._dock_m)[:, 1:], axis=1)
+    wait_m = np.where(aside > 0.3, np.maximum(now.position_world_m[:, 0], 3.0), 0.0)
+    return task._dock_m + wait_m[:, None] * task._ahead, EAST
+
+
+def gate(task: GatePassing, now: Motion) -> tuple[Any, Any]:
+    aside = np.linalg.norm((now.position_world_m - task._middle_m)[:, 1:], axis=1)
+    return task._middle_m + np.where(aside > 0.4, -4.0, 3.0)[:, None] * task._through, EAST
+
+
+def pipeline(task: PipelineFollowing, now: Motion) -> tuple[Any, Any]:
+    along_m, _ = task._track.nearest(now.position_world_m[:, :2])
+    points, direction = task._track.at(np.minimum(along_m + 2.0, task._track.length_m))
+    return np.column_stack([points, task.batch.world.height_at(points) + 3.0]), direction
+
+
+def lanes() -> Target:
+    """To and fro, each lane 4 m beside the last; the sonar looks some 2 m ahead."""
+    ends = np.array(
+        [(x, y) for k, y in enumerate((-8.0, -4.0, 0.0, 4.0, 8.0)) for x in ((-12.5, 9.0)[:: 1 - 2 * (k % 2)])]
+    )
+    at = np.zeros(len(SEEDS), np.intp)
+
+    def target(task: Coverage, now: Motion) -> tuple[Any, Any]:
+        near = np.linalg.norm(now.position_world_m[:, :2] - ends[at], axis=1) < 1.0
+        at[near] = np.minimum(at[near] + 1, len(ends) - 1)
+        return np.column_stack([ends[at], np.full(len(at), -3.5)]), EAST
+
+    return target
+
+
+@pytest.mark.parametrize(
+    ("kind", "target"),
+    [(Waypoint, waypoint), (Docking, dock), (GatePassing, gate), (PipelineFollowing, pipeline), (Coverage, lanes())],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_a_pilot_does_the_task(kind: type[Task], target: Target) -> None:
+    done, idle = flown(kind, target), flown(kind, None)
+    last = [done.figures["success"][done.steps[k] - 1, k] for k in range(len(SEEDS))]
+    assert last == [1.0] * len(SEEDS)
+    assert (done.total > idle.total + 5.0).all()
+
+
+def test_a_station_is_kept() -> None:
+    kept, idle = flown(StationKeeping, station, gain=3.0), flown(StationKeeping, None)
+    assert (kept.total > 200.0).all()
+    assert (kept.total > 2.0 * idle.total).all()
+    assert kept.steps.tolist() == [400] * len(SEEDS)

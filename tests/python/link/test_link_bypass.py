@@ -1,0 +1,115 @@
+"""Whatever does not go over the link is in the table of docs/guides/link.md, and the table names nothing else."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+
+from docs_pages import page_named
+from uwsim.bridges.foxglove.shows import shows_of
+from uwsim.channels import Channel, Table
+from uwsim.channels.feed import Feed
+from uwsim.channels.outgoing import Outgoing
+from uwsim.channels.served import served_table
+from uwsim.commands import COMMANDS, TRIGGER
+from uwsim.link import Carrier
+from uwsim.link.carried import carried_channels
+from uwsim.live import LiveSimulator
+from uwsim.operator.station import Station
+from uwsim.operator.station.running import Running
+from uwsim.simulator.network import STATION
+from uwsim.simulator.simulator import Simulator
+
+PAGE = page_named("link").read_text()
+OVER = {"station/drive", "station/all_stop", "station/command"}
+"""The station's services that put commands on the link: see the last test."""
+TOLD = ("track", "map")
+"""Foxglove's scenes that are made of what has arrived: see test_foxglove."""
+
+
+CARRIED = {name for name, command in COMMANDS.items() if command.crosses_link}
+REQUESTS = {
+    "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
+}  # fmt: skip
+"""The requests of command services that take more than `data`."""
+
+
+def table() -> list[str]:
+    """Return the names in the page's table, as patterns."""
+    rows = PAGE.split("| what | names | why |")[1].split("\n\n")[0].splitlines()[2:]
+    return [name for row in rows for name in re.findall(r"`([^`]+)`", row.split("|")[2])]
+
+
+def own_name(name: str, sim: Simulator) -> str:
+    """Return a name without its vehicle, where there are several."""
+    first, _, rest = name.partition("/")
+    return rest if rest and first in sim.vehicles else name
+
+
+def is_order(service: str) -> bool:
+    """Whether a service is a command to a vehicle."""
+    name = service.rpartition("/")[2]
+    return name in CARRIED or "lights/" in service
+
+
+def bypassing(scenario: str) -> set[str]:
+    """Return all that clients see and call beside the link of a scenario."""
+    sim = Simulator(scenario, link="tether")
+    live = LiveSimulator(sim)
+    table = served_table(live)
+    carried = {one.channel.name for one in carried_channels(table.channels, sim)}
+    seen: list[Channel] = Carrier(live, table).channels
+    station = Running(live, Node(), lambda: None, wire="both", origin="world", truth=True)
+    topics = {one.name for one in station.topics()} - {f"station/{size}/{name}" for name in station.views.aboard
+                                                       for size in ("view", "small")}  # fmt: skip
+    shows = {one.topic for one in shows_of(live, seen, Feed(live), Outgoing("test"), lambda *_: None)}
+    shows = {topic for topic in shows if not topic.endswith(TOLD)}
+    asked = {one.name for one in table.services if not is_order(one.name)}
+    return {own_name(name, sim) for name in {one.name for one in seen} - carried | asked} | topics | shows
+
+
+class Node:
+    """The end of a graph that a Station has."""
+
+
+def test_all_that_bypasses_the_link_is_in_the_table_and_nothing_else() -> None:
+    found = bypassing("lake") | bypassing("pair") | set(COMMANDS) - CARRIED
+    found |= {one.name for one in Station().services} - OVER
+    listed = table()
+    assert not sorted(name for name in found if not any(fnmatch.fnmatchcase(name, one) for one in listed))
+    assert not [one for one in listed if not fnmatch.filter(found, one)], "names that there are not"
+
+
+def test_every_order_to_a_vehicle_by_service_is_a_message_of_the_link() -> None:
+    sim = Simulator("lake", link="tether")
+    table = Table(sim)
+    with LiveSimulator(sim, paused=True) as live, Carrier(live, table) as carrier:
+        orders = [one for one in carrier.over(table.services) if is_order(one.name)]
+        assert {"release", "undock", "dock", "override_failsafe", "all_stop"} <= {one.name for one in orders}
+        for order in orders:
+            before = given(sim)
+            request = REQUESTS.get(order.name) or ({} if order.type == TRIGGER else {"data": True})
+            assert order.call(live, request)["success"], order.name
+            assert given(sim) == before + 1 and not sim.rov.released, order.name
+
+
+def test_the_pilot_s_hands_and_commands_at_the_station_are_messages_of_the_link() -> None:
+    sim = Simulator("lake", link="tether")
+    station = Station(is_fixed=True)
+    station.node = Node()
+    with LiveSimulator(sim, paused=True) as live:
+        running = Running(live, station.node, lambda: None, wire="both", origin="world", truth=True)
+        running.carrier.start()
+        running.helm.drive({"vehicle": "rov", "surge": 0.5}).result()
+        assert given(sim) == 1 and not any(sim.rov.effort)
+        running.helm.all_stop({"vehicle": "rov"}).result()
+        assert given(sim) == 2 and not sim.rov.all_stopped
+        for name in sorted(CARRIED & {"release", "undock", "dock"}):
+            before = given(sim)
+            running.far.command(name, vehicle="rov").result()
+            assert given(sim) == before + 1 and not sim.rov.released
+
+
+def given(sim: Simulator) -> int:
+    """Return how many messages the station has given to its modem."""
+    return sum(one.given for one in sim.link.counts() if one.sender == STATION)

@@ -1,0 +1,244 @@
+"""Maps and their files, which OctoMap's own tools and a second reader of the .bt format read back."""
+
+import re
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from uwsim import Simulator
+from uwsim.flight.survey import fly_survey
+from uwsim.mapping import OccupancyMap, ranging
+
+TILT_RAD = np.radians(35)
+
+
+def floor_ranges_m(altitude_m=8.0):
+    """Ranges of a sonar of model 2 that is tilted down over a flat floor."""
+    variant = ranging.MODELS[2]
+    angles_rad = variant.angle_min_rad + variant.angle_increment_rad * np.arange(variant.beams)
+    return (altitude_m / (np.cos(angles_rad) * np.sin(TILT_RAD))).astype(np.float32)
+
+
+def world_from_sonar(x_m):
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [np.cos(TILT_RAD), 0, np.sin(TILT_RAD)],
+        [0, 1, 0],
+        [-np.sin(TILT_RAD), 0, np.cos(TILT_RAD)],
+    ]
+    pose[:3, 3] = [x_m, 0.1, -0.1]
+    return pose
+
+
+def insert_text(occupancy_map, text, pose):
+    """The whole chain from a ping's text to the map: text, ranges, scan, cloud, world, map."""
+    scan = ranging.to_laser_scan(ranging.decode_depth_string(text))
+    points_world_m = ranging.transform_points(ranging.to_point_cloud(scan), pose)
+    occupancy_map.insert_scan(points_world_m, pose[:3, 3], max_range_m=55.0)
+
+
+def surveyed(pings=30, resolution_m=0.5):
+    occupancy_map = OccupancyMap(resolution_m)
+    for ping in range(pings):
+        insert_text(occupancy_map, ranging.encode_depth_string(floor_ranges_m()), world_from_sonar(0.2 * ping))
+    return occupancy_map
+
+
+def rows(points):
+    return {tuple(row) for row in np.asarray(points).tolist()}
+
+
+def voxels_of_bt(data):
+    """Occupied and free voxel centres of a .bt, read by the description of the format."""
+    header, _, body = data.partition(b"\ndata\n")
+    resolution_m = float(re.search(rb"^res (\S+)$", header, re.MULTILINE)[1])
+    found = {1: set(), 2: set()}
+    at = 0
+
+    def node(corner, size):
+        nonlocal at
+        codes = int.from_bytes(body[at : at + 2], "little")
+        at += 2
+        half = size // 2
+        inner = []
+        for child in range(8):
+            code = codes >> 2 * child & 3
+            start = tuple(corner[axis] + half * (child >> axis & 1) for axis in range(3))
+            if code == 3:
+                inner.append(start)
+            elif code:
+                block = np.stack(np.meshgrid(*[np.arange(half)] * 3), axis=-1).reshape(-1, 3) + start
+                found[code] |= rows((block - 32768 + 0.5) * resolution_m)
+        for start in inner:
+            node(start, half)
+
+    node((0, 0, 0), 65536)
+    assert at == len(body)
+    return found[2], found[1]
+
+
+def test_file_holds_the_voxels_of_the_map():
+    occupancy_map = surveyed()
+    occupied, free = voxels_of_bt(occupancy_map.to_bytes("bt"))
+    assert occupied == rows(occupancy_map.occupied_voxels())
+    assert free == rows(occupancy_map.free_voxels())
+    statistics = occupancy_map.statistics()
+    assert (len(occupied), len(free)) == (statistics.occupied_voxels, statistics.free_voxels)
+
+
+def flown():
+    return fly_survey(Simulator("pool", mission_time_s=30.0))[0]
+
+
+@pytest.mark.parametrize("make_map", [surveyed, flown])
+def test_octomap_tools_find_the_same_voxels(make_map, tmp_path):
+    occupancy_map = make_map()
+    for suffix in ("bt", "ot"):
+        occupancy_map.write(tmp_path / f"map.{suffix}")
+
+    def run(*command):
+        return subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True, timeout=300).stdout
+
+    run("bt2vrml", "map.bt")
+    vrml = (tmp_path / "map.bt.wrl").read_text()
+    leaves = re.findall(r"translation (\S+) (\S+) (\S+)\s+children \[ Shape \{ geometry Box \{ size (\S+)", vrml)
+    voxels = set()
+    for *centre, size in np.array(leaves, dtype=float):
+        offsets = np.arange(0.25, size, 0.5) - size / 2
+        voxels |= rows(np.stack(np.meshgrid(*[offsets] * 3), axis=-1).reshape(-1, 3) + centre)
+    assert voxels == rows(occupancy_map.occupied_voxels())
+
+    run("convert_octree", "map.ot", "converted.bt")
+    assert (tmp_path / "converted.bt").read_bytes() == (tmp_path / "map.bt").read_bytes()
+    run("convert_octree", "map.bt", "converted.ot")
+    OccupancyMap.read(tmp_path / "map.bt").write(tmp_path / "read.ot")
+    assert "KLD: 0\n" in run("compare_octrees", "read.ot", "converted.ot")
+
+
+def test_one_corrupted_number_changes_the_map():
+    text = ranging.encode_depth_string(floor_ranges_m())
+    values = text.split("a")
+    values[256] = "5.5"
+    maps = [OccupancyMap(0.5), OccupancyMap(0.5)]
+    for occupancy_map, wire in zip(maps, (text, "a".join(values)), strict=True):
+        insert_text(occupancy_map, wire, world_from_sonar(0.0))
+    hit_m = world_from_sonar(0.0) @ [5.5, 0, 0, 1]
+    assert [int(m.state_at([hit_m[:3]])[0]) for m in maps] == [0, 1]
+    assert maps[0].to_bytes("bt") != maps[1].to_bytes("bt")
+    values[256] = "5.x"
+    with pytest.raises(ValueError, match=re.escape("depth_string[256] = '5.x'")):
+        insert_text(maps[0], "a".join(values), world_from_sonar(0.0))
+
+
+def test_ray_makes_the_voxels_it_passes_free_and_its_end_occupied():
+    occupancy_map = OccupancyMap(resolution_m=0.2)
+    occupancy_map.insert_scan([[10.1, 0.1, -4.9]], origin_world_m=[0.1, 0.1, -4.9])
+    passed_m = np.column_stack([np.arange(0.1, 10, 0.2), np.full(50, 0.1), np.full(50, -4.9)])
+    assert set(occupancy_map.state_at(passed_m)) == {0}
+    assert list(occupancy_map.state_at([[10.1, 0.1, -4.9], [10.3, 0.1, -4.9], [1e9, 0, 0]])) == [1, -1, -1]
+    np.testing.assert_allclose(occupancy_map.occupied_voxels(), [[10.1, 0.1, -4.9]])
+
+
+def test_calls_from_another_thread_do_not_change_the_bytes():
+    occupancy_map, done = OccupancyMap(0.5), threading.Event()
+
+    def bystander():
+        while not done.is_set():
+            occupancy_map.to_bytes("ot")
+            occupancy_map.statistics()
+            occupancy_map.free_voxels()
+
+    thread = threading.Thread(target=bystander)
+    thread.start()
+    try:
+        for ping in range(30):
+            insert_text(occupancy_map, ranging.encode_depth_string(floor_ranges_m()), world_from_sonar(0.2 * ping))
+    finally:
+        done.set()
+        thread.join()
+    undisturbed = surveyed(30)
+    assert occupancy_map.to_bytes("bt") == undisturbed.to_bytes("bt")
+    assert occupancy_map.to_bytes("ot") == undisturbed.to_bytes("ot")
+
+
+@pytest.mark.parametrize("suffix", ["bt", "ot"])
+def test_written_map_reads_back(tmp_path, suffix):
+    occupancy_map = OccupancyMap(0.25, origin_world_m=[1000, 2000, -30])
+    occupancy_map.insert_scan([[1008, 2003, -33]], [1000, 2000, -30])
+    occupancy_map.write(tmp_path / f"map.{suffix}")
+    back = OccupancyMap.read(tmp_path / f"map.{suffix}", origin_world_m=[1000, 2000, -30])
+    assert back.resolution_m == 0.25
+    np.testing.assert_array_equal(back.occupied_voxels(), occupancy_map.occupied_voxels())
+    np.testing.assert_array_equal(back.free_voxels(), occupancy_map.free_voxels())
+    assert [path.name for path in tmp_path.iterdir()] == [f"map.{suffix}"]
+
+
+def test_each_bad_file_is_one_clear_error(tmp_path, capfd):
+    path = tmp_path / "map.bt"
+    with pytest.raises(OSError, match=r"map\.bt': cannot be read: no such file"):
+        OccupancyMap.read(path)
+    data = surveyed(3).to_bytes("bt")
+    for bad, rule in [(b"PNG", "not an OctoMap file"), (data[:-1], "cut short"), (data + b"\0", "follow the end")]:
+        path.write_bytes(bad)
+        with pytest.raises(ValueError, match=rule):
+            OccupancyMap.read(path)
+    with pytest.raises(ValueError, match=r"must end in \.bt or \.ot"):
+        OccupancyMap().write(tmp_path / "map.png")
+    with pytest.raises(OSError, match="cannot be written"):
+        OccupancyMap().write(tmp_path / "none" / "map.bt")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_full_disk_leaves_the_old_map(tmp_path):
+    path = tmp_path / "map.bt"
+    OccupancyMap().write(path)
+    before = path.read_bytes()
+    script = """
+import resource, sys
+from uwsim.mapping import OccupancyMap
+occupancy_map = OccupancyMap(0.1)
+occupancy_map.insert_scan([[30, y, -9] for y in range(-20, 20)], [0, 0, 0])
+resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+try:
+    occupancy_map.write(sys.argv[1])
+except OSError as error:
+    print(error)
+"""
+    command = [sys.executable, "-c", script, str(path)]
+    said = subprocess.run(command, check=True, capture_output=True, text=True, timeout=300)
+    assert said.stdout == f"'{path}': cannot be written: File too large\n"
+    assert said.stderr == ""
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("points", "origin", "rule"),
+    [
+        ([[1e6, 0, 0]], [0, 0, 0], "must be within"),
+        ([[1e300, 0, 0]], [0, 0, 0], "must fit a float32"),
+        ([[1, 0, 0]], [np.nan, 0, 0], "must be finite"),
+        ([[1, 0]], [0, 0, 0], r"expected \(n, 3\)"),
+        ([[True, False, True]], [0, 0, 0], "must be real numbers"),
+    ],
+)
+def test_scan_is_inserted_whole_or_not_at_all(points, origin, rule):
+    occupancy_map = OccupancyMap()
+    with pytest.raises(ValueError, match=rule):
+        occupancy_map.insert_scan(points, origin)
+    occupancy_map.insert_scan([[np.nan, 0, 0], [np.inf, 0, 0]], [0, 0, 0])
+    assert occupancy_map.statistics().nodes == 0
+
+
+@pytest.mark.parametrize("resolution_m", [0, -1, np.nan, 1e-6, 1e6])
+def test_resolution_out_of_range_is_refused(resolution_m):
+    with pytest.raises(ValueError, match=r"map\.resolution_m = .*: must be in \[0\.001, 1000\] m"):
+        OccupancyMap(resolution_m)
+
+
+def test_repr_gives_resolution_and_origin():
+    shown = "OccupancyMap(resolution_m=0.5, origin_world_m=(1, 2, 3): 0 occupied and 0 free voxels)"
+    assert repr(OccupancyMap(0.5, [1, 2, 3])) == shown

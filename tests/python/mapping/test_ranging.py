@@ -1,0 +1,113 @@
+"""The links from ranges to points: the wire's text, LaserScan, point clouds, filters."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from uwsim.mapping import ranging
+
+ranges_to_54_m = arrays(np.float32, 513, elements=st.floats(0, 54, width=32) | st.just(np.inf))
+
+
+def rigid(yaw_rad, translation_m):
+    transform = np.eye(4)
+    transform[:2, :2] = [[np.cos(yaw_rad), -np.sin(yaw_rad)], [np.sin(yaw_rad), np.cos(yaw_rad)]]
+    transform[:3, 3] = translation_m
+    return transform
+
+
+def wall_scan(distance_m, model=2):
+    """Make the scan of a plane across the sonar's forward axis."""
+    variant = ranging.MODELS[model]
+    angles_rad = variant.angle_min_rad + variant.angle_increment_rad * np.arange(variant.beams)
+    return ranging.to_laser_scan((distance_m / np.cos(angles_rad)).astype(np.float32), model)
+
+
+def test_the_text_is_that_of_the_published_wire():
+    ranges_m = np.full(513, np.inf, dtype=np.float32)
+    ranges_m[:4] = [12.31, 12.3, 1e-5, 0]
+    text = ranging.encode_depth_string(ranges_m, model=2)
+    assert text == "12.31a12.3a1E-05a0a" + 509 * "55a"
+    np.testing.assert_array_equal(ranging.decode_depth_string(text, model=2), ranges_m)
+
+
+@given(ranges_to_54_m)
+def test_the_text_keeps_seven_digits(ranges_m):
+    text = ranging.encode_depth_string(ranges_m)
+    back_m = ranging.decode_depth_string(text)
+    np.testing.assert_allclose(back_m, ranges_m, rtol=6e-7)
+    assert ranging.encode_depth_string(back_m) == text
+
+
+@given(st.text(alphabet="0123456789.aE+-,n ", max_size=40) | st.text(max_size=40))
+def test_any_other_text_raises_a_value_error(text):
+    with pytest.raises(ValueError, match="depth_string"):
+        ranging.decode_depth_string(text)
+
+
+@pytest.mark.parametrize(
+    ("model", "beams", "fov_deg", "range_m", "limit_m"),
+    [(1, 513, 85, 95, 94.9), (2, 513, 85, 55, 54.9), (3, 1025, 170, 95, 94.9), (4, 1025, 170, 55, 54.9)],
+)
+def test_every_link_uses_the_models_figures(model, beams, fov_deg, range_m, limit_m):
+    text = ranging.encode_depth_string(np.full(beams, np.inf), model)
+    assert text == beams * f"{range_m}a"
+    scan = ranging.to_laser_scan(ranging.decode_depth_string(text, model), model)
+    assert (scan.range_min, scan.range_max) == (0.0, limit_m)
+    assert np.degrees(scan.angle_max - scan.angle_min) == pytest.approx(fov_deg)
+    assert scan.angle_min + (beams - 1) * scan.angle_increment == pytest.approx(scan.angle_max)
+    assert ranging.to_point_cloud(scan).shape == (0, 3)
+    with pytest.raises(ValueError, match=r"shape"):
+        ranging.encode_depth_string(np.ones(beams - 1), model)
+
+
+@pytest.mark.parametrize("model", [0, 5, "2", None, 2.5])
+def test_the_error_about_an_unknown_model_lists_the_known_ones(model):
+    with pytest.raises(ValueError, match=r"sonar\.model = .*: must be one of 1, 2, 3, 4"):
+        ranging.encode_depth_string(np.ones(513), model)
+
+
+def test_a_scan_has_the_fields_of_the_message():
+    scan = ranging.to_laser_scan(np.ones(513), model=2, stamp_s=12.5, ping_interval_s=0.1)
+    assert (scan.frame_id, scan.stamp_s, scan.scan_time, scan.time_increment) == ("base_scan", 12.5, 0.1, 0.0)
+    assert scan.intensities.size == 0
+
+
+def test_float32_is_not_copied_and_other_dtypes_are_refused():
+    ranges_m = np.ones(513, dtype=np.float32)
+    assert ranging.to_laser_scan(ranges_m).ranges is ranges_m
+    assert ranging.to_laser_scan([1.0] * 513).ranges.dtype == np.float32
+    for dtype in (bool, complex, str, object):
+        with pytest.raises(ValueError, match="dtype"):
+            ranging.to_laser_scan(np.ones(513).astype(dtype))
+        with pytest.raises(ValueError, match="dtype"):
+            ranging.transform_points(np.ones((2, 3)).astype(dtype), np.eye(4))
+
+
+def test_a_wall_across_the_axis_gives_a_straight_line_of_points():
+    points_m = ranging.to_point_cloud(wall_scan(9.0))
+    assert points_m.dtype == np.float32
+    np.testing.assert_allclose(points_m[:, 0], 9.0, rtol=1e-6)
+    np.testing.assert_allclose(points_m[:, 1], -points_m[::-1, 1], atol=1e-5)
+    assert points_m[0, 1] < 0 < points_m[-1, 1]  # from starboard to port
+
+
+def test_transforms_chain_and_invert():
+    points_m = ranging.to_point_cloud(wall_scan(9.0))
+    world_from_body, body_from_sonar = rigid(2.0, [100, -50, -20]), rigid(-0.5, [0.4, 0, -0.2])
+    chained_m = ranging.transform_points(ranging.transform_points(points_m, body_from_sonar), world_from_body)
+    at_once_m = ranging.transform_points(points_m, world_from_body @ body_from_sonar)
+    np.testing.assert_allclose(chained_m, at_once_m, atol=5e-5)
+    back_m = ranging.transform_points(at_once_m, np.linalg.inv(world_from_body @ body_from_sonar))
+    np.testing.assert_allclose(back_m, points_m, atol=5e-5)
+
+
+def test_filters_keep_exactly_the_points_in_their_range():
+    points_m = ranging.to_point_cloud(wall_scan(9.0))
+    near, far = ranging.filter_range(points_m, 0, 10), ranging.filter_range(points_m, np.nextafter(10, 11), 99)
+    assert 0 < len(near) < len(points_m) == len(near) + len(far)
+    assert np.linalg.norm(near, axis=1).max() <= 10 < np.linalg.norm(far, axis=1).min()
+    outside = ranging.remove_box(points_m, [0, -3, -1], [20, 3, 1])
+    np.testing.assert_array_equal(outside, points_m[np.abs(points_m[:, 1]) > 3])

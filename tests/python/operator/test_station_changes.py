@@ -1,0 +1,75 @@
+"""What changes at a station: simulators made before Start, dead networks of pilots, parameters that pages hear of."""
+
+import time
+
+from websockets.sync.client import connect
+
+from station_pages import PATIENCE_S, Page, page, serving
+from uwsim import Simulator
+from uwsim.live import LiveSimulator
+
+
+def test_start_finds_the_simulator_that_was_checked_ready():
+    with serving() as (station, server), page(server) as ada:
+        assert ada.call("check", scenario="pool", seed=4)["success"]
+        deadline = time.monotonic() + PATIENCE_S
+        while not station.prepared._made.done():
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        ready = station.prepared._made.result()
+        assert ada.call("start", scenario="pool", seed=4)["success"]
+        assert station.running.live.simulator is ready and station.prepared._made is None
+        ada.call("check", scenario="pool", seed=5)
+        assert station.prepared._made is None  # one simulator is enough while it runs
+
+
+def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
+    with serving() as (station, server):
+        with page(server) as ada:
+            ada.call("check", scenario="pool")
+            assert station.prepared._made is not None
+        deadline = time.monotonic() + PATIENCE_S
+        while station.prepared._made is not None:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+
+def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
+    monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 1.4)  # pings come every second
+    with (
+        serving() as (_, server),
+        page(server, "Bob") as bob,
+        connect(server.url, close_timeout=0.1) as socket,
+    ):
+        ada = Page(socket)
+        ada.id = ada.call("join", name="Ada")["id"]
+        assert ada.call("take_control")["success"]
+        bob.subscribe("/station/state")
+        time.sleep(2.5)  # she lets the vehicle drift
+        assert bob.message("/station/state", lambda state: state["pilot"] == ada.id)["pilot_silence"] == 0.0
+        assert "Ada has the controls" in bob.call("take_control")["message"]
+        socket.protocol.send_frame = lambda frame: None  # nothing of hers arrives any more, answers to pings included
+        assert bob.message("/station/state", lambda state: state["pilot_silence"] > 0.0)["pilot"] == ada.id
+        deadline = time.monotonic() + PATIENCE_S
+        while not bob.call("take_control")["success"]:
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+
+
+def test_a_fixed_station_offers_no_start_screen_and_its_description_follows_parameters():
+    with serving(is_fixed=True) as (station, server), page(server) as ada:
+        ada.subscribe("/station/state")
+        assert ada.message("/station/state")["phase"] == "starting"
+        station.run(lambda: LiveSimulator(Simulator("pool", sonar_model="em2040-04", sonar_frequency_khz=400)))
+        offered = {service.name for service in station.services}
+        assert not offered & {"station/catalog", "station/check", "station/start"}
+        before = ada.call("describe")
+        assert before["is_fixed"] and "quit" not in before["controls"] and "restart" in before["controls"]
+        ada.call("take_control")
+        assert "must be one of" in ada.call("control", action="quit")["message"]
+        live = station.running.live
+        live.call(lambda sim: sim.parameters.update({"rov.sonar.range_m": 12.0})).result()
+        ada.message("/station/state", lambda state: state["edition"] > before["edition"])
+        after = ada.call("describe")
+        assert after["session"] == before["session"]
+        assert (before["vehicles"][0]["sonar"]["range_m"] != 12.0) and after["vehicles"][0]["sonar"]["range_m"] == 12.0

@@ -1,0 +1,119 @@
+"""The pilot's hands: who has the controls, how old commands are, and what follows silence."""
+
+import pytest
+
+from uwsim import Simulator
+from uwsim.channels.table import Table
+from uwsim.live import LiveSimulator
+from uwsim.operator.station.helm import Helm, LeastDelay
+from uwsim.operator.station.lease import Lease
+
+
+def test_one_has_the_controls_and_hands_them_over():
+    lease = Lease()
+    for client in "abc":
+        lease.join(client, f"pilot {client}")
+    lease.take("a")
+    with pytest.raises(ValueError, match="pilot a has the controls"):
+        lease.take("b")
+    assert (lease.pilot, lease.asking) == ("a", ["b"])
+    with pytest.raises(ValueError, match="pilot a"):
+        lease.hand_over("b", "c")
+    with pytest.raises(ValueError, match="no member"):
+        lease.hand_over("a", "d")
+    lease.hand_over("a", "b")
+    assert (lease.pilot, lease.asking) == ("b", [])
+    assert not lease.leave("a") and lease.leave("b")
+    assert (lease.pilot, list(lease.members)) == ("", ["c"])
+    with pytest.raises(ValueError, match="nobody has the controls"):
+        lease.require_pilot("c")
+    with pytest.raises(ValueError, match="join first"):
+        lease.take("a")
+    for name in ("", " ", "x" * 41, "a\nb", None):
+        with pytest.raises(ValueError, match="printable"):
+            lease.join("a", name)
+
+
+def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():
+    delay, drift = LeastDelay(), 2e-4  # of a bad quartz: 0.7 s in an hour
+    ages = {}
+    for k in range(36_000):
+        now_s = 1000.0 + 0.1 * k
+        late_s = 0.8 if k % 100 == 50 else 0.02
+        ages[k] = delay.age_s(5.0 + (now_s - late_s) * (1.0 - drift), now_s)
+    late = [age for k, age in ages.items() if k % 100 == 50]
+    fresh = [age for k, age in ages.items() if k % 100 != 50]
+    assert max(fresh) < 0.05
+    assert min(late) > 0.75
+
+
+@pytest.fixture
+def flight():
+    """A helm with a clock of ours, on a simulator that stands still."""
+    sim = Simulator("pool")
+    now = [100.0]
+    with LiveSimulator(sim, paused=True) as live:
+        live.rov.release()
+        yield live, Helm(live, Table(sim).steering, clock=lambda: now[0]), now
+
+
+def given(live):
+    return [(e.tick, e.arguments["surge"]) for e in live.log if e.name == "set_effort"]
+
+
+def drive(helm, now, **efforts):
+    return helm.drive({"vehicle": "rov", "stamp_ms": 1e3 * now[0], **efforts}).result(10.0)
+
+
+def test_efforts_hold_while_they_are_repeated_and_end_with_silence(flight):
+    live, helm, now = flight
+    assert drive(helm, now, surge=0.5) == {"success": True, "message": "", "tick": 0, "age_s": 0.0}
+    for _ in range(10):
+        live.step(10)
+        now[0] += 0.2
+        assert drive(helm, now, surge=0.5)["success"]
+        helm.beat()
+    held = [(10 * k, 0.5) for k in range(11)]
+    assert given(live) == held
+    now[0] += 0.49
+    helm.beat()
+    assert live.rov.effort[0] == 0.5
+    now[0] += 0.02
+    helm.beat()
+    live.read(lambda sim: None).result()
+    assert given(live) == [*held, (100, 0.0)] and not live.rov.effort.any()
+    helm.beat()
+    assert len(given(live)) == 12
+
+
+@pytest.mark.parametrize("effort", [0.0, 0.5])
+def test_what_the_pilot_asks_for_takes_effect_whoever_commanded_the_vehicle_meanwhile(flight, effort):
+    live, helm, now = flight
+    drive(helm, now, surge=effort)
+    live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as by another client's /key
+    assert drive(helm, now, surge=effort)["success"]
+    assert live.rov.effort[0] == effort
+
+
+def test_a_command_that_was_held_up_is_refused_and_keeps_nothing_alive(flight):
+    live, helm, now = flight
+    drive(helm, now, surge=0.5)
+    for _ in range(3):
+        now[0] += 0.2
+        with pytest.raises(ValueError, match=r"0\.8 s late"):
+            helm.drive({"vehicle": "rov", "surge": 1.0, "stamp_ms": 1e3 * (now[0] - 0.8)})
+    helm.beat()
+    live.read(lambda sim: None).result()
+    assert given(live) == [(0, 0.5), (0, 0.0)]
+
+
+def test_what_is_no_effort_is_refused_and_another_pilot_begins_with_zero(flight):
+    live, helm, now = flight
+    for wrong in ({"surge": 1.5}, {"yaw": "left"}, {"yaw": float("nan")}, {"vehicle": "boat"}, {"heave": True}):
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            helm.drive({"vehicle": "rov", **wrong})
+    drive(helm, now, surge=0.5)
+    helm.let_go()
+    live.read(lambda sim: None).result()
+    assert not live.rov.effort.any()
+    assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # by another clock

@@ -1,0 +1,323 @@
+"""The station's page in a real browser: from the start screen to a map, who flies, when efforts end, who connects."""
+
+import http.client
+import json
+import re
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from browser import chromium, desk, until, when
+from uwsim.base.axes import AXES
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+from uwsim.mapping import OccupancyMap
+from uwsim.scenario.read.assets import assets_folder
+
+AXE = Path(__file__).parents[3] / "build/js/node_modules/axe-core/axe.min.js"
+HELD_S = 1.2
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def running(browser, tmp_path):
+    """A desk whose simulator runs."""
+    with desk(browser, tmp_path, "pool") as found:
+        yield found
+
+
+def judge(page, what):
+    """Let axe look for what people with a screen reader, a keyboard or weak eyes would stumble over."""
+    page.evaluate(AXE.read_text())
+    found = page.evaluate("axe.run({runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']})")
+    wrong = [(each["id"], [node["html"][:120] for node in each["nodes"]]) for each in found["violations"]]
+    assert not wrong, f"{what}: {wrong}"
+
+
+def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
+    with desk(browser, tmp_path) as here:
+        page = here.open()
+        renderer = page.evaluate(
+            """() => { const gl = document.createElement('canvas').getContext('webgl2');
+            return gl.getParameter(gl.getExtension('WEBGL_debug_renderer_info').UNMASKED_RENDERER_WEBGL); }"""
+        )
+        assert "SwiftShader" in renderer
+        page.select_option("#field-scenario", "pool")
+        page.fill("#field-seed", "-1")
+        when(page, "document.querySelector('#wrong-seed').textContent.includes('-1')")
+        judge(page, "start screen")
+        page.click("text=Start >> nth=-1")
+        page.wait_for_timeout(300)
+        assert page.is_visible("#start")  # it did not start with a wrong seed
+        page.fill("#field-seed", "3")
+        when(page, "document.querySelector('#wrong-seed').textContent === ''")
+        page.click("button[type=submit]")
+        page.wait_for_selector("#station:not([hidden])")
+        assert here.station.present().live.simulator.seed == 3
+
+        when(page, "station.views.picture('front').drawn > 2")
+        when(page, "station.station.isPilot")
+        page.keyboard.press("r")
+        until(lambda: here.rov.released, "the release")
+        page.keyboard.down("w")
+        page.keyboard.down("q")  # two at once
+        until(lambda: here.effort("surge") == 0.5 and here.effort("yaw") == 0.5, "efforts of two keys")
+        page.keyboard.up("q")
+        until(lambda: here.effort("yaw") == 0.0 and here.effort("surge") == 0.5, "the effort of one")
+        page.keyboard.up("w")
+        until(lambda: here.effort("surge") == 0.0, "none")
+
+        page.keyboard.down("e")  # look around
+        when(page, "station.scene.store.count > 300")
+        page.keyboard.up("e")
+        page.keyboard.press(str(1 + page.evaluate("station.views.names.indexOf('scene')")))
+        when(page, "station.scene.voxels.pointCount > 100 && station.scene.gate.frames > 2")
+        with page.expect_download() as download:
+            page.click("text=.bt")
+        path = tmp_path / "map.bt"
+        download.value.save_as(path)
+        shown, known = page.evaluate("station.scene.store.count"), OccupancyMap.read(path)
+        assert len(known.occupied_voxels()) == pytest.approx(shown, rel=0.2)  # it grows meanwhile
+
+        assert not here.complaints  # neither errors, nor violations of the content security policy
+        host = here.url.removeprefix("http://")
+        assert all(re.match(rf"(http|ws)://{host}/|blob:|data:", url) for url in here.requests), here.requests
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_everyone_can_read_it(running, scheme):
+    page = running.fly(color_scheme=scheme)
+    when(page, "station.views.picture('front').drawn > 0")
+    judge(page, "main screen")
+    page.keyboard.press("?")
+    page.wait_for_selector("#keys-dialog[open]")
+    judge(page, "keys")
+    page.keyboard.press("Escape")
+    when(page, "station.pilot.mayAct")
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#menu-dialog[open]")
+    judge(page, "menu")
+
+
+def test_nothing_overflows_a_phone(running):
+    page = running.fly(viewport={"width": 400, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    for part in ("#dock", "#lease", "#pause", "#menu", "#lamp-collision"):
+        box = page.locator(part).bounding_box()
+        assert box and box["x"] >= 0 and box["x"] + box["width"] <= 400, part
+
+
+def test_one_flies_and_hands_over(running):
+    first = running.fly()
+    when(first, "station.station.isPilot")
+    second = running.fly()
+    assert "flies" in second.inner_text("#lease")
+    second.keyboard.down("w")
+    second.wait_for_timeout(400)
+    assert running.effort("surge") == 0.0  # who watches moves nothing
+    second.keyboard.up("w")
+    second.click("#lease")
+    first.wait_for_selector("#handover-dialog[open]")
+    first.click("text=Hand over >> nth=-1")
+    when(second, "station.station.isPilot")
+    when(first, "!station.station.isPilot")
+    second.keyboard.down("w")
+    until(lambda: running.effort("surge") == 0.5, "the second pilot's effort")
+    second.close()
+    until(lambda: running.effort("surge") == 0.0 and not running.station.lease.pilot, "a lost pilot's end")
+
+
+def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkeypatch):
+    first = running.fly()
+    when(first, "station.station.isPilot")
+    second = running.fly()
+    assert second.is_hidden("#banner")
+    monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had died
+    second.wait_for_selector("#banner:not([hidden])")
+    assert re.search(r"has been silent for 4 s: efforts are zero", second.inner_text("#banner"))
+    assert "take over" in second.inner_text("#lease")
+    assert first.is_hidden("#banner")
+    second.click("#lease")
+    when(second, "station.station.isPilot")
+    second.wait_for_selector("#banner", state="hidden")
+
+
+@pytest.mark.parametrize(
+    ("ending", "undo"),
+    [
+        ("dispatchEvent(new Event('blur'))", ""),
+        ("station.station.bridge.close()", ""),
+        ("document.querySelector('#help').click()", "document.querySelector('#keys-dialog').close()"),
+        (
+            "Object.defineProperty(document, 'hidden', {value: true, configurable: true});"
+            "document.dispatchEvent(new Event('visibilitychange'))",
+            "delete document.hidden",
+        ),
+    ],
+    ids=["blur", "connection lost", "dialog", "hidden tab"],
+)
+def test_controls_are_let_go(running, ending, undo):
+    page = running.fly()
+    page.keyboard.down("w")
+    until(lambda: running.effort("surge") == 0.5, "an effort")
+    page.evaluate(ending)
+    until(lambda: running.effort("surge") == 0.0, "zero")
+    page.evaluate(undo)
+    page.wait_for_timeout(300)
+    assert running.effort("surge") == 0.0  # a key that is still down must be pressed anew
+
+
+def test_silence_puts_efforts_to_zero_and_a_held_key_goes_on(running):
+    page = running.fly()
+    page.keyboard.down("w")
+    until(lambda: running.effort("surge") == 0.5, "an effort")
+    ticks = []
+    live = running.station.present().live
+    watch = live.every(0.05, lambda sim: float(sim.rov.effort[0]), ticks.append)
+    page.evaluate(f"() => {{ const end = performance.now() + {1000 * HELD_S}; while (performance.now() < end); }}")
+    until(lambda: 0.0 in ticks, "zero during the silence")
+    until(lambda: running.effort("surge") == 0.5, "the effort of the held key")
+    watch.cancel()
+
+
+def test_keys_can_be_changed(running):
+    page = running.fly()
+    page.keyboard.press("?")
+    page.click("text=WASD")
+    page.click("[aria-label^='Ahead:']")
+    page.keyboard.press("o")
+    page.keyboard.press("Escape")
+    when(page, "station.pilot.mayAct")
+    page.keyboard.down("o")
+    page.keyboard.down("a")
+    until(lambda: running.effort("surge") == 0.5 and running.effort("yaw") == 0.5, "the changed keys")
+    page.reload()
+    when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # and they are kept
+
+
+def test_a_gamepad_drives(running):
+    page = running.fly()
+    page.evaluate(
+        """() => {
+          window.pad = {connected: true, id: 'pad', axes: [0, 0, 0, -1], buttons: Array(17).fill({pressed: false})};
+          navigator.getGamepads = () => [window.pad];
+        }"""
+    )
+    until(lambda: running.effort("surge") == 0.5, "the right stick, ahead")
+    page.evaluate("window.pad.axes = [1, 0, 0, 0]")
+    until(lambda: running.effort("surge") == 0.0 and running.effort("yaw") == -0.5, "the left stick, to starboard")
+    page.evaluate("window.pad.axes = [0.05, 0, 0, 0]")
+    until(lambda: running.effort("yaw") == 0.0, "a stick at rest, which is never quite 0")
+
+
+def test_buttons_act_and_values_grey(running, tmp_path):
+    page = running.fly()
+    assert page.inner_text("#sound") == "Sound off"
+    page.click("#dock")
+    until(lambda: running.rov.released, "the release")
+    page.click("[aria-label='front light']")
+    until(lambda: running.rov.lamps["front"].on, "light")
+    elevation = running.rov.sonar.elevation_rad
+    page.focus("#tilt-up")
+    page.keyboard.press("Enter")
+    until(lambda: running.rov.sonar.elevation_rad > elevation + 0.01, "the sonar's nose up")
+    page.keyboard.press("ArrowUp")
+    until(lambda: running.rov.cameras["front"].aim_rad[1] < -0.05, "the camera up")
+    page.click("#pause")
+    until(lambda: running.station.present().live.paused, "a pause")
+    tick = running.station.present().live.simulator.tick
+    page.click("#step")
+    until(lambda: running.station.present().live.simulator.tick == tick + 1, "a step")
+    saved = []
+    page.on("download", lambda found: saved.append(found))
+    page.keyboard.press("v")
+    page.wait_for_timeout(100)
+    page.click("#record")
+    page.wait_for_timeout(1500)
+    page.click("#record")
+    until(lambda: page.evaluate("1") and len(saved) == 4, "a picture with its panel, a video with its telemetry")
+    files = {Path(found.suggested_filename).suffix: Path(found.path()).read_bytes() for found in saved}
+    assert files[".png"].startswith(b"\x89PNG") and json.loads(files[".json"])
+    assert files[".webm"].startswith(b"\x1a\x45\xdf\xa3") and files[".csv"].startswith(b"time_s,east_m")
+    session = page.evaluate("station.station.state.session")
+    page.keyboard.press("Escape")
+    page.click("text=Restart from the beginning")
+    when(page, f"station.station.state.session > {session} && station.telemetry.message?.released === false")
+    when(page, "!document.querySelector('.panel .is-stale')")
+    page.evaluate("station.station.bridge.close()")
+    when(page, "document.querySelector('.panel .is-stale dd')")
+    assert "trying again" in page.inner_text("#banner")
+
+
+def test_a_rosbridge_without_a_station_can_be_flown(browser, tmp_path):
+    with (
+        desk(browser, tmp_path) as here,
+        LiveSimulator("pool") as live,
+        RosbridgeServer(live, origins=[here.url]) as other,
+    ):
+        page = here.open(f"/?rosbridge={other.url}")
+        when(page, "globalThis.station?.telemetry.message")
+        page.wait_for_selector("#station:not([hidden])")
+        page.click("#dock")
+        until(lambda: live.simulator.rov.released, "the release")
+        page.keyboard.down("d")
+        until(lambda: float(live.simulator.rov.effort[AXES.index("sway")]) == -0.5, "to starboard")
+        page.keyboard.up("d")
+        until(lambda: not live.simulator.rov.effort.any(), "zero")
+        when(page, "station.views.picture('front').drawn > 0 && station.scene.store.count > 0")
+
+
+def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(browser, tmp_path):
+    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
+    path = tmp_path / "leaky.yaml"
+    path.write_text(
+        text.replace("  model: rov\n", "  model: rov\n    failsafe: {leak_then: hold}\n") + "link: ideal_acoustic\n"
+    )
+    with desk(browser, tmp_path, str(path)) as here:
+        page = here.fly()
+        when(page, "station.station.isPilot")
+        when(page, "document.querySelector('#link').textContent.includes('ideal_acoustic')")
+        assert page.is_hidden("#failsafe")
+        page.click("#dock")
+        until(lambda: here.rov.released, "the release")
+        here.station.present().live.command("inject_fault", kind="leak", kg_per_s=1.0, kg_max=0.2).result()
+        page.wait_for_selector("#take-back:not([disabled])")
+        told = page.inner_text("#failsafe")
+        assert "holds its place by itself, because water is inside" in told and "water inside" in told.splitlines()
+        judge(page, "failsafe")
+        page.click("#take-back")
+        until(lambda: here.rov.failsafe.state == "", "the end of the failsafe")
+        when(page, "document.querySelector('#take-back').hidden")
+        assert "water inside" in page.inner_text("#failsafe")  # it is still wet
+        assert not here.complaints
+
+
+def test_foreign_pages_and_names_are_refused(running):
+    host, port = running.url.removeprefix("http://").split(":")
+    for headers in ({"Host": "evil.example"}, {"Host": f"127.0.0.1.evil.example:{port}"}):
+        link = http.client.HTTPConnection(host, int(port), timeout=10)
+        link.request("GET", "/", headers=headers)
+        assert link.getresponse().status == 403
+        link.close()
+    with pytest.raises(InvalidStatus) as refused, connect(f"ws://{host}:{port}/", origin="http://evil.example"):
+        pass
+    assert refused.value.response.status_code == 403
+    with connect(f"ws://{host}:{port}/", origin=None) as program:  # programs send no Origin
+        program.send(json.dumps({"op": "call_service", "service": "/station/join", "id": "1", "args": {"name": "p"}}))
+        assert json.loads(program.recv(timeout=10))["values"]["success"]
+
+
+def test_scripts_are_files_of_the_page(running):
+    page = running.fly()
+    policy = page.evaluate("fetch('/').then((answer) => answer.headers.get('content-security-policy'))")
+    assert "script-src 'self'" in policy and "unsafe" not in policy
+    assert page.evaluate("[...document.scripts].every((script) => script.src !== '')")
+    page.evaluate("document.body.append(Object.assign(document.createElement('script'), {text: 'window.broken = 1'}))")
+    assert page.evaluate("window.broken") is None

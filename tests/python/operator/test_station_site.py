@@ -1,0 +1,118 @@
+"""What the operator's station serves over HTTP, and to whom."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from station_pages import get, page, serving
+from uwsim.bridges import RosbridgeServer
+from uwsim.bridges.admission import has_token
+from uwsim.mapping import OccupancyMap
+from uwsim.operator.station import Site, Station
+from uwsim.operator.station.preview import AREA, OBSTACLE, STATION
+
+
+@pytest.fixture(scope="module")
+def pool():
+    """A station whose pool runs, for tests that leave it running."""
+    with serving() as (station, server):
+        station.start({"scenario": "pool"})
+        yield station, server
+
+
+def test_the_start_screen_has_a_picture_of_each_scenario_from_above():
+    with serving() as (_, server):
+        status, body, headers = get(server, "/preview/pool.png")
+        assert (status, headers["Content-Type"]) == (200, "image/png")
+        picture = np.asarray(Image.open(io.BytesIO(body)).convert("RGB"))
+        height, width, _ = picture.shape
+        assert width == height  # 20 m
+
+        def colour_at(x_m, y_m):
+            return tuple(picture[round(height * (10.0 - y_m) / 20.0), round(width * (10.0 + x_m) / 20.0)])
+
+        assert (colour_at(3.0, 0.0), colour_at(-6.0, 0.0), colour_at(4.0, 2.0)) == (OBSTACLE, STATION, AREA)
+        assert colour_at(0.0, 2.0) == colour_at(0.0, -2.0)  # the flat bed
+        assert get(server, "/preview/../pool.png")[0] == get(server, "/preview/nowhere.png")[0] == 404
+    with serving(is_fixed=True) as (_, server):
+        assert get(server, "/preview/pool.png")[0] == 404
+
+
+def test_the_map_goes_home_in_every_format(tmp_path):
+    with serving(tmp_path) as (_, server), page(server) as ada:
+        ada.call("start", scenario="pool", speed=2)
+        ada.subscribe("/map_changes", throttle_rate=100)
+        first = ada.message("/map_changes")
+        assert first["snapshot"] and len(first["cells"]) > 0
+        ada.call("take_control")
+        ada.call("control", action="pause")
+        status, body, headers = get(server, "/map/rov.bt")
+        assert (status, headers["Content-Disposition"]) == (200, 'attachment; filename="rov.bt"')
+        (tmp_path / "map.bt").write_bytes(body)
+        voxels = OccupancyMap.read(tmp_path / "map.bt").occupied_voxels()
+        assert len(voxels) > 20
+        for suffix, start in (("ply", b"ply"), ("pcd", b"# .PCD"), ("tif", b"II*\0")):
+            status, body, _ = get(server, f"/map/rov.{suffix}")
+            assert status == 200 and body.startswith(start)
+        assert get(server, "/map/boat.bt")[0] == get(server, "/map/rov.exe")[0] == 404
+        assert "saved" in ada.call("control", action="save", name="dive-1")["message"]
+        saved = {path.name for path in (tmp_path / "dive-1").iterdir()}
+        assert saved >= {"rov.bt", "rov.ot", "state", "commands.json", "scenario.json"}
+        assert "there already" in ada.call("control", action="save", name="dive-1")["message"]
+        assert "must have" in ada.call("control", action="save", name="../dive")["message"]
+        status, body, _ = get(server, "/snapshot/front.png")
+        assert status == 200 and Image.open(io.BytesIO(body)).size == (640, 360)
+        assert json.loads(get(server, "/snapshot/front.json")[1])["released"] is False
+        assert get(server, "/snapshot/none.png")[0] == 404
+
+
+def test_the_scene_is_the_world(pool):
+    station, server = pool
+    world = station.running.live.simulator.world
+    scene = json.loads(get(server, "/scene/scene.json")[1])
+    grid = scene["terrain"]
+    heights = np.frombuffer(get(server, grid["url"])[1], "<f4").reshape(grid["rows"], grid["columns"])
+    row, column = grid["rows"] // 3, grid["columns"] // 4
+    x, y = grid["west_m"] + column * grid["spacing_m"][0], grid["south_m"] + row * grid["spacing_m"][1]
+    assert heights[row, column] == pytest.approx(float(np.ravel(world.height_at([[x, y]]))[0]), abs=1e-4)
+    meshes = [trimesh.load(io.BytesIO(get(server, part["url"])[1]), file_type="glb") for part in scene["meshes"]]
+    assert len(meshes) == len(scene["meshes"]) > 0 and all(len(mesh.geometry) for mesh in meshes)
+    hull = trimesh.load(io.BytesIO(get(server, scene["vehicles"][0]["url"])[1]), file_type="glb")
+    assert 0.5 < np.ptp(hull.bounds, axis=0).max() < 3.0
+    assert get(server, "/scene/mesh/999.glb")[0] == 404
+
+
+def test_only_this_machine_s_pages_are_served_and_nothing_foreign_is_loaded(pool):
+    _, server = pool
+    status, body, headers = get(server, "/")
+    assert status == 200 and b"<script" in body and b"http" not in body.replace(b"http-equiv", b"")
+    policy = headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy and "script-src 'self';" in policy and "unsafe" not in policy
+    assert f"ws://127.0.0.1:{server.port}" in policy and "ws://10.0.0.9:9090" not in policy
+    assert "ws://10.0.0.9:9090" in get(server, "/?rosbridge=ws://10.0.0.9:9090")[2]["Content-Security-Policy"]
+    for evil in ("ws://x;script-src%20*", "https://evil.example", "ws://a%20b"):
+        assert get(server, f"/?rosbridge={evil}")[2]["Content-Security-Policy"] == policy
+    assert get(server, "/", If_None_Match=headers["ETag"])[0] == 304
+    assert (
+        get(server, "/", Host="evil.example")[0] == get(server, "/map/rov.bt", Origin="http://evil.example")[0] == 403
+    )
+    mine = "http://localhost:5173"  # a page of one's own
+    assert get(server, "/scene/scene.json", Origin=mine)[2]["Access-Control-Allow-Origin"] == mine
+    assert get(server, "/scene/scene.json")[2]["Access-Control-Allow-Origin"] is None
+    assert get(server, "/snapshot/front.png", Sec_Fetch_Site="cross-site")[0] == 403  # an <img> of another page
+    for path in ("/../hub.py", "/%2e%2e/hub.py", "/..%2f..%2fsimulator.py", "//etc/passwd", "/no", "/%00", "/style"):
+        assert get(server, path)[0] == 404, path
+
+
+def test_a_token_guards_everything_but_the_page_s_own_files():
+    station, token = Station(), "secret-token"
+    site = Site(station, lambda request: has_token(request, token))
+    with RosbridgeServer(None, guests=[station], site=site, token=token) as server, station.serving(server.show):
+        station.start({"scenario": "pool"})
+        assert get(server, "/")[0] == 200
+        assert get(server, "/scene/scene.json")[0] == 401
+        assert get(server, "/scene/scene.json?token=secret-token")[0] == 200

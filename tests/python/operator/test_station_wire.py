@@ -1,0 +1,75 @@
+"""One description of the station's messages makes the page's module; page, server and docs keep to it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from station_pages import require_described
+from uwsim.base.axes import AXES
+from uwsim.channels.own_types import MAP_CHANGES, OWN_TYPES, STATION_STATE, TELEMETRY
+from uwsim.commands import COMMANDS
+from uwsim.operator.station import Station, wire, wire_js
+from uwsim.operator.station.calls import CALLS, Call
+
+DOCS = (Path(__file__).parents[3] / "docs/connections/station-wire.md").read_text()
+PAGE = wire_js.PATH.parents[1]
+
+
+def test_the_page_s_module_is_the_one_that_the_description_makes() -> None:
+    assert wire_js.PATH.read_text() == wire_js.messages_js(), "run python -m uwsim.operator.station.wire_js"
+
+
+def test_the_page_names_services_and_types_of_the_station_nowhere_else() -> None:
+    sources = [path for path in PAGE.rglob("*.js") if "vendor" not in path.parts and path != wire_js.PATH]
+    assert sources
+    for path in sources:
+        code = re.sub(r"//.*", "", path.read_text())
+        assert not re.search(r"'/station/(?!state)|uwsim_msgs/|'surge', 'sway'", code), path
+
+
+def test_the_server_offers_what_is_described_and_nothing_else() -> None:
+    offered = {service.name: service for service in Station().services}
+    assert set(offered) == {f"station/{name}" for name in CALLS}
+    for call in CALLS.values():
+        service = offered[f"station/{call.name}"]
+        assert (service.type, service.description, service.is_brief) == (call.ros_type, call.description, call.is_brief)
+    fixed = {service.name for service in Station(is_fixed=True).services}
+    assert set(offered) - fixed == {"station/catalog", "station/check", "station/start"}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=lambda call: call.name)
+def test_every_field_is_explained(call: Call) -> None:
+    assert f"`/station/{call.name}`" in DOCS
+    for field in (*call.request.model_fields, *call.answer.model_fields):
+        assert re.search(rf"\b{field}\b", DOCS), f"{call.name}: {field}"
+
+
+@pytest.mark.parametrize("kind", [TELEMETRY, MAP_CHANGES])
+def test_the_docs_show_messages_as_they_are(kind: str) -> None:
+    assert OWN_TYPES[kind] in DOCS
+
+
+def test_the_docs_list_the_fields_of_the_state() -> None:
+    table = DOCS.split("## The state of the station")[1].split("\n\n`/station/describe`")[0]
+    rows = [row.split("|")[1] for row in table.splitlines() if row.startswith("| `")]
+    listed = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    assert listed == [line.split()[1] for line in OWN_TYPES[STATION_STATE].splitlines()]
+
+
+def test_efforts_of_a_request_are_the_axes_of_the_command() -> None:
+    fields = set(wire.Drive.model_fields)
+    assert fields == {"vehicle", "stamp_ms", *AXES}
+    assert [argument.name for argument in COMMANDS["set_effort"].arguments] == list(AXES)
+
+
+@pytest.mark.parametrize(
+    "values", [{"success": True}, {"success": True, "message": "", "more": 1}, {"success": True, "message": 5}]
+)
+def test_an_answer_of_other_fields_fails(values: dict[str, object]) -> None:
+    with pytest.raises(ValidationError):
+        require_described(Call("x", ""), values)
+    require_described(Call("x", ""), {"success": True, "message": ""})

@@ -1,0 +1,279 @@
+"""A damaged recording is refused and its damaged part is named; one that was cut off is read up to there."""
+
+import shutil
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+from typing import Any, NamedTuple
+
+import pytest
+from mcap.opcode import Opcode
+
+from command_line import error_line, uwsim
+from uwsim import Simulator
+from uwsim.recording import Recorder, mcap_sink
+from uwsim.recording.reader import Recording
+
+V1 = Path(__file__).parents[1] / "data" / "v1" / "live.mcap"
+MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")
+FLIPS = 500
+
+
+class Record(NamedTuple):
+    """A record of a file. number: of its kind, from 1; length: with its head."""
+
+    kind: int
+    number: int
+    start: int
+    length: int
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A second of a run, in a dozen chunks."""
+    path = tmp_path_factory.mktemp("damage") / "run.mcap"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mcap_sink, "CHUNK_BYTES", 20_000)
+        sim = Simulator("pool", seed=3)
+        with Recorder(sim, path, topics=["odom", "imu", "scan", "sonar_ping"]):
+            sim.rov.undock()
+            sim.rov.set_effort(surge=0.5)
+            sim.advance(1.0)
+    return path
+
+
+@pytest.fixture(scope="module")
+def killed(finished: Path) -> Path:
+    """The same as a kill leaves it: nothing is there of what is written at the end."""
+    end = next(each for each in records(finished) if each.kind == Opcode.METADATA and each.number == 2)
+    path = finished.with_name("killed.mcap")
+    path.write_bytes(finished.read_bytes()[: end.start])
+    assert not Recording(path).complete
+    return path
+
+
+def records(path: Path) -> list[Record]:
+    data, found, at = path.read_bytes(), list[Record](), len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        kind, length = HEAD.unpack_from(data, at)
+        found.append(Record(kind, 1 + sum(each.kind == kind for each in found), at, HEAD.size + length))
+        at += found[-1].length
+    assert data[at:] == MAGIC
+    return found
+
+
+def chunks(path: Path) -> list[Record]:
+    return [each for each in records(path) if each.kind == Opcode.CHUNK]
+
+
+def content(path: Path) -> tuple[Any, ...]:
+    """Return all that a recording says."""
+    read = Recording(path)
+    about = [read.metadata(name) for name in read.channels]
+    return read.start, read.end, read.attachments, read.channels, about, list(read.messages())
+
+
+def flipped(data: bytes, bit: int) -> bytes:
+    changed = bytearray(data)
+    changed[bit // 8] ^= 1 << bit % 8
+    return bytes(changed)
+
+
+def bits(path: Path, framed: Path) -> Iterator[int]:
+    """Yield random bits of a file, as many in what frames the records, and those of its ends."""
+    draw, size = Random(1), path.stat().st_size
+    frames = [at for each in records(framed) for at in range(each.start, each.start + 40) if at < size]
+    yield from (draw.randrange(8 * size) for _ in range(FLIPS))
+    yield from (8 * at + draw.randrange(8) for at in draw.sample(frames, FLIPS // 2))
+    yield from (8 * at + draw.randrange(8) for at in (*range(16), *range(size - 40, size)))
+
+
+def refusal(data: bytes, path: Path) -> str:
+    path.write_bytes(data)
+    with pytest.raises(ValueError) as refused:
+        content(path)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_every_wrong_bit_of_a_finished_recording_is_found(finished: Path, tmp_path: Path) -> None:
+    whole = finished.read_bytes()
+    for bit in bits(finished, finished):
+        assert "run.mcap': " in refusal(flipped(whole, bit), tmp_path / "run.mcap"), bit
+
+
+def test_every_wrong_bit_in_a_chunk_is_found_and_the_chunk_named(finished: Path, tmp_path: Path) -> None:
+    whole, draw = finished.read_bytes(), Random(2)
+    for chunk in chunks(finished):
+        bit = 8 * (chunk.start + chunk.length - 1) - draw.randrange(chunk.length * 4)
+        assert f"damaged: chunk {chunk.number} (bytes " in refusal(flipped(whole, bit), tmp_path / "run.mcap")
+
+
+def test_of_a_killed_run_a_wrong_bit_is_found_or_changes_nothing_that_is_read(
+    finished: Path, killed: Path, tmp_path: Path
+) -> None:
+    """It changes nothing only where packed bytes can be written in two ways: the unpacked ones have the checksum."""
+    data, whole, path = killed.read_bytes(), content(killed), tmp_path / "killed.mcap"
+    packed = [range(chunk.start + 45, chunk.start + chunk.length) for chunk in chunks(finished)]
+    for bit in bits(killed, finished):
+        if any(bit // 8 in part for part in packed):
+            path.write_bytes(flipped(data, bit))
+            try:
+                assert content(path) == whole, bit
+            except ValueError:
+                continue
+        else:
+            refusal(flipped(data, bit), path)
+
+
+def test_a_recording_that_is_cut_off_is_a_beginning_and_says_so(finished: Path, tmp_path: Path) -> None:
+    whole, messages = finished.read_bytes(), list(Recording(finished).messages())
+    path, sizes = tmp_path / "cut.mcap", Random(3).sample(range(finished.stat().st_size), 100)
+    read = 0
+    for size in sorted([*sizes, len(whole) - 8, len(whole) - 1]):
+        path.write_bytes(whole[:size])
+        try:
+            cut = Recording(path)
+        except ValueError as error:
+            assert "or holds nothing yet" in str(error)  # its first metadata are not there
+            assert size < chunks(finished)[0].start
+            continue
+        assert not cut.complete
+        found = list(cut.messages())
+        assert found == messages[: len(found)]
+        assert len(found) >= read
+        read = len(found)
+    assert read == len(messages)
+
+
+@pytest.mark.parametrize("of", ["finished", "killed"])
+def test_a_block_that_is_doubled_missing_zeroed_or_elsewhere_is_found(
+    of: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    original: Path = request.getfixturevalue(of)
+    data, messages, draw = original.read_bytes(), list(Recording(original).messages()), Random(4)
+    path = tmp_path / "run.mcap"
+    for _ in range(80):
+        size = 2 ** draw.randrange(4, 16)
+        at, other = sorted(draw.sample(range(len(data) - size), 2))
+        block = data[at : at + size]
+        for damaged in (
+            data[: at + size] + data[at:],
+            data[:at] + data[at + size :],
+            data[:at] + bytes(size) + data[at + size :],
+            data[:at] + data[at + size : other + size] + block + data[other + size :],
+        ):
+            path.write_bytes(damaged)
+            try:
+                cut = Recording(path)
+            except ValueError:
+                continue
+            read = list(cut.messages())
+            if damaged == data:
+                continue  # a block of zeros
+            assert not cut.complete
+            assert read == messages[: len(read)]
+            if of == "finished":
+                assert data.startswith(damaged), "it is as if cut off"
+
+
+def test_a_whole_chunk_that_is_there_twice_or_not_at_all_is_found(finished: Path, tmp_path: Path) -> None:
+    data, found = finished.read_bytes(), chunks(finished)
+    first, second = found[0], found[1]
+    end = next(each for each in records(finished) if each.kind == Opcode.METADATA and each.number == 2).start
+    block = data[first.start : second.start]
+    twice = data[: second.start] + block + data[second.start : end]
+    assert "is there twice, or not in its turn" in refusal(twice, tmp_path / "run.mcap")
+    without = data[: first.start] + data[second.start : end]
+    assert "damaged: chunk 1 " in refusal(without, tmp_path / "run.mcap")  # its channels are announced there
+
+
+def test_counts_and_indexes_are_those_of_what_is_there_even_without_a_checksum_of_all(tmp_path: Path) -> None:
+    """As in recordings of earlier builds: there only what metadata say, and how bytes are packed, is not covered."""
+    data, whole, path = V1.read_bytes(), content(V1), tmp_path / "v1.mcap"
+    assert struct.unpack_from("<I", data, next(e.start for e in records(V1) if e.kind == Opcode.DATA_END) + 9) == (0,)
+    uncovered = [
+        range(each.start + 9, each.start + each.length)
+        for each in records(V1)
+        if each.kind in (Opcode.HEADER, Opcode.METADATA, Opcode.CHUNK)
+    ]
+    found = 0
+    for bit in bits(V1, V1):
+        path.write_bytes(flipped(data, bit))
+        try:
+            read = content(path)
+        except ValueError:
+            found += 1
+        else:
+            assert any(bit // 8 in part for part in uncovered), bit
+            assert read[2:] == whole[2:], bit
+    assert found > FLIPS
+
+
+def test_a_recording_that_changes_while_it_is_read_is_refused(finished: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    shutil.copy(finished, path)
+    opened = Recording(path)
+    last = chunks(path)[-1]
+    path.write_bytes(flipped(path.read_bytes(), 8 * (last.start + last.length // 2)))
+    with pytest.raises(ValueError, match=rf"chunk {last.number} .*has changed since"):
+        list(opened.messages())
+
+
+COMMANDS = (
+    ("replay", "{}"),
+    ("replay", "{}", "--as-topics", "--port", "0"),
+    ("recording", "{}"),
+    ("diff", "{}", "{}"),
+    ("map", "from", "{}"),
+)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_every_command_refuses_a_damaged_recording_in_a_line_that_names_the_chunk(
+    command: tuple[str, ...], finished: Path, tmp_path: Path
+) -> None:
+    path, chunk = tmp_path / "bad.mcap", chunks(finished)[3]
+    path.write_bytes(flipped(finished.read_bytes(), 8 * (chunk.start + chunk.length // 2)))
+    done = uwsim(*(word.format(path) for word in command), cwd=tmp_path)
+    assert done.returncode == 1 and not done.stdout
+    assert f"recording '{path}': damaged: chunk 4 (bytes {chunk.start:,} to " in error_line(done)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_replay_of_what_a_kill_left_compares_it_and_ends_with_4(
+    finished: Path, killed: Path, tmp_path: Path
+) -> None:
+    done = uwsim("replay", str(killed))
+    assert done.returncode == 4
+    assert done.stdout.startswith("the same bytes: 316 messages of 4 channels, 2 commands"), done.stdout
+    assert done.stderr == f"{killed}: was cut off, as by a kill; its messages up to there are compared\n"
+    whole = uwsim("replay", str(finished))
+    assert whole.returncode == 0 and " and the state at the end" in whole.stdout and not whole.stderr
+    empty = tmp_path / "empty.mcap"
+    empty.write_bytes(killed.read_bytes()[: chunks(finished)[0].start])
+    done = uwsim("replay", str(empty))
+    assert done.returncode == 1 and "nothing was compared" in done.stderr and not done.stdout
+
+
+def test_what_a_full_disk_left_reads_as_cut_off_even_if_there_is_room_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a write that failed a part may be there: nothing may follow it."""
+    path, sim, write = tmp_path / "run.mcap", Simulator("pool"), mcap_sink.McapSink.write
+
+    def full(self: Any, topic: str, time_ns: int, *rest: Any) -> None:
+        if time_ns > 5e8:
+            self._file.write(b"\x06" + bytes(20))
+            raise OSError(28, "No space left on device")
+        write(self, topic, time_ns, *rest)
+
+    monkeypatch.setattr(mcap_sink.McapSink, "write", full)
+    recorder = Recorder(sim, path, topics=["odom"]).start()
+    sim.advance(1.0)
+    with pytest.raises(OSError, match="ends early: No space left"):
+        recorder.close()
+    assert not Recording(path).complete
+    assert path.read_bytes()[-len(MAGIC) :] != MAGIC

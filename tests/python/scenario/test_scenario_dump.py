@@ -1,0 +1,358 @@
+"""A scenario that is written, in a recording or as a YAML file, is read as the same one.
+
+The same: equal, with the same keys given, and built to the same bits. For a key may mean something by being there.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from parameter_world import world
+from test_flight import StopAfter
+from uwsim import Simulator
+from uwsim.campaigns.sweeps import fly_again, run_sweep
+from uwsim.evidence.fingerprint import fingerprint
+from uwsim.flight.fly import fly, resume
+from uwsim.recording import Recorder
+from uwsim.recording.capsule import FILE, SCENARIO, pack, unpack
+from uwsim.recording.replay import replay
+from uwsim.scenario import Scenario, load, load_vehicle, packaged_scenarios
+from uwsim.scenario.dump import plain, write_scenario
+from uwsim.scenario.fingerprint import scenario_fingerprint
+from uwsim.scenario.read.assets import packaged_names
+from uwsim.scenario.read.validated import validated
+from uwsim.scenario.spec.fields import Model
+from uwsim.scenario.spec.optics import WaterCoefficients
+from uwsim.scenario.spec.sonar import SonarNoise, load_sonar
+from uwsim.scenario.spec.water import StillSurface, Water
+
+VEHICLES = packaged_names("vehicles")
+MISSION = """
+from uwsim.missions import wait
+
+def mission(vehicle, effort=0.5):
+    vehicle.release()
+    vehicle.set_effort(surge=effort)
+    for _ in range(5):
+        yield wait(0.1)
+"""
+PROFILE = {"kind": "linear", "surface": {"temperature_deg_c": 20}, "bottom": {"temperature_deg_c": 9}}
+LOOP = {"position_1_s": 1.0}
+BLOCKS: dict[str, dict[str, Any]] = {
+    "without control": {"vehicles": [{"model": {"control": None}}]},
+    "a loop with its defaults": {"vehicles": [{"model": {"control": {"surge": LOOP, "filter_s": 0.2}}}]},
+    "limits without loops": {"vehicles": [{"model": {"control": {"speed_max_m_s": 0.5}}}]},
+    "profile": {"water": {"profile": PROFILE}},
+    "profile of levels": {"water": {"profile": {"kind": "table", "levels": [{"depth_m": 0, "temperature_deg_c": 9}]}}},
+    "profile of none": {"water": {"profile": None}},
+    "waves": {"water": {"surface": {"kind": "airy", "amplitude_m": 0.1, "period_s": 2}}},
+    "one current": {"water": {"current": {"kind": "uniform", "velocity_m_s": [0.1, 0, 0]}}},
+    "coefficients": {
+        "optics": {"coefficients": {key: [0.3, 0.2, 0.1] for key in WaterCoefficients.model_fields}},
+    },
+    "link by name": {"link": "micromodem"},
+    "link by figures": {"link": {"modem": {"name": "wire", "kind": "cable", "latency_s": 0.1}, "bottom": "clay"}},
+    "link that carries all": {"link": {"modem": "tether", "carries": ["*"], "repeats": {"2": 3, "yes": 1}}},
+    "sonar by name": {"vehicles": [{"sonar": {"model": "em2040-07", "frequency_khz": 400, "range_m": 30}}]},
+    "sonar by figures": {"vehicles": [{"sonar": {"model": plain(load_sonar("em2040-04")), "frequency_khz": 300}}]},
+    "a figure of noise with its usual value": {
+        "vehicles": [{"sonar": {"mode": "physics", "noise": {"detection_threshold_db": 13.0}}}]
+    },
+    "no noise": {"vehicles": [{"sonar": {"mode": "physics", "noise": {}}}]},
+    "sensors": {
+        "vehicles": [{"model": {"sensors": {
+            "depth": {"kind": "depth", "noise_std": 0.1, "density_kg_m3": 990},
+            "imu": {"kind": "imu", "channels": {"angular_velocity": {"std": 0.1, "limits": [-1, 1]}}},
+        }}}]
+    },
+    "no sensors": {"vehicles": [{"model": {"sensors": {}, "cameras": {}, "lamps": {}, "imaging_sonars": {}}}]},
+    "imaging sonars": {
+        "vehicles": [{"model": {"imaging_sonars": {
+            "ahead": {"kind": "forward_looking", "solid_strength_db": None, "strengths_db": {"box": -20}},
+            "below": {"kind": "single_beam", "yaw_pitch_roll_deg": [0, 90, 0]},
+        }}}]
+    },
+    "station with a dock": {"station": {"dock_m": [1, 0, -2]}},
+    "station with cameras": {"station": {"cameras": {"only": {"position_m": [0, 0, 3]}}}},
+    "free start": {"vehicles": [{"start": {"position_m": [0, 0, -2]}}]},
+    "trim, failsafe": {"vehicles": [{"trim": {"net_buoyancy_n": 2}, "failsafe": {"silence_s": 9}}]},
+    "material": {"vehicles": [{"model": {"material": "steel"}}], "ground": {"bed": "mud", "relief": 0.0}},
+    "faults": {"faults": [{"kind": "leak", "at_s": 1, "kg_per_s": 1}, {"kind": "sonar", "rate_per_h": 3}]},
+    "warnings": {"warnings": {"range_m": 110.0}},
+    "text": {"description": "'no': # [x] {y}\n  - 1e3\n\ttab\x85\u2028 é \"\n"},
+}  # fmt: skip
+"""What differs from the pool; None for a key of the vehicle: without it."""
+
+
+def in_recording(scenario: Scenario, folder: Path) -> Scenario:
+    return unpack(pack(scenario), folder)
+
+
+def in_yaml(scenario: Scenario, folder: Path) -> Scenario:
+    write_scenario(folder / "written.yaml", scenario)
+    return load(folder / "written.yaml")
+
+
+both_ways = pytest.mark.parametrize("way", [in_recording, in_yaml])
+Way = Callable[[Scenario, Path], Scenario]
+
+
+def pool_with(changes: dict[str, Any]) -> Scenario:
+    values = plain(load("pool"))
+    vehicle, change = values["vehicles"][0], *changes.get("vehicles", [{}])
+    model = {key: value for key, value in {**vehicle["model"], **change.get("model", {})}.items() if value is not None}
+    return validated(Scenario, values | changes | {"vehicles": [vehicle | change | {"model": model}]})
+
+
+def require_same(read: Scenario, scenario: Scenario) -> None:
+    assert read == scenario
+    assert plain(read) == plain(scenario)
+    assert scenario_fingerprint(read) == scenario_fingerprint(scenario)
+
+
+def flown(scenario: Scenario) -> bytes:
+    sim = Simulator(scenario)
+    sim.rov.release()
+    sim.rov.set_effort(surge=0.5, yaw=0.2)
+    sim.step(20)
+    if sim.rov.sonars:
+        sim.rov.sonar.ping()
+    return sim.save_state()
+
+
+@both_ways
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_a_packaged_scenario(name: str, way: Way, tmp_path: Path) -> None:
+    require_same(way(load(name), tmp_path), load(name))
+
+
+@both_ways
+@pytest.mark.parametrize("name", VEHICLES)
+def test_a_packaged_vehicle(name: str, way: Way, tmp_path: Path) -> None:
+    scenario = load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
+    read = way(scenario, tmp_path)
+    require_same(read, scenario)
+    assert flown(read) == flown(scenario)
+
+
+@both_ways
+@pytest.mark.parametrize("block", BLOCKS)
+def test_a_scenario_with_a_block(block: str, way: Way, tmp_path: Path) -> None:
+    scenario = pool_with(BLOCKS[block])
+    read = way(scenario, tmp_path)
+    require_same(read, scenario)
+    assert flown(read) == flown(scenario)
+
+
+@both_ways
+@pytest.mark.parametrize("variant", ["", "sea", "cast"])
+def test_a_scenario_with_everything(variant: str, way: Way, tmp_path: Path) -> None:
+    scenario = validated(Scenario, world(variant))
+    read = way(scenario, tmp_path)
+    require_same(read, scenario)
+    assert flown(read) == flown(scenario)
+
+
+def keys_of(value: Any, place: tuple[str | int, ...] = ()) -> Iterator[tuple[Model, str, tuple[str | int, ...]]]:
+    """Yield each field of each model: the model, the field, and its place."""
+    if isinstance(value, Model):
+        for name in type(value).model_fields:
+            yield value, name, (*place, name)
+            yield from keys_of(getattr(value, name), (*place, name))
+    elif isinstance(value, dict | tuple):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from keys_of(item, (*place, key))
+
+
+def test_a_scenario_with_any_key_left_out_or_given_with_its_default(tmp_path: Path) -> None:
+    """Of a scenario that gives nearly all: what is valid with the one change is read as it was."""
+    tried = 0
+    for variant in ("", "cast"):
+        base = validated(Scenario, world(variant))
+        for owner, name, place in keys_of(base):
+            field = type(owner).model_fields[name]
+            if field.is_required() or (variant and place[0] != "water"):
+                continue
+            values = plain(base)
+            *above, last = place
+            at = values
+            for part in above:
+                at = at[part] if isinstance(at, list) or part in at else {}
+            if at.pop(last, None) is None:
+                at[last] = plain(field.get_default(call_default_factory=True, validated_data=dict(owner)))
+            try:
+                scenario = Scenario.model_validate(values)
+            except ValidationError:  # the key is needed, or stands against another
+                continue
+            read = in_recording(scenario, tmp_path)
+            assert read == scenario, place
+            assert plain(read) == plain(scenario), place
+            tried += 1
+    assert tried > 400
+
+
+@settings(max_examples=20)
+@given(
+    text=st.text(st.characters(exclude_categories=["Cs"]), max_size=20),
+    key=st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=5),
+    number=st.floats(-100, 100),
+    count=st.integers(0, 2**63 - 1),
+)
+def test_any_text_and_number(text: str, key: str, number: float, count: int, tmp_path_factory: Any) -> None:
+    link = {"modem": "tether", "repeats": {key: 2}, "carries": [text]}
+    folder = tmp_path_factory.getbasetemp()
+    scenario = pool_with({"description": text, "seed": count, "link": link, "station": {"position_m": [number, 0, 0]}})
+    for way in (in_recording, in_yaml):
+        require_same(way(scenario, folder), scenario)
+
+
+def recorded(scenario: Scenario, path: Path) -> None:
+    sim = Simulator(scenario)
+    with Recorder(sim, path, topics=["*odom", "*imu", "*telemetry"]):
+        sim.rov.release()
+        sim.rov.set_effort(surge=0.5)
+        sim.advance(0.2)
+
+
+def require_replayed(path: Path) -> None:
+    result = replay(path)
+    assert result.difference is None
+    assert result.state_compared
+
+
+@pytest.mark.parametrize("name", packaged_scenarios())
+def test_a_recording_of_a_packaged_scenario_is_replayed(name: str, tmp_path: Path) -> None:
+    recorded(load(name), tmp_path / "run.mcap")
+    require_replayed(tmp_path / "run.mcap")
+
+
+@pytest.mark.parametrize("name", VEHICLES)
+def test_a_recording_of_a_packaged_vehicle_is_replayed(name: str, tmp_path: Path) -> None:
+    recorded(load("pool").with_changes(vehicle_model=load_vehicle(name)), tmp_path / "run.mcap")
+    require_replayed(tmp_path / "run.mcap")
+
+
+@pytest.fixture(params=[*packaged_scenarios(), *VEHICLES])
+def flyable(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A folder with a packaged scenario, or the pool with a packaged vehicle, and a mission."""
+    name = request.param
+    scenario = load("pool").with_changes(vehicle_model=load_vehicle(name)) if name in VEHICLES else load(name)
+    write_scenario(tmp_path / "scenario.yaml", scenario)
+    (tmp_path / "push.py").write_text(MISSION)
+    return tmp_path
+
+
+def test_a_sweep_flies_again_what_it_flew(flyable: Path) -> None:
+    vehicle = load(flyable / "scenario.yaml").vehicles[0].name
+    sweep = {
+        "scenario": str(flyable / "scenario.yaml"), "mission": str(flyable / "push.py"), "worst": 1,
+        "vary": {"mission.effort": {"choices": [0.2]}, f"{vehicle}.drag.linear.roll": {"choices": [0.6]}},
+        "objective": {"metric": "simulated_s", "best": "high"},
+    }  # fmt: skip
+    done = run_sweep(sweep, flyable / "out", workers=0)
+    assert done.failed == 0
+    assert (flyable / "out" / "report.html").is_file()
+    (worst,) = (flyable / "out" / "worst").iterdir()
+    fly_again(sweep, int(worst.name), flyable / "again", report="none")
+    digest = done.rows.rows[int(worst.name)]["scenario_digest"]
+    for folder in (worst, flyable / "again"):
+        assert scenario_fingerprint(load(folder / "scenario.yaml")) == digest
+    require_replayed(flyable / "again" / "run.mcap")
+    for name in ("log.jsonl", f"track-{vehicle}.csv", "scenario.yaml"):
+        assert (flyable / "again" / name).read_bytes() == (worst / name).read_bytes(), name
+
+
+def test_a_flight_is_resumed_to_the_same_bytes(flyable: Path) -> None:
+    scenario, mission = flyable / "scenario.yaml", flyable / "push.py"
+    fly(mission, scenario, flyable / "whole", report="none")
+    assert fly(mission, scenario, flyable / "half", report="none", autosave=StopAfter(3)).interrupted
+    resume(flyable / "half", report="none")
+    tracks = [path.name for path in (flyable / "whole").glob("track-*.csv")]
+    assert tracks
+    for name in ("log.jsonl", *tracks):
+        assert (flyable / "half" / name).read_bytes() == (flyable / "whole" / name).read_bytes(), name
+
+
+OLD = ["lake", "pair", "remus100", *(block for block in BLOCKS if block != "a figure of noise with its usual value")]
+
+
+@pytest.mark.parametrize("name", OLD)
+def test_a_recording_that_holds_every_default_is_read(name: str, tmp_path: Path) -> None:
+    """As recordings were written once, whether or not the scenario gave a key."""
+    if name in VEHICLES:
+        scenario = load("pool").with_changes(vehicle_model=load_vehicle(name))
+    else:
+        scenario = pool_with(BLOCKS[name]) if name in BLOCKS else load(name)
+    read = unpack(with_every_default(scenario), tmp_path)
+    assert read == scenario
+    assert scenario_fingerprint(read) == scenario_fingerprint(scenario)
+    assert flown(read) == flown(scenario)
+
+
+def with_every_default(scenario: Scenario) -> dict[str, bytes]:
+    files: dict[str, bytes] = {}
+
+    def packed(value: Any) -> Any:
+        if isinstance(value, Path):
+            files[name := f"files/{len(files)}/{value.name}"] = value.read_bytes()
+            return {FILE: name, "path": str(value)}
+        if isinstance(value, dict):
+            return {key: packed(item) for key, item in value.items()}
+        return [packed(item) for item in value] if isinstance(value, list | tuple) else value
+
+    values = scenario.model_dump()
+    for vehicle in values["vehicles"]:
+        noise = vehicle["sonar"]["noise"]
+        if noise is not None:
+            given_figures = {key: figure for key, figure in noise.items() if figure is not None}
+            vehicle["sonar"]["noise"] = SonarNoise().model_dump() | given_figures
+    return {SCENARIO: json.dumps(packed(values)).encode(), **files}
+
+
+def test_figures_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
+    """The usual value of a figure is none of a model that has another: scenarios with and without it differ."""
+    loud = load_sonar("em2040-2").model_copy(update={"noise": SonarNoise(level_db=60.0, range=False)})
+
+    def with_noise(noise: Any) -> Scenario:
+        sonar = {"model": loud, "mode": "physics", "noise": noise}
+        return pool_with({"vehicles": [{"sonar": sonar}]})
+
+    unlike = {key: with_noise(noise) for key, noise in {"none": None, "model": {}, "usual": {"level_db": 45.0}}.items()}
+    assert unlike["usual"] != unlike["model"]
+    assert scenario_fingerprint(unlike["usual"]) != scenario_fingerprint(unlike["model"])
+    levels = {key: each.vehicles[0].sonar.loaded.noise.level_db for key, each in unlike.items()}
+    assert levels == {"none": 60.0, "model": 60.0, "usual": 45.0}
+    assert with_noise(SonarNoise(level_db=45.0)) == unlike["usual"]
+    with Simulator(unlike["none"]) as sim:
+        sim.parameters["rov.sonar.noise.range"] = True
+        sim.parameters["rov.sonar.noise.level_db"] = 45.0
+        assert sim.parameters["rov.sonar.noise.level_db"] == 45.0
+        assert sim.parameters["rov.sonar.noise.detection_threshold_db"] == 13.0
+
+
+def test_a_part_of_a_scenario_is_set_as_it_was_given() -> None:
+    """Not with its defaults, which would be refused beside the profile, or take the place of the model's figures."""
+    water = Water.model_validate({"profile": PROFILE})
+    with Simulator("pool") as sim:
+        sim.parameters["water"] = water
+        assert sim.parameters.scenario.water == water
+
+
+def test_results_of_a_scenario_with_a_profile_have_a_fingerprint() -> None:
+    assert fingerprint(pool_with({"water": {"profile": PROFILE}}), threads=1).parts
+
+
+def test_a_variant_keeps_its_name_and_a_filled_default_its_content(tmp_path: Path) -> None:
+    still = load("pool").model_copy(update={"water": Water(surface=StillSurface())})
+    require_same(in_recording(still, tmp_path), still)
+    filled = load("pool")
+    filled.vehicles[0].model.fins.update(load_vehicle("remus100").fins)
+    read = in_yaml(filled, tmp_path)
+    assert read == filled
+    assert read.vehicles[0].model.fins

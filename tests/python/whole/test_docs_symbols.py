@@ -1,0 +1,169 @@
+"""Paths, symbols and options that the pages put in back-ticks exist."""
+
+import re
+import subprocess
+from functools import cache
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import pytest
+import typer
+
+from docs_pages import PAGES, ROOT
+from uwsim.cli.main import app
+
+TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md", *PAGES, *sorted(ROOT.glob("cpp/**/*.md"))]
+SOURCES = {".py", ".pyi", ".h", ".cpp", ".cmake", ".js", ".css", ".j2", ".toml", ".yml", ".md", ".svg"}
+FOLDERS = {"python", "cpp", "tests", "tools", "docs", "assets", ".ci", ".github"}
+
+OTHERS: dict[str, set[str]] = {
+    "add-a-sensor": {"cpp/uwsim/sensors/salinity.cpp"},  # what the page adds
+    "add-a-sonar": {
+        "cpp/uwsim/sonar/imaging/echo_sounder.cpp",
+        "python/uwsim/instruments/sonars/imaging/echo_sounder.py",
+        "tests/cpp/test_echo_sounder.cpp",
+        "uwsim_test(test_echo_sounder uwsim_sonar)",
+    },
+    "coming-from": {  # names of the other simulators
+        "AcousticBeaconSensor",
+        "DepthSensor",
+        "OpticalModemSensor",
+        "ProfilingSonar",
+        "SidescanSonar",
+        'holoocean.make("...")',
+        "hydrodynamic_model",
+        "stonefish_simulator",
+        "uuv_sensor_ros_plugins",
+        "uuv_thruster_manager",
+    },
+    "conventions": {"rate_body_rad_s"},  # a name that the rule would give
+    "datasets": {  # what the command writes
+        "_val",
+        "arrays/",
+        "classes/",
+        "depth/",
+        "instances/",
+        "labels/",
+        "multibeam/",
+        "normals/",
+        "sonar_arrays/",
+        "sonar_classes/",
+        "sonar_instances/",
+    },
+    "install": {"manylinux_2_35", "manylinux_2_NN"},  # tags of wheels
+    "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # of ROS and Open3D
+    "missions": {"out/"},
+    "recording": {"uwsim.end"},  # a record's name
+    "ros1": {"octomap_rviz_plugins"},
+    "ros2": {"related_sample_identity", "rmw_cyclonedds", "rqt_console"},  # of ROS 2
+    "sweeps": {"bay.yaml", "runs/"},
+    "troubleshooting": {"octomap_rviz_plugins"},
+    "trust": {"_GLIBCXX_ASSERTIONS"},
+}
+"""By page: names of other programs, and of files that the page's reader or a command writes."""
+
+
+@cache
+def files() -> list[PurePosixPath]:
+    """The project's files, as git knows them or would."""
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    return [PurePosixPath(name) for name in names if (ROOT / name).is_file()]
+
+
+@cache
+def tails() -> set[str]:
+    """Every way in which a file or folder may be written: its path from any folder above it."""
+    paths = {path for file in files() for path in (file, *file.parents[:-1])}
+    return {"/".join(path.parts[start:]) for path in paths for start in range(len(path.parts))}
+
+
+def words_of(file: PurePosixPath) -> set[str]:
+    return set(re.findall(r"[A-Za-z_]\w*", f"{file} {(ROOT / file).read_text(errors='ignore')}"))
+
+
+@cache
+def words() -> set[str]:
+    """Every word of the sources, the assets and their names."""
+    ours = [file for file in files() if file.suffix in SOURCES - {".md"} or file.parts[0] in {"tools", ".ci"}]
+    ours = [file for file in ours if not file.match("test_docs_symbols.py")]
+    return set().union(*map(words_of, ours))
+
+
+def options_of(command: Any) -> set[str]:
+    """The options of a command and of the commands that it has."""
+    own = {name for parameter in command.params for name in (*parameter.opts, *parameter.secondary_opts)}
+    return own.union(*map(options_of, getattr(command, "commands", {}).values()))
+
+
+@cache
+def options() -> set[str]:
+    """The options of `uwsim`, and every option that another source names."""
+    ours = [
+        file for file in files() if file.parts[0] in FOLDERS - {"docs", "assets"} and not file.match("test_docs_*.py")
+    ]
+    texts = [(ROOT / file).read_text(errors="ignore") for file in ours]
+    named = {name for text in texts for name in re.findall(r"--[a-z][\w-]*", text)}
+    return named | options_of(typer.main.get_command(app))
+
+
+def exists(path: str) -> bool:
+    """Return True if the project has this path, which may contain wildcards."""
+    path = path.rstrip("/").removeprefix("../")
+    if "*" in path:
+        return any(file.match(path) for file in files())
+    return path in tails() or (ROOT / path).exists()
+
+
+def is_path(text: str) -> bool:
+    path = PurePosixPath(text)
+    in_folder = any(path.is_relative_to(folder) for folder in FOLDERS)
+    return in_folder or path.suffix in SOURCES or bool(re.fullmatch(r"[a-z_]+(/[a-z_]+)*/", text))
+
+
+def missing_names(symbol: str) -> set[str]:
+    """The parts of a dotted name that no source has; behind a module of ours, that the module does not have."""
+    parts = symbol.split(".")
+    if parts[0] != "uwsim":
+        return set(parts) - words()
+    folder, known = ROOT / "python/uwsim", words()
+    for index, part in enumerate(parts[1:], start=1):
+        if (folder / part).is_dir():
+            folder = folder / part
+        else:
+            modules = [folder / f"{part}{suffix}" for suffix in (".py", ".pyi")]
+            home = next(filter(Path.is_file, modules), folder / "__init__.py")
+            rest = parts[index + 1 :] if home.stem == part else parts[index:]
+            return (set(rest[:1]) - words_of(PurePosixPath(home.relative_to(ROOT)))) | (set(rest[1:]) - known)
+    return set()
+
+
+def dead(text: str) -> bool:
+    """Return True if a text in back-ticks refers to something that does not exist."""
+    if re.fullmatch(r"--[a-z][\w-]*", text):
+        return text not in options()
+    if re.fullmatch(r"[\w.*-]+(/[\w.*-]+)*/?", text) and is_path(text):
+        return not exists(text)
+    symbol = re.sub(r"\(.*\)$", "", text.replace("::", "."))
+    named = re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", symbol) and not symbol.endswith("_")  # a name's beginning
+    return bool(named and re.search(r"[._]|[a-z][A-Z]|\)$", text) and missing_names(symbol))
+
+
+def back_ticked(page: Path) -> set[str]:
+    prose = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    return set(re.findall(r"(?<!`)`([^`\n]+)`(?!`)", prose))
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_what_is_in_back_ticks_exists(page: Path) -> None:
+    others = OTHERS.get(page.stem if page.is_relative_to(ROOT / "docs") else "", set())
+    found = {text for text in back_ticked(page) if dead(text)}
+    assert sorted(found - others) == []
+    assert sorted(others - found) == [], "allowed without need"
+
+
+@pytest.mark.parametrize(
+    "text", ["gone.h", "vehicle/gone.h", "uwsim.gone", "uwsim.mapping.Gone", "GoneClass", "gone_one()", "--gone"]
+)
+def test_a_dead_reference_is_found(text: str) -> None:
+    assert dead(text)

@@ -1,0 +1,47 @@
+"""What users run with has a licence that lets them use uwsim under its own, MIT."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from tools.licence_list import main, reaches
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_every_dependency_has_a_licence_and_none_reaches_to_us(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["licences"])
+    assert main() == 0, capsys.readouterr().err
+    listed = {line.split()[1] for line in capsys.readouterr().out.splitlines()}
+    assert {"numpy", "libembree3-3", "liboctomap-dev", "pybind11", "three"} <= listed
+
+
+@pytest.mark.parametrize(
+    ("licence", "far"),
+    [
+        ("MIT", False),
+        ("GNU General Public License v3 or later (GPLv3+)", True),
+        ("AGPL-3.0-only", True),
+        ("GNU Library or Lesser General Public License (LGPL)", False),
+        ("GPL-3.0-or-later WITH GCC-exception-3.1", False),
+        ("Apache-2.0 OR GPL-2.0", False),
+    ],
+)
+def test_which_licences_reach(licence: str, far: bool) -> None:
+    assert reaches(licence) == far
+
+
+@pytest.mark.parametrize("name", ["requirements-lock.txt", "requirements-lock-dev.txt"])
+def test_a_lock_holds_what_users_need_by_version_and_hash(name: str) -> None:
+    entries = [line for line in (ROOT / name).read_text().replace("\\\n", " ").splitlines() if line.strip()]
+    assert all("==" in entry and "--hash=sha256:" in entry for entry in entries)
+    locked = {entry.partition("==")[0].partition("[")[0]: entry.split()[0].partition("==")[2] for entry in entries}
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    for wanted in map(Requirement, [*config["build-system"]["requires"], *config["project"]["dependencies"]]):
+        version = locked[re.sub(r"[-_.]+", "-", wanted.name).lower()]
+        assert wanted.specifier.contains(version), f"{wanted}: locked is {version}; run tools/lock"

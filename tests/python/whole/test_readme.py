@@ -1,0 +1,41 @@
+"""The README's Python programs run as printed."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from uwsim.bridges import RosbridgeServer
+from uwsim.live import LiveSimulator
+
+README = Path(__file__).parents[3] / "README.md"
+
+
+def output_of(folder: Path, text: str, changes: dict[str, str] | None = None) -> str:
+    """Run the README's Python program that contains a text, with changes; return what it prints."""
+    programs = re.findall(r"^```python\n(.*?)^```$", README.read_text(), flags=re.DOTALL | re.MULTILINE)
+    (program,) = [program for program in programs if text in program]
+    for old, new in (changes or {}).items():
+        assert old in program
+        program = program.replace(old, new)
+    run = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+    return run.stdout
+
+
+def test_the_readme_reads_sensors(tmp_path: Path) -> None:
+    assert "echoes, the nearest at" in output_of(tmp_path, "rov.sonar.ping()")
+
+
+def test_the_readme_drives_by_roslibpy(tmp_path: Path) -> None:
+    with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
+        start_m = live.simulator.rov.pose.position_world_m
+        changes = {"9090": str(server.port), "time.sleep(10)": "time.sleep(2)"}
+        ranges_m = [float(line) for line in output_of(tmp_path, "roslibpy", changes).splitlines()]
+        moved_m = np.linalg.norm(live.simulator.rov.pose.position_world_m - start_m)
+    assert len(ranges_m) > 20 and all(0.0 < range_m < 96.0 for range_m in ranges_m)
+    assert moved_m > 0.1
