@@ -187,6 +187,8 @@ def test_work_is_done_in_slices():
         '{"a":[' + ",".join(["[]"] * 690_000) + "]}",
         '{"a":[' + ",".join(['""'] * 690_000) + "]}",
         '{"a":[' + ",".join(['{"x":1}'] * 15_000) + "]}",
+        '{"a":[' + ",".join(["1.5"] * 400_000) + "]}",
+        '{"a":[' + ",".join(["1e5"] * 400_000) + "]}",
         '{"op":"call_service","service":"/never","args":[' + ",".join(["{}"] * 19_000) + "]}",
         '{"op":"service_response","id":"1","values":[' + ",".join(["{}"] * 19_000) + "]}",
     ],
@@ -244,6 +246,7 @@ POINTS = np.linspace(1.0, 2.0, 500_000, dtype="<f4").tobytes()
         ("nav_msgs/msg/OccupancyGrid", {"data": [-1] * 600_000}),
         ("nav_msgs/msg/Path", {"poses": [POSE] * 3000}),
         ("std_msgs/msg/String", {"data": "é" * 900_000}),
+        ("std_msgs/msg/String", {"data": "1e5.," * 300_000}),
     ],
 )
 def test_large_messages_that_are_what_they_seem_are_taken(name, message):
