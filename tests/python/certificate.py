@@ -1,11 +1,16 @@
-"""A certificate for localhost, for tests of encryption."""
+"""A certificate for localhost, and a client that uses it, for tests of encryption."""
 
+import asyncio
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
+from websockets.asyncio.client import connect
+
+PATIENCE_S = 10.0
 
 
 def write_certificate(folder: Path) -> tuple[Path, Path]:
@@ -25,3 +30,15 @@ def write_certificate(folder: Path) -> tuple[Path, Path]:
     keyfile.write_bytes(key.private_bytes(*private))
     certfile.write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
     return certfile, keyfile
+
+
+def first_frame(url: str, *requests: str, **options: Any) -> Any:
+    """Connect, send the requests and return the first frame, on a single thread: see uwsim.bridges.nodes.websocket."""
+
+    async def converse() -> Any:
+        async with connect(url, **options) as client:
+            for request in requests:
+                await client.send(request)
+            return await asyncio.wait_for(client.recv(), PATIENCE_S)
+
+    return asyncio.run(converse())

@@ -5,20 +5,17 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
 
+from uwsim.bridges.nodes.websocket import WebSocket
 from uwsim.bridges.rosbridge.encoding import Sample, to_json
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels.messages import from_plain, spelled
 
 QUEUE = 1000  # the chain's messages are few and each counts
 NESTING = 32
-CONNECT_S = 10.0
-FRAME_BYTES = 64 << 20
 
 
 class Node:
@@ -33,10 +30,7 @@ class Node:
     def __init__(self, url: str, queue: int = QUEUE) -> None:
         if not url.startswith(("ws://", "wss://")):
             raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
-        self._closing = ExitStack()
-        self._connection = self._closing.enter_context(
-            connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=1)
-        )
+        self._connection = WebSocket(url)
         self.finish: Callable[[], None] = lambda: None
         self.complain: Callable[[str], object] = lambda text: None
         self._queue = queue
@@ -97,7 +91,7 @@ class Node:
 
     def close(self) -> None:
         """Disconnect."""
-        self._closing.close()
+        self._connection.close()
 
     def _send(self, operation: dict[str, Any]) -> None:
         self._connection.send(to_json(operation))

@@ -1,0 +1,84 @@
+"""WebSocket: a client's connection, whose network is on a thread of its own.
+
+websockets.sync reads on one thread and writes on another. OpenSSL does not allow that for one connection, and about one
+wss handshake in 4,000 then never ends (CPython 3.11 on two busy cores). Here a single thread does both.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine
+from concurrent.futures import Future
+from threading import Lock, Thread
+from typing import TypeVar
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosedOK
+
+CONNECT_S = 10.0
+CLOSE_S = 1.0
+FRAME_BYTES = 64 << 20
+
+Result = TypeVar("Result")
+
+
+class WebSocket:
+    """A connection to a WebSocket server; every method may be called on any thread.
+
+    Raises OSError if the server cannot be reached, and websockets' InvalidHandshake if it refuses.
+    """
+
+    def __init__(self, url: str) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._lock, self._is_open = Lock(), True
+        self._thread = Thread(target=self._loop.run_forever, name="uwsim-websocket", daemon=True)
+        self._thread.start()
+        try:
+            self._connection = self._begin(self._connect(url)).result()
+        except BaseException:
+            self._end()
+            raise
+
+    def send(self, frame: str | bytes) -> None:
+        """Send a frame. Raises ConnectionClosed."""
+        self._begin(self._send(frame)).result()
+
+    def recv(self, wait_s: float) -> str | bytes:
+        """Return the next frame. Raises TimeoutError after wait_s, ConnectionClosed."""
+        return self._begin(self._receive(wait_s)).result()
+
+    def close(self) -> None:
+        """Disconnect; what other threads wait for ends with ConnectionClosed."""
+        with self._lock:
+            was_open, self._is_open = self._is_open, False
+        if was_open:
+            asyncio.run_coroutine_threadsafe(self._close(), self._loop).result()
+            self._end()
+
+    def _begin(self, work: Coroutine[object, object, Result]) -> Future[Result]:
+        with self._lock:
+            if not self._is_open:
+                work.close()
+                raise ConnectionClosedOK(None, None)
+            return asyncio.run_coroutine_threadsafe(work, self._loop)
+
+    async def _connect(self, url: str) -> ClientConnection:
+        return await connect(url, compression=None, max_size=FRAME_BYTES, open_timeout=CONNECT_S, close_timeout=CLOSE_S)
+
+    async def _send(self, frame: str | bytes) -> None:
+        await self._connection.send(frame)
+
+    async def _receive(self, wait_s: float) -> str | bytes:
+        return await asyncio.wait_for(self._connection.recv(), wait_s)
+
+    async def _close(self) -> None:
+        await self._connection.close()
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        if others:
+            await asyncio.wait(others, timeout=CLOSE_S)
+        await self._loop.shutdown_default_executor()  # it looked the host's name up
+
+    def _end(self) -> None:
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
