@@ -289,7 +289,8 @@ def test_the_vehicle_stops_when_its_keyboard_vanishes(live, server):
     connection = connected(server, hands)
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
-    connection._node._connection.socket.shutdown(2)  # as if the machine were gone
+    socket = connection._node._connection
+    socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine were gone
     until(lambda: not live.rov.effort.any())
     connection.stop()
 
