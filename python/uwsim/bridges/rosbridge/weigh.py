@@ -66,7 +66,8 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
         load = walk_cbor(frame, limits.nesting, limits.objects)
     else:
         load = _quick_load(frame)
-        _check_fractions(frame)
+        if load.values > FRACTIONS:
+            _check_fractions(frame)
         remembers = _is_too_much(load, frame, limits)
         if remembers:
             load = exact_load(frame)
