@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+from typing import Any, ClassVar
 
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode, Frame, Opcode
@@ -11,6 +11,7 @@ from websockets.frames import CloseCode, Frame, Opcode
 READ_BYTES = 1 << 13  # at once: of frames without content that is a thousand
 CONTINUATIONS = 1000  # frames of one message
 UNREAD_PONGS_BYTES = 1 << 20
+HEAD_S = 5.0  # for a request's head, and before it for encryption
 GOING_S = 2.0  # for a closing handshake
 REASON_BYTES = 123  # RFC 6455, section 5.5
 
@@ -18,10 +19,13 @@ REASON_BYTES = 123  # RFC 6455, section 5.5
 class HeardConnection(ServerConnection):
     """A connection that knows for how long nothing has come through it, answers to pings included.
 
-    silent_s: its server counts it up. Time in which the loop stood still is not silence.
+    silent_s: its server counts it up. Time in which the loop stood still is not silence. most: connections of its
+    server at a time, half-open ones included; a further one is cut off.
     """
 
     silent_s = 0.0
+    most: ClassVar[int]
+    made: ClassVar[set[HeardConnection]]
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -33,6 +37,19 @@ class HeardConnection(ServerConnection):
         super().connection_made(transport)
         if hasattr(transport, "max_size"):
             transport.max_size = READ_BYTES
+        self.made.add(self)
+        if len(self.made) > self.most:
+            self.transport.abort()
+        self.loop.call_later(HEAD_S, self._require_head)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Leave room for another."""
+        self.made.discard(self)
+        super().connection_lost(exc)
+
+    def _require_head(self) -> None:
+        if self.request is None:
+            self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Take note that the other side lives. One that pings on and does not read the answers is cut off."""
@@ -62,3 +79,8 @@ class HeardConnection(ServerConnection):
             pass
         finally:
             self.transport.abort()
+
+
+def connections_of_one_server(most: int) -> type[HeardConnection]:
+    """Return a class of connections of which there are at most so many at a time."""
+    return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set()})

@@ -15,8 +15,9 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.http11 import Request, Response
 
 from uwsim.bridges.admission import Admission, is_socket, tls_context, warn_beyond_loopback
-from uwsim.bridges.connection import HeardConnection
+from uwsim.bridges.connection import HEAD_S, HeardConnection, connections_of_one_server
 from uwsim.bridges.conversation import Allowance, Rates, Session, converse
+from uwsim.bridges.rare_log import RareLog
 
 Site = Callable[[Request], Awaitable[Response]]
 """Answers requests for pages and files, which are no WebSockets."""
@@ -27,6 +28,7 @@ OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], Non
 """Begins a client's session, from its connection, what wakes its writer, and what disconnects it with a reason."""
 
 STOP_S = 5.0
+HALF_OPEN_MAX = 64  # connections beyond the places, which have not asked for anything yet
 WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
 
 
@@ -69,6 +71,7 @@ class Listener(Generic[S]):
         self._admission = Admission(address.host, pages=address.origins, token=address.token, places=places)
         self._tls = tls_context(address.certfile, address.keyfile)
         self._log = log
+        self._rare = RareLog(log)
         self._places, self._rates, self._share = places, rates, share
         self._open_session, self._main, self._site = open_session, main, site
         self._options = options
@@ -127,6 +130,7 @@ class Listener(Generic[S]):
 
     async def _serve(self, ready: threading.Event) -> None:
         self.loop = asyncio.get_running_loop()
+        self.loop.set_exception_handler(self._complain)
         self.stopping = asyncio.Event()
         async with self._open() as server:
             self._port = next(iter(server.sockets)).getsockname()[1]
@@ -144,13 +148,19 @@ class Listener(Generic[S]):
             ssl=self._tls,
             compression=None,
             max_queue=0,  # one frame waits
-            create_connection=HeardConnection,
+            create_connection=connections_of_one_server(self._places + HALF_OPEN_MAX),
             process_request=self._admit,
             write_limit=WRITE_LIMIT,
             close_timeout=1,
             server_header=None,
+            ssl_handshake_timeout=HEAD_S if self._tls else None,
             **self._options,
         )
+
+    def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Report what the loop could not do, such as accept a connection without a file left for it."""
+        error = context.get("exception")
+        self._rare.warning(f"{context['message']}: {error}" if error else str(context["message"]))
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         asks_site = self._site is not None and not is_socket(request)

@@ -190,6 +190,11 @@ def kind_of(description: Any) -> Kind:
     return Kind(inner.base, argument[1], 0) if node == 3 else Kind(inner.base, 0, argument[1])
 
 
+def is_unicode(text: str) -> bool:
+    """Return whether a text can be written: JSON and CBOR may send half of a surrogate pair, which is no character."""
+    return not any("\ud800" <= character <= "\udfff" for character in text)
+
+
 def shortened(value: object) -> str:
     """Return a value as an error message shows it."""
     if isinstance(value, str):

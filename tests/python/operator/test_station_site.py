@@ -38,6 +38,7 @@ def test_the_start_screen_has_a_picture_of_each_scenario_from_above():
         assert (colour_at(3.0, 0.0), colour_at(-6.0, 0.0), colour_at(4.0, 2.0)) == (OBSTACLE, STATION, AREA)
         assert colour_at(0.0, 2.0) == colour_at(0.0, -2.0)  # the flat bed
         assert get(server, "/preview/../pool.png")[0] == get(server, "/preview/nowhere.png")[0] == 404
+        assert get(server, "/a" * 4000)[0] == get(server, "/" + "a" * 4000)[0] == 404  # too long for a file's name
     with serving(is_fixed=True) as (_, server):
         assert get(server, "/preview/pool.png")[0] == 404
 

@@ -11,7 +11,7 @@ from uwsim.bridges.rosbridge.ledger import Account
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
-from uwsim.channels.message_types import shortened
+from uwsim.channels.message_types import is_unicode, shortened
 
 CALL_BYTES = 1000  # of an open call without its arguments
 
@@ -56,7 +56,8 @@ class Calls:
         response: dict[str, Any] = {"op": "service_response"}
         if identity is not None:
             response["id"] = identity
-        response["service"] = name if isinstance(name, str) and len(name) <= 256 else shortened(name)
+        fits = isinstance(name, str) and len(name) <= 256 and is_unicode(name)
+        response["service"] = name if fits else shortened(name)
         reply = self._open(response)
         arguments = operation.get("args")
         try:

@@ -21,7 +21,7 @@ from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.parse import read
 from uwsim.bridges.rosbridge.topics import Made, Topics
-from uwsim.channels.message_types import shortened
+from uwsim.channels.message_types import is_unicode, shortened
 from uwsim.channels.messages import Ros, from_plain
 
 Perform = Callable[[dict[str, Any]], None]
@@ -174,9 +174,11 @@ class Session:
         """Return what is wrong with an id, in words; None if answers can carry it."""
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
+        if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:
+            return "id: an integer beyond 64 bits: must be a string"  # even to write it takes too long
         if len(str(identity)) > self.limits.identity:
             return f"id: {len(str(identity))} characters: must be {self.limits.identity} at most"
-        if any("\ud800" <= character <= "\udfff" for character in str(identity)):
+        if not is_unicode(str(identity)):
             return f"id = {shortened(identity)}: half a surrogate pair: must be Unicode text"
         return None
 

@@ -104,8 +104,11 @@ ROUTES: list[tuple[str, Callable[..., tuple[bytes, str]]]] = [
 def _page_file(request: Request, path: str) -> Response:
     if not path.isprintable():
         return _not_found(request)
-    found = (PAGE / (path.lstrip("/") or "index.html")).resolve()
-    if not found.is_relative_to(PAGE) or not found.is_file():
+    try:
+        found = (PAGE / (path.lstrip("/") or "index.html")).resolve()
+        if not found.is_relative_to(PAGE) or not found.is_file():
+            return _not_found(request)
+    except OSError:  # a name too long for a file
         return _not_found(request)
     file, tag = _read(found, found.stat().st_mtime_ns)
     headers = {"Cache-Control": "no-cache", "ETag": tag}
