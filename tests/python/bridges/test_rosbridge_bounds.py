@@ -60,6 +60,17 @@ def graph():
     return Graph(Ledger(12 * MB))
 
 
+def test_a_topic_has_two_spellings_and_each_client_at_most_two_queues(graph):
+    """10,000 spellings, such as //clock and ///clock, were as many queues of one topic and slowed the simulator."""
+    reader, publisher = Client(graph, "/reader"), Client(graph, "/publisher")
+    for name in ("clock", "/clock", *("/" * k + "clock" for k in range(2, 100)), "/clock/", "a//clock"):
+        reader.send("subscribe", topic=name, type="std_msgs/String")
+    refusals = [json.loads(frame) for frame in reader.frames()]
+    assert len(refusals) == 100 and all("without empty parts" in refusal["msg"] for refusal in refusals)
+    publisher.publish("/clock", 1)
+    assert [json.loads(frame)["topic"] for frame in reader.frames()] == ["clock", "/clock"]
+
+
 def test_one_topic_s_large_messages_give_way_to_newer_ones(graph):
     reader, publisher = Client(graph, "/reader"), Client(graph, "/publisher")
     reader.send("subscribe", topic="t", type="std_msgs/String", queue_length=100)

@@ -13,9 +13,11 @@ import psutil
 import pytest
 
 from command_line import UWSIM
+from uwsim.base.folder_lock import LOCK
 from uwsim.campaigns.sweeps import run_sweep
 from uwsim.campaigns.sweeps.table import TABLE
 from uwsim.campaigns.workers import Workers, open_workers
+from uwsim.campaigns.workers.dask_workers import SCRATCH, scratch_folder
 from uwsim.campaigns.workers.ledger import LEDGER
 from worker_jobs import die_at_three, double, fail_at_first, tell_and_take_long
 
@@ -141,3 +143,15 @@ def test_a_sweep_that_is_killed_resumes_and_leaves_no_processes(tmp_path: Path) 
     assert in_session(process.pid) == []
     assert not run_sweep(path, out, workers=0, resume=True, report=False).interrupted
     assert pd.read_parquet(out / TABLE)["result"].notna().sum() == 8
+
+
+def test_what_killed_clusters_left_is_removed_at_the_next_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    killed = tmp_path / f"{SCRATCH}killed"
+    killed.mkdir()
+    (killed / LOCK).touch()
+    with scratch_folder() as living, scratch_folder():
+        assert Path(living).is_dir() and not killed.exists()
+    assert not list(tmp_path.iterdir())

@@ -30,7 +30,10 @@ def plain_name(name: object, what: str = "topic") -> str:
         raise ValueError(f"{what} = {shortened(name)}: must be a name")
     if not name.isprintable() or " " in name:
         raise ValueError(f"{what} = {shortened(name)}: must be a name without spaces")
-    return name.lstrip("/")
+    plain = name.removeprefix("/")
+    if not all(plain.split("/")):  # "//clock" would be a further name of /clock, with a queue of its own
+        raise ValueError(f"{what} = {shortened(name)}: must be a name without empty parts, such as '/rov/scan'")
+    return plain
 
 
 @dataclass(eq=False)

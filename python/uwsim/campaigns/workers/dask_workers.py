@@ -6,17 +6,20 @@ import contextlib
 import logging
 import os
 import queue
+import shutil
 import signal
 import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import dask
 import distributed
 
+from uwsim.base.folder_lock import LOCK, alone_in
 from uwsim.campaigns.workers.workers import Finished, Work
 from uwsim.scenario.fingerprint import build_fingerprint
 
@@ -27,6 +30,7 @@ WORKERLESS_S = 300.0
 """Longest time without any worker: one that died restarts within seconds, on a busy machine within a minute."""
 NO_WORKERS = "all workers have died, and none has come back; --resume continues"
 LOCALHOST = "127.0.0.1"
+SCRATCH = "uwsim-dask-"
 SETTINGS = {
     "distributed.scheduler.allowed-failures": 0,  # trials are counted here
     "distributed.deploy.lost-worker-timeout": "1d",  # the default gives up on workers that take 15 s to restart
@@ -184,7 +188,7 @@ def local_workers(count: int) -> ClusterWorkers:
     closers = contextlib.ExitStack()
     try:
         closers.enter_context(dask.config.set(SETTINGS))
-        scratch = closers.enter_context(tempfile.TemporaryDirectory(prefix="uwsim-dask-", ignore_cleanup_errors=True))
+        scratch = closers.enter_context(scratch_folder())
         cluster = distributed.LocalCluster(
             n_workers=count,
             threads_per_worker=1,
@@ -203,6 +207,17 @@ def local_workers(count: int) -> ClusterWorkers:
     except BaseException:
         closers.close()
         raise
+
+
+@contextlib.contextmanager
+def scratch_folder() -> Iterator[str]:
+    """Make a folder for a cluster's files, and remove those of clusters that were killed."""
+    for left in Path(tempfile.gettempdir()).glob(f"{SCRATCH}*"):
+        if (left / LOCK).exists():
+            with contextlib.suppress(OSError), alone_in(left):  # an error: it is in use, or another user's
+                shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, ignore_cleanup_errors=True) as folder, alone_in(Path(folder)):
+        yield folder
 
 
 def _connected_client(address: str) -> distributed.Client:
