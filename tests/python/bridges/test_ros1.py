@@ -290,6 +290,22 @@ print(json.dumps(found))
     assert refusals == [f"/key: vehicle 'rov': set_effort: {STOPPED}"]
 
 
+def test_connections_that_send_nothing_delay_no_subscriber(ros: dict[str, str]) -> None:
+    """rospy reads the header of one connection at a time, each for 10 s at most: ten half-open ones were 100 s."""
+    script = """
+import rosgraph, rospy, socket
+from xmlrpc.client import ServerProxy
+from std_msgs.msg import String
+rospy.init_node("late", anonymous=True)
+publishers = dict(rosgraph.Master("/late").getSystemState()[0])["/depthArray"]
+node = ServerProxy(rosgraph.Master("/late").lookupNode(publishers[0]))
+_, host, port = node.requestTopic("/late", "/depthArray", [["TCPROS"]])[2]
+silent = [socket.create_connection((host, port)) for _ in range(10)]
+print(len(rospy.wait_for_message("/depthArray", String, 50).data) > 100)
+"""
+    assert run_node(script, ros).strip() == "True"
+
+
 def test_without_a_master_it_is_one_line(tmp_path: Path) -> None:
     import os
 

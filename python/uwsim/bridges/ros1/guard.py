@@ -6,12 +6,15 @@ import importlib
 import os
 import socket
 import struct
+import threading
+from collections.abc import Callable
 from typing import Any
 
 from uwsim.bridges.admission import Door
 
 HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message's definition takes a few kB
 HEADER_S = 10.0  # in which each part of it must come
+HEADERS_MAX = 64  # read at a time; a further connection is closed
 LOOPBACK = "127.0.0.1"
 
 
@@ -44,10 +47,10 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
 
 
 def _guard_tcpros(tcpros: Any) -> None:
-    """Bound the header that begins a connection, in bytes and in time.
+    """Bound the header that begins a connection, in bytes and in time, and read each on a thread of its own.
 
-    rospy reads it before it accepts the next client. The first letters of a request of HTTP, taken for the header's
-    length, are 1 GB: a page that asks for something here would keep all others waiting.
+    rospy reads it before it accepts the next client, so that one that sends nothing keeps all others waiting. The first
+    letters of a request of HTTP, taken for the header's length, are 1 GB.
     """
     read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
 
@@ -62,4 +65,23 @@ def _guard_tcpros(tcpros: Any) -> None:
         sock.settimeout(timeout_s)
         return found
 
+    waiting = threading.BoundedSemaphore(HEADERS_MAX)
+
+    class ThreadedServer(tcpros.TCPServer):  # type: ignore[misc]
+        def __init__(self, inbound_handler: Callable[[Any, Any], object], port: int = 0) -> None:
+            def handle(sock: Any, address: Any) -> None:
+                try:
+                    inbound_handler(sock, address)
+                finally:
+                    waiting.release()
+
+            def begin(sock: Any, address: Any) -> None:
+                if waiting.acquire(blocking=False):
+                    threading.Thread(target=handle, args=(sock, address), name="uwsim-tcpros", daemon=True).start()
+                else:
+                    sock.close()
+
+            super().__init__(begin, port)
+
     tcpros.read_ros_handshake_header = read_short
+    tcpros.TCPServer = ThreadedServer
