@@ -1,4 +1,4 @@
-"""What strangers do to a listening server: it answers or cuts off, and logs a line of each kind, not a traceback."""
+"""A listening server answers strangers or cuts them off, and logs one line of each kind of error, not a traceback."""
 
 import json
 import logging
