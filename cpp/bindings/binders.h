@@ -2,8 +2,8 @@
 
 #include <pybind11/pybind11.h>
 
-/// One binder for each folder of cpp/uwsim, called by module.cpp. A folder whose bindings take several files declares
-/// the binders of these in a binders.h of its own.
+/// One binder for each folder of cpp/uwsim, called by module.cpp. A folder with several binding files declares their
+/// binders in a binders.h of its own.
 namespace uwsim::bindings {
 
 void bind_core(pybind11::module_& m);

@@ -45,7 +45,7 @@ void bind_lens(py::module_& m) {
                                               "Lens and image sensor. Raises ValueError that names the field.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
                        double vignetting, std::optional<double> wobble_rad) {
-             const GilReleased unlocked;  // the tables of rays take time
+             const GilReleased unlocked;  // building the ray tables takes a while
              return std::make_shared<Camera>(std::move(name), lens,
                                              ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad});
            }),

@@ -12,7 +12,7 @@
 /// Estimates and efforts between Python and controllers.
 namespace uwsim::bindings {
 
-/// An attribute that is an array of this shape. One of doubles, in whatever order in memory, is not copied.
+/// An attribute that must be an array of this shape. An array of doubles is not copied, whatever its memory order.
 inline py::array_t<double> array_of(const py::object& owner, const char* name,
                                     std::initializer_list<py::ssize_t> shape) {
   const py::object value = owner.attr(name);
@@ -23,8 +23,8 @@ inline py::array_t<double> array_of(const py::object& owner, const char* name,
   return as_array<double>(value, name, shape);
 }
 
-/// From what has world_from_body (4, 4), and what has linear_body_m_s (3,) and angular_body_rad_s (3,). Raises
-/// ValueError for other shapes.
+/// Builds an estimate from an object with world_from_body (4, 4) and one with linear_body_m_s (3,) and
+/// angular_body_rad_s (3,). Raises ValueError for other shapes.
 inline MotionEstimate as_estimate(const py::object& pose, const py::object& velocity) {
   const auto matrix = array_of(pose, "world_from_body", {4, 4});
   const auto linear = array_of(velocity, "linear_body_m_s", {3});

@@ -31,8 +31,9 @@ inline std::string shape_text(const py::array& array) {
   return text.str();
 }
 
-/// Any numeric array or sequence as a C-ordered array of T, not copied when it is one already. Raises ValueError that
-/// names the argument when the dtype is not real numbers or the shape does not match; -1 matches any extent.
+/// Returns any numeric array or sequence as a C-ordered array of T, without a copy if it already is one. Raises
+/// ValueError, naming the argument, if the dtype is not a real number or the shape does not match; -1 matches any
+/// extent.
 template <typename T>
 py::array_t<T, py::array::c_style> as_array(const py::object& object, const char* name,
                                             std::initializer_list<py::ssize_t> shape) {
@@ -44,7 +45,7 @@ py::array_t<T, py::array::c_style> as_array(const py::object& object, const char
   const char kind = any.dtype().kind();
   const bool empty_list = any.size() == 0;
   if (kind != 'f' && kind != 'i' && kind != 'u' &&
-      !empty_list) {  // only then: the text of a dtype takes longer than a small array
+      !empty_list) {  // formatted only on failure: the text of a dtype takes longer than a small array
     require(false, std::string(name) + ".dtype", std::string(py::str(any.dtype())), "must be real numbers");
   }
   bool fits = any.ndim() == static_cast<py::ssize_t>(shape.size());
@@ -84,7 +85,7 @@ py::array_t<T> move_out(std::vector<T>&& values) {
   return move_out(std::move(values), {n});
 }
 
-/// Clears the flag itself, since NumPy's attributes are looked up by name each time.
+/// Clears the flag directly, since NumPy's attributes are looked up by name each time.
 inline void forbid_writing(const py::array& array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
 }
@@ -95,8 +96,7 @@ py::array read_only(py::array_t<T> array) {
   return array;
 }
 
-/// A read-only copy of a vector or matrix: writing into it would have no effect on where it came from. Needs
-/// pybind11/eigen.h.
+/// A read-only copy of a vector or matrix; writing into it would not affect the original. Needs pybind11/eigen.h.
 template <typename Matrix>
 py::array_t<double> fixed(const Matrix& matrix) {
   py::array_t<double> array = py::cast(matrix);
@@ -109,7 +109,7 @@ inline Eigen::Vector3d as_vector3(const py::object& object, const char* name) {
   return {array.at(0), array.at(1), array.at(2)};
 }
 
-/// Returns work(), called without the GIL.
+/// Returns the result of work(), called without the GIL.
 template <typename Work>
 auto without_gil(const Work& work) {
   const GilReleased released;

@@ -26,7 +26,7 @@ BodyState as_state(const py::object& position_m, const py::object& orientation_x
 
 /// InvalidValue is a std::invalid_argument, which pybind11 turns into ValueError by itself.
 void translate_file_errors() {
-  py::register_local_exception_translator([](std::exception_ptr p) {  // by value: pybind11's signature
+  py::register_local_exception_translator([](std::exception_ptr p) {  // by value, as pybind11's signature requires
     try {
       if (p) std::rethrow_exception(p);
     } catch (const FileError& error) {

@@ -4,9 +4,9 @@
 
 #include <utility>
 
-/// The interpreter's lock around work in C++. When the interpreter ends, CPython ends a thread that asks for its lock
-/// by pthread_exit, which unwinds the stack: pybind11's guards, whose destructors are noexcept, would end the process
-/// by std::terminate instead.
+/// Holds the interpreter's lock around work in C++. When the interpreter shuts down, CPython ends any thread that asks
+/// for its lock with pthread_exit, which unwinds the stack; pybind11's guards, whose destructors are noexcept, would
+/// then end the process with std::terminate.
 namespace uwsim::bindings {
 
 /// Releases the GIL of this thread while it lives.
@@ -23,7 +23,7 @@ class GilReleased {
  private:
   friend class GilTaken;
 
-  /// Does nothing while the thread is being ended, since then it has asked before.
+  /// Does nothing if the thread is already being ended, since it has then asked for the lock before.
   void take() {
     if (PyThreadState* const state = std::exchange(state_, nullptr)) PyEval_RestoreThread(state);
   }
@@ -34,7 +34,7 @@ class GilReleased {
   PyThreadState* state_;
 };
 
-/// Takes the GIL back, while it lives, within work for which a GilReleased of this thread has released it.
+/// Takes the GIL back for its lifetime, within work for which a GilReleased of this thread has released it.
 class GilTaken {
  public:
   GilTaken() : from_(GilReleased::innermost_) { from_->take(); }

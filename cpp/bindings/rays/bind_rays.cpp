@@ -26,7 +26,7 @@ struct RayHits {
   py::array_t<Label> labels;
 };
 
-/// Embree's answers in float, for pictures: sixteen rays at a time, about the first one's origin.
+/// Embree's hits in float, for pictures: sixteen rays at a time, relative to the first one's origin.
 void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) {
   for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
     const std::size_t count = std::min(kPacketRays, rays.size() - first);

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kMemberStepsBetweenSignals = 20000;
 
-/// An array that results are written into; refused unless it is C-ordered, writeable and of `size` elements.
+/// An array that receives results; refused unless it is C-ordered, writeable and has `size` elements.
 template <typename T>
 using Out = py::array_t<T, py::array::c_style>;
 
@@ -30,12 +30,12 @@ template <typename T>
 T* room(Out<T>& array, std::size_t size, const char* name) {
   require(static_cast<std::size_t>(array.size()) == size, std::string(name) + ".size", array.size(),
           "must be " + std::to_string(size));
-  return array.mutable_data();  // throws for a read-only one
+  return array.mutable_data();  // throws if it is read-only
 }
 
 std::uint8_t* as_bytes(bool* flags) { return reinterpret_cast<std::uint8_t*>(flags); }
 
-/// A batch that one call at a time owns. Other calls wait with the GIL released.
+/// A batch that only one call at a time may use. Other calls wait with the GIL released.
 class OwnedBatch {
  public:
   OwnedBatch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads)
@@ -64,8 +64,8 @@ class OwnedBatch {
   }
 
  private:
-  /// Calls advance(batch, done, now) until `count` steps are done, in slices, so that Ctrl-C is answered. Where a
-  /// member throws, the others go on to the end.
+  /// Calls advance(batch, done, now) until `count` steps are done, in slices, so that Ctrl-C is answered. If a member
+  /// throws, the others still run to the end.
   template <typename Advance>
   void in_slices(std::uint64_t count, const Advance& advance) {
     with([&](Batch& batch) {
@@ -86,7 +86,7 @@ class OwnedBatch {
     });
   }
 
-  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call, too
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call as well
   Batch batch_;
 };
 

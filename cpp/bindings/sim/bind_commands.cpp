@@ -21,7 +21,7 @@ std::vector<std::pair<std::string, double>> by_name(const std::vector<Part>& par
   return named;
 }
 
-/// A method of the simulation that reads a vehicle's actuators with the GIL released.
+/// Binds a method of the simulation that reads a vehicle's actuators with the GIL released.
 template <typename Read>
 auto reading(Read read) {
   return [read](OwnedSimulation& owned, std::size_t vehicle) {

@@ -245,7 +245,7 @@ void bind_sim(py::module_& m) {
           "scene_around",
           [](OwnedSimulation& o, std::optional<std::size_t> vehicle) {
             return o.with([&](Simulation& s) {
-              if (vehicle) s.vehicle(*vehicle);  // throws for an unknown one
+              if (vehicle) s.vehicle(*vehicle);  // throws if it is unknown
               const auto placed = std::make_shared<const MovingBodies>(s.vehicles_for_rays());
               return std::make_shared<RayScene>(s.scene().with(placed, vehicle.value_or(MovingBodies::kNone)));
             });

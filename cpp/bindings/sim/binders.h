@@ -2,7 +2,7 @@
 
 #include "bindings/sim/owned_simulation.h"
 
-/// The methods of a simulation that are bound in files of their own.
+/// Methods of a simulation that are bound in separate files.
 namespace uwsim::bindings {
 
 /// Commands to a vehicle's actuators, and their state.

@@ -20,13 +20,13 @@ namespace py = pybind11;
 
 inline constexpr std::uint64_t kStepsBetweenSignals = 2000;
 
-/// A simulation that one call at a time owns. Other calls wait with the GIL released.
+/// A simulation that only one call at a time may use. Other calls wait with the GIL released.
 class OwnedSimulation {
  public:
   OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
       : scene_(std::move(scene)), simulation_(std::make_shared<Simulation>(world, scene_, spec)) {}
 
-  /// A member of a batch, with the vehicles and the link that it has. It is to be used when no call to the batch runs.
+  /// A member of a batch, with its vehicles and link. Use it only while no call to the batch is running.
   explicit OwnedSimulation(std::shared_ptr<Simulation> member) : simulation_(std::move(member)) {}
 
   /// call(simulation), with the GIL released.
@@ -37,8 +37,8 @@ class OwnedSimulation {
     return call(*simulation_);
   }
 
-  /// call(simulation) of a call of a few microseconds: keeps the GIL unless another thread owns the simulation. To
-  /// release it for less would let a waiting thread take it, and cost far more than the call.
+  /// call(simulation), for calls of a few microseconds: keeps the GIL unless another thread is using the simulation.
+  /// Releasing it for less would let a waiting thread take it, at far more cost than the call itself.
   template <typename Call>
   auto with_briefly(Call&& call) {
     if (const std::unique_lock owned(mutex_, std::try_to_lock); owned) return call(*simulation_);
@@ -63,7 +63,7 @@ class OwnedSimulation {
     });
   }
 
-  /// Begins anew in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
+  /// Restarts in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
   void restart(const World& world, const SimulationSpec& spec) {
     require(scene_ != nullptr, "restart", "a member of a batch", "must be restarted by the batch");
     with([&](Simulation& old) {
@@ -85,12 +85,12 @@ class OwnedSimulation {
     });
   }
 
-  /// The simulation's version, which no restart repeats.
+  /// The simulation's version. A restart never repeats one.
   std::uint64_t version() {
     return with_briefly([&](Simulation& sim) { return earlier_versions_ + sim.version(); });
   }
 
-  /// Steps in slices, so that Ctrl-C is answered, but keeps the simulation for itself throughout.
+  /// Steps in slices, so that Ctrl-C is answered, but does not let other calls in between.
   void step(std::uint64_t count) {
     with([&](Simulation& sim) {
       while (count > 0) {
@@ -104,12 +104,13 @@ class OwnedSimulation {
   }
 
  private:
-  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call, too
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call as well
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::optional<LinkSpec> link_;
   std::shared_ptr<Simulation> simulation_;
-  std::shared_ptr<Simulation> previous_;  // a signal handler may restart it while it makes pings
+  // kept alive, since a signal handler may restart the simulation while it pings
+  std::shared_ptr<Simulation> previous_;
   std::uint64_t earlier_versions_ = 0;
 };
 

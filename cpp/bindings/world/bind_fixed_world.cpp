@@ -12,7 +12,7 @@
 
 namespace uwsim::bindings {
 
-/// A FixedWater whose type in Python's stubs is Water, as World.water's is.
+/// A FixedWater that Python's stubs declare as Water, like World.water.
 struct WaterObject : py::object {
   explicit WaterObject(py::object water) : py::object(std::move(water)) {}
 };
@@ -27,8 +27,8 @@ struct pybind11::detail::handle_type_name<uwsim::bindings::WaterObject> {
 namespace uwsim::bindings {
 namespace {
 
-/// The world of a running simulator, and its water. Physics and rays work with copies, so that a change here would have
-/// no effect: it raises AttributeError instead.
+/// The world of a running simulator, and its water. Physics and rays work on copies, so a change here would have no
+/// effect; it raises AttributeError instead.
 struct FixedWorld : World {
   explicit FixedWorld(const World& world) : World(world) {}
 };

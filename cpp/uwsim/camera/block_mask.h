@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The number of lanes that are set.
+/// Number of lanes that are set.
 inline std::uint64_t count(const camera::BlockMask& mask) {
   return static_cast<std::uint64_t>(std::count(std::begin(mask.at), std::end(mask.at), -1));
 }

@@ -7,13 +7,14 @@
 
 namespace uwsim {
 
-/// How light becomes bytes.
+/// How light is turned into bytes.
 struct ImageSensor {
-  double exposure = 1;               ///< the fixed exposure, or a factor on the automatic one
-  double full_well = 8000;           ///< electrons at full scale and base gain: assumed, typical of a small sensor
-  double read_noise = 6;             ///< electrons: assumed
-  double vignetting = 0.5;           ///< share of the cos^4 law: assumed, for lenses that correct part of it
-  std::optional<double> wobble_rad;  ///< greatest bend of a ray by turbulence; none: as the water's turbulence gives
+  double exposure = 1;      ///< the exposure if it is fixed, else a factor on the automatic one
+  double full_well = 8000;  ///< electrons at full scale and base gain: assumed, typical of a small sensor
+  double read_noise = 6;    ///< electrons: assumed
+  double vignetting = 0.5;  ///< share of the cos^4 law: assumed, for lenses that correct part of it
+  /// largest deflection of a ray by turbulence; unset: derived from the water's turbulence
+  std::optional<double> wobble_rad;
 };
 
 /// A camera: lens and sensor. Its frame is x ahead, y left, z up, like a body's; the optical frame looks along its x.

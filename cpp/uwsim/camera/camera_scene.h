@@ -21,7 +21,7 @@
 
 namespace uwsim {
 
-/// The kind of thing that a label stands for: the classes of labelled pictures.
+/// The kind of object that a label stands for: the classes of labelled pictures.
 enum class SurfaceClass : std::uint8_t { kNothing, kTerrain, kStructure, kPipeline, kGate, kStation, kVehicle };
 inline constexpr std::array<std::string_view, 7> kSurfaceClassNames = {"nothing", "terrain", "structure", "pipeline",
                                                                        "gate",    "station", "vehicle"};
@@ -49,7 +49,7 @@ class CameraScene {
   const World& world() const { return world_; }
   std::uint64_t seed() const { return seed_; }
   std::size_t vehicles() const { return vehicle_names_.size(); }
-  /// The world's rays among the vehicles at these poses, without the `hidden` one. No poses: without vehicles.
+  /// The world's rays, plus the vehicles at these poses except the `hidden` one. Without poses there are no vehicles.
   RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden) const;
   std::vector<std::string> label_names() const;
   std::vector<std::uint8_t> classes_by_label() const;
@@ -59,7 +59,7 @@ class CameraScene {
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
 
-  /// The ripples of a wind at one time. The last result is kept, since several cameras look at the same time.
+  /// The ripples of a wind at one time. The last result is cached, since several cameras look at the same time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
                                                    double index, int threads) const;
 

@@ -52,7 +52,7 @@ int floor_int(float x) {
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
 }
 
-/// Where the rays of one row meet a level: shares of their light for the four cells around each.
+/// Where the rays of one row reach a level: shares of their light for the four cells around each.
 struct Landings {
   std::array<std::array<int, kRays>, 4> cell;
   std::array<std::array<float, kRays>, 4> share;

@@ -6,7 +6,8 @@
 
 namespace uwsim {
 
-/// The effects of a picture, which can be switched; all off is the plain, dry scene under the open sky.
+/// The effects in a picture, each of which can be switched off; with all off, it is the plain, dry scene under the open
+/// sky.
 enum class Effect : std::uint8_t {
   kAttenuation,  ///< beam attenuation between scene and camera, and between lamps and scene
   kBackscatter,  ///< light of the sky, the sun and lamps that water scatters into the camera (veiling light)
@@ -20,7 +21,7 @@ enum class Effect : std::uint8_t {
   kWobble,     ///< rays bent by turbulence
   kDistortion,
   kVignetting,
-  kExposure,  ///< automatic exposure; fixed at 1 without
+  kExposure,  ///< automatic exposure; without it, fixed at 1
   kNoise,     ///< photon and read noise
 };
 

@@ -9,7 +9,7 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kMostKept_bytes = 32 << 20;
-constexpr std::size_t kLeastKept_bytes = 64 << 10;  // smaller blocks are kept by malloc itself
+constexpr std::size_t kLeastKept_bytes = 64 << 10;  // malloc itself caches smaller blocks
 
 struct KeptBlocks {
   ForkSafeMutex<std::mutex> mutex;
@@ -17,7 +17,7 @@ struct KeptBlocks {
   std::size_t bytes = 0;
 };
 
-/// Never destroyed: arrays may be freed after static objects at the end of the process.
+/// Never destroyed: arrays may be freed after static objects when the process ends.
 KeptBlocks& kept() {
   static KeptBlocks& one = *new KeptBlocks;
   return one;
@@ -55,7 +55,7 @@ void release_buffer(void* memory, std::size_t bytes) noexcept {
         to.blocks.erase(to.blocks.begin());
       }
       return;
-    } catch (const std::exception&) {  // no memory for the list, or in use at a fork: free the block itself
+    } catch (const std::exception&) {  // no memory for the list, or locked during a fork: free the block itself
     }
   }
   ::operator delete (memory, std::align_val_t{64});

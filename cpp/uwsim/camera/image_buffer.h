@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// Memory for images. Some of what is released is kept for the next picture, since the operating system clears every
-/// page that it hands out. Throws std::bad_alloc.
+/// Memory for images. Some released memory is kept for the next picture, since the operating system clears every page
+/// that it hands out. Throws std::bad_alloc.
 void* acquire_buffer(std::size_t bytes);
 void release_buffer(void* memory, std::size_t bytes) noexcept;
 

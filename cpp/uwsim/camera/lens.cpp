@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-constexpr long kMostPixels = 1 << 24;  // 4096 x 4096: needs about 1 GB while it is rendered
+constexpr long kMostPixels = 1 << 24;  // 4096 x 4096: rendering it needs about 1 GB
 
 struct Distorted {
   Eigen::Vector2d point;

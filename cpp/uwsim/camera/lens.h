@@ -15,7 +15,7 @@ struct Lens {
   double fx = 400, fy = 400, cx = 319.5, cy = 179.5;  ///< [pixels]
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
 
-  /// Throws InvalidValue that names the field, also if the distortion folds the image over.
+  /// Throws InvalidValue that names the field, also if the distortion folds the image over itself.
   void check() const;
 };
 

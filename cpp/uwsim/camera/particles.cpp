@@ -11,7 +11,7 @@ namespace {
 constexpr double kCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
-constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, radians times metres
+constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
 constexpr double kGeneration_s = 4;         // particles are seen for two of these, brightest halfway
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
@@ -47,7 +47,7 @@ std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::View& vie
 }
 
 /// How far the water at the eye has moved since a time a few seconds ago: the integral of the flow, which may have
-/// changed since.
+/// changed in the meantime.
 Eigen::Vector3d drift_since(double begun_s, const Water& water, const Eigen::Vector3d& eye, double time_s) {
   constexpr int kSteps = 16;
   const double step_s = (time_s - begun_s) / kSteps;

@@ -12,10 +12,10 @@ namespace uwsim {
 /// wobble, as if water and its surface were clear; colour follows the light through the surface.
 struct Picture {
   int width = 0, height = 0;
-  ImageBuffer<std::uint8_t> rgb;      ///< x 3, sRGB; empty if only geometry was requested
-  std::vector<float> radiance;        ///< x 3, before exposure, if requested: irradiance as in daylight.h, per sr
-  ImageBuffer<float> depth_m;         ///< along the optical axis (REP 118); infinity where nothing is hit
-  ImageBuffer<float> normals_world;   ///< x 3, unit, of the winding side; 0 where nothing is hit
+  ImageBuffer<std::uint8_t> rgb;     ///< x 3, sRGB; empty if only geometry was requested
+  std::vector<float> radiance;       ///< x 3, before exposure, if requested: irradiance as in daylight.h, per sr
+  ImageBuffer<float> depth_m;        ///< along the optical axis (REP 118); infinity where nothing is hit
+  ImageBuffer<float> normals_world;  ///< x 3, unit, towards the front of the triangle's winding; 0 where nothing is hit
   ImageBuffer<std::uint16_t> labels;  ///< see CameraScene::label_names
   ImageBuffer<std::uint8_t> classes;  ///< see SurfaceClass
   double gain = 0;                    ///< factor from radiance to exposed signal

@@ -13,19 +13,19 @@
 
 namespace uwsim {
 
-/// One picture to render: from where, when, with what light and effects.
+/// One picture to render: position, time, light and effects.
 struct PictureRequest {
   Pose world_from_camera;
   double time_s = 0;
-  std::uint64_t tick = 0;  ///< keys the noise
+  std::uint64_t tick = 0;  ///< key of the noise
   Effects effects = Effects::all();
-  std::vector<SpotLamp> lamps;                ///< those that are on
+  std::vector<SpotLamp> lamps;                ///< those that are switched on
   std::vector<Pose> world_from_vehicles;      ///< of all CameraScene::vehicles, or empty
-  std::optional<std::size_t> hidden_vehicle;  ///< the one that carries the camera, which does not see it
+  std::optional<std::size_t> hidden_vehicle;  ///< the one that carries the camera and is not visible to it
   bool geometry_only = false, keep_radiance = false;
   bool measure = false;                      ///< fill RenderCost::seconds
-  RayRecord* record = nullptr;               ///< if set, needs one thread
-  const camera::Kernels* kernels = nullptr;  ///< null: the fastest that this CPU runs; all give the same bits
+  RayRecord* record = nullptr;               ///< if set, only one thread may be used
+  const camera::Kernels* kernels = nullptr;  ///< null: the fastest that this CPU can run; all give the same bits
   int threads = 1;
 };
 

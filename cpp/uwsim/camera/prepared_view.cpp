@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTextureRepeat_m = 256;  // a whole number of ripple tiles: 40 of 6.4 m
 // Share of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees and
-// still casts shadows. Assumed, by the order of Petzold's 1972 measurements.
+// still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
 constexpr double kSunlight_lx = 1e5;  // irradiance 1 in daylight.h
 
@@ -75,7 +75,7 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   view.pixel_rad = static_cast<float>(1 / lens.fx);
 }
 
-/// Rays bend in the water only; those from above it bend at its waves and ripples.
+/// Rays bend in water only; those from above it bend at the surface, by waves and ripples.
 void PreparedView::set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request) {
   const bool bends = request.effects.has(Effect::kWobble) && anchor_world_m.z() < view.surface_z;
   // The waves of kernels/primary_rays.h have a standard deviation of sqrt(5 / 8) along each axis.

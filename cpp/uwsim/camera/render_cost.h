@@ -42,7 +42,7 @@ struct RenderCost {
   void add(const RenderCost& other);
 };
 
-/// Adds the time since the last call to a task. Does nothing unless it measures.
+/// Adds the time since the last call to a task. Does nothing unless measuring is on.
 class TaskTimer {
  public:
   TaskTimer(bool measures, RenderCost& cost) : measures_(measures), cost_(cost) {

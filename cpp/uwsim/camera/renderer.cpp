@@ -22,7 +22,7 @@ using camera::kBlockSide;
 
 constexpr double kWorldEnd_m = 1e6;
 
-/// One picture in the making. Rows of blocks are rendered in parallel, then rows of pixels are developed.
+/// The rendering of one picture. Rows of blocks are rendered in parallel, then rows of pixels are developed.
 class Rendering {
  public:
   Rendering(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request)
@@ -218,7 +218,7 @@ class Rendering {
   const Optics& optics_;
   const PictureRequest& request_;
   int threads_;
-  std::vector<RenderCost> costs_;  // of each worker
+  std::vector<RenderCost> costs_;  // one for each worker
   TaskTimer timer_;
   PreparedView prepared_;
   camera::View& view_;
@@ -230,7 +230,8 @@ class Rendering {
   camera::RadiancePlanes radiance_{};
   std::vector<float> shafts_;
   std::vector<Particle> particles_;
-  std::vector<double> root_luminance_;  // of each row of blocks, so that their sum does not depend on the threads
+  // one for each row of blocks, so that their sum does not depend on the number of threads
+  std::vector<double> root_luminance_;
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
 constexpr double kGravity_m_s2 = 9.80665;
-constexpr double kTension_m3_s2 = 7.4e-5;  // surface tension of clean water at 10 deg C over its density
+constexpr double kTension_m3_s2 = 7.4e-5;  // surface tension of clean water at 10 deg C divided by its density
 constexpr int kCells = Ripples::kCells;
 constexpr int kWrap = kCells - 1;
 
@@ -34,8 +34,8 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
       const double k = kTau / kTile_m * std::sqrt(square);
       const double along = std::cos(std::atan2(j, i) - wind_towards_rad);
       const auto index = static_cast<std::uint32_t>(i * 64 + j + 32);
-      // The slope variance of a wave ~ 1 / k^2 in the plane of wave vectors: equal in each octave. Some waves run
-      // against the wind.
+      // The slope variance of a wave is proportional to 1 / k^2 in the plane of wave vectors: equal in each octave.
+      // Some waves run against the wind.
       const double slope =
           std::sqrt((along * along + 0.05) / square) * std::sqrt(-2 * std::log(random.uniform(0, index)));
       const double omega = std::sqrt(kGravity_m_s2 * k + kTension_m3_s2 * k * k * k);
@@ -48,8 +48,7 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
   for (Wave& wave : waves_) wave.slope_x *= scale, wave.slope_y *= scale;
 }
 
-/// Sums the waves as products of a phasor along x and one along y: first over the waves of each i in a row, then over
-/// i.
+/// Sums the waves as products of a phasor along x and one along y: first over all waves with the same i, then over i.
 void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes) const {
   using Phasor = std::complex<double>;
   struct Column {

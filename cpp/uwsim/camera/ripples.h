@@ -7,11 +7,11 @@
 
 namespace uwsim {
 
-/// The small waves that a breeze makes, too short to move a vehicle: they only bend light. A square tile of waves that
-/// repeats every kTile_m, drawn from a seed; each wave runs by omega^2 = g k + (0.074 N/m / rho) k^3. Equal slope
-/// variance in each octave of wave number (the saturated range, Phillips 1958), cos^2 about the wind, lengths from
-/// kTile_m down to 0.32 m. The slopes' variance is half of 0.003 + 0.00512 U (Cox and Munk 1954, J. Opt. Soc. Am.
-/// 44:838, for a wind of U m/s at 12.5 m, up to 14 m/s): half, since the shorter waves are left out (assumed).
+/// The small waves of a breeze, too short to move a vehicle: they only bend light. A square tile of waves that repeats
+/// every kTile_m, drawn from a seed; each wave runs by omega^2 = g k + (0.074 N/m / rho) k^3. Equal slope variance in
+/// each octave of wave number (the saturated range, Phillips 1958), cos^2 about the wind, lengths from kTile_m down to
+/// 0.32 m. The slopes' variance is half of 0.003 + 0.00512 U (Cox and Munk 1954, J. Opt. Soc. Am. 44:838, for a wind of
+/// U m/s at 12.5 m, up to 14 m/s): half, since the shorter waves are left out (assumed).
 class Ripples {
  public:
   static constexpr int kCells = camera::kRippleCells;
@@ -28,7 +28,7 @@ class Ripples {
   Snapshot at(double time_s, double refractive_index, int threads) const;
 
  private:
-  static constexpr int kMostWaves = 20;  // per tile along an axis
+  static constexpr int kMostWaves = 20;  // largest number of waves per tile along an axis
   struct Wave {
     double slope_x, slope_y, phase, omega_rad_s;
     int i, j;  // waves per tile along x and y

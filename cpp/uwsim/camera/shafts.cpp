@@ -61,7 +61,7 @@ class ShaftCaster {
   }
 
  private:
-  /// Shared by a group of values: where rays end, and which of their sample points lie in shadow.
+  /// Shared by a group of values: the ends of rays, and which of their sample points are in shadow.
   struct Shadows {
     camera::BlockFloats distance;
     std::array<camera::BlockMask, kSamples> blocked;

@@ -83,7 +83,7 @@ void Tracer::refine(const HitPacket& hits, Block& block) const {
     const Eigen::Vector3d direction(block.direction.x.at[k], block.direction.y.at[k], block.direction.z.at[k]);
     const Eigen::Vector3d from(block.origin.x.at[k], block.origin.y.at[k], block.origin.z.at[k]);
     const double along = normal.dot(direction);
-    // Closer to tangency the plane determines the distance less well than Embree does.
+    // Closer to tangency the plane determines the distance less accurately than Embree does.
     if (std::abs(along) < kGrazingSine * normal.norm()) continue;
     block.distance.at[k] = static_cast<float>(std::max(0.0, normal.dot(a - from) / along));
   }
@@ -112,8 +112,8 @@ void Tracer::occluded(const Block& block, BlockMask& blocked, RayOrder order) co
   RayPacket rays = packet_of(block.point, block.to_light, block.needs_shadow_ray);
   rays.near_m.fill(kNearest_m);
   copy(rays.far_m, block.light_distance);
-  // Start off the surface, on the eye's side. Inactive lanes, whose distance may be infinite, must be finite, too:
-  // without AVX-512 Embree splits packets of sixteen, and Debian's ends the process if they are not.
+  // Start off the surface, on the eye's side. Inactive lanes, whose distance may be infinite, must be finite as well:
+  // without AVX-512 Embree splits packets of sixteen, and Debian's build ends the process if they are not.
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const float lift = 1e-3f + 2e-5f * std::min(block.distance.at[k], kFarthest_m);
     rays.origin_x[k] += lift * block.normal.x.at[k];

@@ -10,13 +10,13 @@ class Tracer {
  public:
   Tracer(const CameraScene& scene, const Eigen::Vector3d& anchor_world_m, const PictureRequest& request);
 
-  /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. `hits` keeps u and v.
+  /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. `hits` holds u and v.
   void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
-  /// Solves distances to solids and vehicles again in double where they are not settled: on the plane of the solid's
+  /// Recomputes distances to solids and vehicles in double where they are not exact yet: on the plane of the solid's
   /// triangle that was hit, or by another cast for vehicles and for round shapes. Terrain is refined by the kernels
   /// (kernels/hits.h).
   void refine(const HitPacket& hits, camera::Block& block) const;
-  /// Sets the lanes that need a shadow ray and whose light is blocked.
+  /// Marks the lanes that need a shadow ray and whose light is blocked.
   void occluded(const camera::Block& block, camera::BlockMask& blocked, RayOrder order) const;
 
  private:

@@ -8,9 +8,9 @@
 namespace uwsim {
 
 /// A value for each of the camera's three bands: red, green and blue, at 600, 550 and 450 nm. These wavelengths are
-/// assumed: they are near the peaks of common sensors' colour filters, and columns of the tables below. Each band is
-/// treated as one wavelength, so that its attenuation does not change with distance (Akkaynak and Treibitz 2018 discuss
-/// the limits).
+/// assumed: they are near the peaks of common sensors' colour filters, and the tables below have columns for them. Each
+/// band is treated as one wavelength, so that its attenuation does not change with distance (Akkaynak and Treibitz 2018
+/// discuss the limits).
 using Bands = Eigen::Array3d;
 
 /// The optical properties of a water [1/m].
@@ -26,12 +26,12 @@ struct WaterOptics {
   void check() const;
 };
 
-/// The water of a Jerlov type: I, IA, IB, II, III, 1C, 3C, 5C, 7C or 9C. Throws InvalidValue.
-/// Kd: Jerlov 1976, "Marine Optics", table XXVII. a and b: types II to 5C as measured, Williamson and Hollins 2022,
-/// "Measured IOPs of Jerlov water types", Appl. Opt. 61:9951; types I, IA, 7C and 9C, which that paper omits, by
-/// inversion of Kd, Solonenko and Mobley 2015, "Inherent optical properties of Jerlov water types", Appl. Opt. 54:5392.
-/// So is IB: its measured absorption of blue, 0.0407 1/m, exceeds Jerlov's Kd, 0.036, and Kd is never less than a
-/// (light that goes down a metre has gone at least a metre). All values are taken from the tables of the Python package
+/// The water of a Jerlov type: I, IA, IB, II, III, 1C, 3C, 5C, 7C or 9C. Throws InvalidValue. Kd: Jerlov 1976, "Marine
+/// Optics", table XXVII. a and b: types II to 5C as measured, Williamson and Hollins 2022, "Measured IOPs of Jerlov
+/// water types", Appl. Opt. 61:9951; types I, IA, 7C and 9C, which that paper omits, by inversion of Kd, Solonenko and
+/// Mobley 2015, "Inherent optical properties of Jerlov water types", Appl. Opt. 54:5392. IB is inverted too: its
+/// measured absorption of blue, 0.0407 1/m, exceeds Jerlov's Kd, 0.036, and Kd is never less than a (light that
+/// descends by a metre has travelled at least a metre). All values are taken from the tables of the Python package
 /// jerlov 0.22 (Ishibashi), which documents its checks; the papers themselves were not read. Valid for the open sea and
 /// coasts, which Jerlov classified; for a lake choose the most similar type.
 WaterOptics jerlov_water(std::string_view type);

@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The world's waves, which vehicles feel too, around a place at one time: heights and slopes on a grid. As the place
+/// The world's waves, which also move vehicles, around a place at one time: heights and slopes on a grid. As the place
 /// moves, the grid moves by whole cells.
 class WaveGrid {
  public:
@@ -16,7 +16,7 @@ class WaveGrid {
 
   /// The result does not depend on the number of threads.
   WaveGrid(const Water& water, const Eigen::Vector3d& centre_world_m, double time_s, int threads = 1);
-  /// The nodes; without values if the water is still.
+  /// The nodes; their values are null if the water is still.
   camera::WaveNodes nodes() const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// Share of full effort for each unit of error.
+/// Share of full effort per unit of error.
 struct AutopilotGains {
   double speed = 0;            ///< per m/s
   double speed_integral = 0;   ///< per m
@@ -27,17 +27,17 @@ struct Course {
 };
 
 /// Holds a course, and the vehicle level, without a model of the vehicle: a PI or PD loop for each axis (Fossen 2011,
-/// "Handbook of Marine Craft Hydrodynamics and Motion Control", ch. 12). Integrals are limited, those of surge and sway
-/// to full effort and that of height to half of it.
+/// "Handbook of Marine Craft Hydrodynamics and Motion Control", ch. 12). Integrals are limited: surge and sway to full
+/// effort, height to half of it.
 class Autopilot {
  public:
   Autopilot(double period_s, const AutopilotGains& gains) : gains(gains), period_s_(period_s) {}
 
-  /// Efforts of one control period, surge to yaw, each in [-1, 1].
+  /// Computes the efforts of one control period, surge to yaw, each in [-1, 1].
   Vector6d steer(const MotionEstimate& estimate, const Course& course);
 
   AutopilotGains gains;
-  /// Surge, sway and height, in effort: all that one period leaves to the next.
+  /// Surge, sway and height, in effort: the only state carried from one period to the next.
   Eigen::Vector3d integrals = Eigen::Vector3d::Zero();
 
  private:

@@ -9,18 +9,18 @@
 
 namespace uwsim {
 
-/// The cascade of one axis: a position error gives a velocity, a velocity error an acceleration.
+/// The cascade of one axis: a position error demands a velocity, a velocity error an acceleration.
 struct LoopGains {
   double position_1_s = 0;    ///< velocity for each unit of position error [1/s]
   double velocity_1_s = 0;    ///< acceleration for each unit of velocity error [1/s]
   double integral_1_s2 = 0;   ///< acceleration for each unit of the velocity error's integral [1/s^2]
-  double acceleration_1 = 0;  ///< share of the measured acceleration that is opposed, as added inertia would
+  double acceleration_1 = 0;  ///< share of the measured acceleration that is opposed, like added inertia
 };
 
 struct ControlGains {
   std::array<LoopGains, 6> loops;  ///< surge to yaw
-  double filter_s = 0.1;           ///< of the measured acceleration
-  double tracking_s = 1;           ///< of the anti-windup: see PidGains
+  double filter_s = 0.1;           ///< filter of the measured acceleration
+  double tracking_s = 1;           ///< time constant of the anti-windup: see PidGains
   double speed_max_m_s = 1;        ///< horizontal, towards a position
   double climb_max_m_s = 0.5;      ///< vertical, towards a position
   double turn_max_rad_s = 0.5;     ///< towards an attitude
@@ -31,17 +31,17 @@ struct ControlGains {
   void check(double period_s) const;
 };
 
-/// The motion to hold. Positions that are NaN are free: the velocity alone holds there.
+/// The motion to hold. Positions that are NaN are free: only the velocity is held there.
 struct MotionTarget {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< of the position, fed forward
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< rate of the position, fed forward
   double roll_rad = 0;
   double pitch_rad = 0;
   double heading_rad = 0;
-  bool across_first = false;  ///< beyond the thrusters, force across the vehicle comes before force along it
+  bool across_first = false;  ///< beyond the thrusters' limits, force across the vehicle comes before force along it
 };
 
-/// The state that one control period leaves to the next.
+/// The state carried from one control period to the next.
 struct MotionMemory {
   Eigen::Vector3d integral_world = Eigen::Vector3d::Zero();      ///< of surge, sway, heave [m/s^2]
   Eigen::Vector3d integral_body = Eigen::Vector3d::Zero();       ///< of roll, pitch, yaw [rad/s^2]
@@ -55,26 +55,26 @@ struct MotionMemory {
 /// Position, depth, heading, attitude and velocity loops: a cascade (Fossen 2021, "Handbook of Marine Craft
 /// Hydrodynamics and Motion Control", 2nd ed., ch. 15).
 ///
-/// Errors of position and attitude give reference velocities: a gain times the error near the target, and farther away
-/// the fastest from which the vehicle can stop there. Their rates are limited (a reference model, sec. 12.1). A PID
+/// Errors of position and attitude give reference velocities: a gain times the error near the target and, farther away,
+/// the highest from which the vehicle can stop there. Their rates are limited (a reference model, sec. 12.1). A PID
 /// loop for each axis turns the errors of velocity into accelerations a, and tau = M a - f(eta, nu_ref) feeds forward
-/// drag, Coriolis and restoring forces of the vehicle's model. The attitude's error is the vector of the rotation that
-/// is left to make. The integrals of surge, sway and heave are kept in world axes, since what they counteract, a
-/// current or a wrong trim, does not turn with the vehicle. All of it assumes deep water at rest; the loops take care
-/// of the rest. A vehicle that no thruster lifts climbs by its pitch.
+/// drag, Coriolis and restoring forces of the vehicle's model. The attitude error is the rotation vector that remains.
+/// The integrals of surge, sway and heave are kept in world axes, since what they counteract, a current or a wrong
+/// trim, does not turn with the vehicle. The model assumes deep water at rest; the loops correct for everything else. A
+/// vehicle without vertical thrusters climbs by pitching.
 class MotionController {
  public:
   /// Throws InvalidValue for gains that are not valid.
   MotionController(ControlModel model, const ControlGains& gains, double period_s);
 
-  /// Efforts of one control period, surge to yaw, that lead to a target.
+  /// Computes the efforts of one control period, surge to yaw, that lead to a target.
   Vector6d reach(const MotionEstimate& estimate, const MotionTarget& target);
-  /// Efforts of one control period that hold a velocity in body axes, [m/s] and [rad/s]. Roll and pitch are kept level
-  /// while no rate is wanted about them.
+  /// Computes the efforts of one control period that hold a velocity in body axes, [m/s] and [rad/s]. Roll and pitch
+  /// are kept level unless a rate about them is wanted.
   Vector6d hold_velocity(const MotionEstimate& estimate, const Vector6d& velocity_body);
 
   const ControlModel& model() const { return model_; }
-  /// The share of the wanted force that the thrusters gave in the last period.
+  /// The share of the wanted force that the thrusters delivered in the last period.
   double force_share() const { return force_share_; }
   MotionMemory memory;
 

@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// All that a controller knows of its vehicle: pose and velocity over ground, true or estimated.
+/// Everything that a controller knows about its vehicle: pose and velocity over ground, true or estimated.
 struct MotionEstimate {
   Eigen::Matrix3d world_from_body = Eigen::Matrix3d::Identity();
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();

@@ -8,7 +8,8 @@ struct PidGains {
   double integral = 0;      ///< [u / (e s)]
   double derivative = 0;    ///< [u s / e]
   double filter_s = 0.1;    ///< time constant of the derivative's filter
-  double tracking_s = 1;  ///< time constant with which a saturated integral follows what is possible; at least a period
+  /// time constant with which a saturated integral follows what is achievable; at least one period
+  double tracking_s = 1;
 };
 
 /// A PID controller with filtered derivative of the measurement and anti-windup by back-calculation (Astrom and
@@ -17,23 +18,23 @@ struct PidGains {
 ///   u = K_p e + I + D,  dI/dt = K_i e + (u_applied - u) / T_t,  T_f dD/dt + D = -K_d dy/dt
 ///
 /// sampled by forward and backward differences (their sec. 13.4). Call `output`, then `settle` with what the actuators
-/// made of it.
+/// actually delivered.
 class Pid {
  public:
   Pid() = default;
-  /// Goes on from a period before.
+  /// Continues from the previous period.
   Pid(double integral, double derivative, double measured)
       : integral(integral), derivative(derivative), measured(measured), begun(true) {}
 
-  /// The controller's wish for this period.
+  /// The output that the controller asks for in this period.
   double output(double error, double measured, const PidGains& gains, double period_s);
   /// Ends the period: the integral grows with the error and towards what was applied.
   void settle(double applied, const PidGains& gains, double period_s);
 
   double integral = 0;    ///< I, in units of the output
   double derivative = 0;  ///< D
-  double measured = 0;    ///< of the period before
-  bool begun = false;     ///< false: there is no period before
+  double measured = 0;    ///< of the previous period
+  bool begun = false;     ///< false: there was no previous period
 
  private:
   double error_ = 0, output_ = 0;  // of this period

@@ -32,7 +32,7 @@ using IndexLanes = long long __attribute__((vector_size(64)));
   return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-/// The lanes of both, numbered 0 to 15, in another order.
+/// The lanes of both in another order, numbered 0 to 15.
 template <int... kFrom>
 DoubleLanes mixed_lanes(DoubleLanes a, DoubleLanes b) {
   return __builtin_shufflevector(a, b, kFrom...);
@@ -48,7 +48,7 @@ DoubleLanes mixed_lanes(DoubleLanes a, DoubleLanes b) {
   store_lanes(mixed_lanes<0, 13, 2, 3, 14, 5, 6, 15>(third, z), points + 16);
 }
 
-/// The opposite.
+/// The inverse of store_points.
 [[maybe_unused]] inline void load_points(const double* points, DoubleLanes& x, DoubleLanes& y, DoubleLanes& z) {
   const DoubleLanes a = load_lanes(points), b = load_lanes(points + 8), c = load_lanes(points + 16);
   x = mixed_lanes<0, 1, 2, 3, 4, 5, 10, 13>(mixed_lanes<0, 3, 6, 9, 12, 15, 0, 0>(a, b), c);

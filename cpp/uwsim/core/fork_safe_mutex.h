@@ -5,14 +5,15 @@
 
 namespace uwsim {
 
-/// The number of forks between this process and the first that used the library.
+/// The number of forks between this process and the first process that used the library.
 int fork_generation();
 
 [[noreturn]] void throw_in_use_at_fork();
 void pause_between_looks();
 
-/// A mutex that a forked child does not wait for in vain: a child has none of its parent's other threads, so that what
-/// one of them held at the fork stays locked, and what it guards is half changed. Mutex: std::mutex or a recursive one.
+/// A mutex for which a forked child does not wait in vain: a child has none of its parent's other threads, so that
+/// whatever one of them had locked at the fork stays locked, and the data it guards is half changed. Mutex: std::mutex
+/// or a recursive one.
 template <typename Mutex>
 class ForkSafeMutex {
  public:
@@ -21,10 +22,11 @@ class ForkSafeMutex {
     if (!lock_unless_forked()) throw_in_use_at_fork();
   }
 
-  /// Returns false, without it, if another thread of the parent process held it at the fork.
+  /// Returns false, without locking, if another thread of the parent process held it at the fork.
   bool lock_unless_forked() {
     if (try_lock()) return true;
-    for (int look = 0; generation_ != fork_generation(); ++look) {  // a thread that has just locked it notes so at once
+    // a thread that has just taken the lock records so immediately
+    for (int look = 0; generation_ != fork_generation(); ++look) {
       if (look == kLooks) return false;
       pause_between_looks();
       if (try_lock()) return true;
@@ -46,7 +48,7 @@ class ForkSafeMutex {
   static constexpr int kLooks = 100;
 
   Mutex mutex_;
-  std::atomic<int> generation_ = fork_generation();  ///< of the process that has locked it last
+  std::atomic<int> generation_ = fork_generation();  ///< of the process that last locked it
 };
 
 }  // namespace uwsim

@@ -9,7 +9,7 @@ namespace {
 
 /// The nearest whole number, for |x| < 2^51, and its lowest bits, as two's complement.
 inline DoubleLanes nearest_whole(DoubleLanes x, IndexLanes& bits) {
-  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: what is added to it is rounded to whole numbers
+  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to whole numbers
   const DoubleLanes shifted = x + kShift;
   std::memcpy(&bits, &shifted, sizeof bits);
   return shifted - kShift;
@@ -40,7 +40,7 @@ inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosin
   cosine = cosine_negative ? -cosine_size : cosine_size;
 }
 
-/// For x <= 0. Below -700 it is that of -700, 1e-304.
+/// For x <= 0. Below -700 the result is that of -700, 1e-304.
 inline DoubleLanes exponential(DoubleLanes x) {
   constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of the logarithm of 2
   x = x > -700.0 ? x : DoubleLanes{} - 700.0;

@@ -15,7 +15,7 @@ namespace uwsim {
 inline int usable_threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
 /// Calls job(0), job(1), ... job(threads - 1), each on its own thread, job(0) on the calling one. Returns when all have
-/// ended; the first exception that one of them throws is thrown again here.
+/// ended; rethrows the first exception.
 template <typename Job>
 void on_threads(std::size_t threads, const Job& job) {
   std::mutex mutex;
@@ -43,16 +43,16 @@ void on_threads(std::size_t threads, const Job& job) {
   if (error) std::rethrow_exception(error);
 }
 
-/// For items of even cost: calls work(first, last) on contiguous ranges that cover [0, count), one range a thread, on
-/// up to `threads` threads, each with at least `least_items`. Items must be independent: where the ranges are cut must
-/// not change a result.
+/// For items of even cost: calls work(first, last) on contiguous ranges that cover [0, count), one range per thread, on
+/// up to `threads` threads, each with at least `least_items`. Items must be independent: the boundaries of the ranges
+/// must not affect a result.
 template <typename Work>
 void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t least_items = 4096) {
   const std::size_t parts = std::clamp<std::size_t>(count / least_items, 1, std::max(threads, 1));
   on_threads(parts, [&](std::size_t part) { work(part * count / parts, (part + 1) * count / parts); });
 }
 
-/// For items of uneven cost: each thread takes the next `batch` items whenever it has finished its last ones. Calls
+/// For items of uneven cost: each thread takes the next `batch` items whenever it has finished its previous ones. Calls
 /// work(first, last, worker); workers are numbered from 0, so that each can have scratch memory of its own. An
 /// exception stops the other threads after their current batch.
 template <typename Work>

@@ -16,11 +16,11 @@ inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 enum class ParameterType { kNumber, kWholeNumber, kFlag };
 
-/// A figure of one kind of sensor or sonar: a line in the table of its file.
+/// A parameter of one kind of sensor or sonar: a row in the table of its file.
 struct Parameter {
   std::string_view name;
   int width;          ///< number of values
-  double by_default;  ///< of each value; kRequired: must be given
+  double by_default;  ///< default of each value; kRequired: must be given
   double low, high;   ///< limits of each value; a low of kAboveZero excludes 0
   std::string_view unit;
   std::string_view meaning;

@@ -11,9 +11,9 @@
 
 namespace uwsim {
 
-/// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that writes
-/// them to the archive or reads them back, so that the two cannot differ. Values follow each other without gaps, as
-/// this machine stores them. Reading throws InvalidValue when the bytes end early or a value is not finite.
+/// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that either
+/// writes them to the archive or reads them back, so that the two cannot differ. Values are stored without gaps, in
+/// this machine's representation. Reading throws InvalidValue if the bytes end early or a value is not finite.
 class StateArchive {
  public:
   /// An archive to save to.
@@ -31,7 +31,7 @@ class StateArchive {
   void operator()(std::string& text);
   /// Reading throws unless the orientation is a unit quaternion.
   void operator()(BodyState& state);
-  /// The length of a list, then each of its items by exchange(item). Takes no more memory than its bytes need.
+  /// The length of a list, then each item by exchange(item). Allocates no more memory than the archive's bytes justify.
   template <typename List, typename Exchange>
   void list(List& items, const Exchange& exchange) {
     std::uint64_t count = items.size();
@@ -40,15 +40,15 @@ class StateArchive {
     for (auto& item : items) exchange(item);
     while (items.size() < count) exchange(items.emplace_back());
   }
-  /// Writes `value`. Reading throws unless the archive has the same one: "state.<what> = 3: must be 2".
+  /// Writes `value`. Reading throws unless the archive holds the same value: "state.<what> = 3: must be 2".
   void same(std::string_view what, std::uint64_t value);
   void same(std::string_view what, const std::string& value);
-  /// Throws when bytes are left to read.
+  /// Throws if any bytes are left to read.
   void finish() const;
 
  private:
   void numbers(std::span<double> values);
-  /// Appends `size` bytes from `data`, or reads the next ones into it.
+  /// Appends `size` bytes from `data`, or reads the next `size` bytes into it.
   void exchange(void* data, std::size_t size);
 
   std::string saved_;

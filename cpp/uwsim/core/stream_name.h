@@ -9,13 +9,13 @@ namespace uwsim {
 /// two share their draws:
 ///
 ///   <vehicle>/<sensor>              white noise of a sensor
-///   <vehicle>/<sensor>/turn_on      its bias at the start; likewise /bias, /walk and /drop_out
+///   <vehicle>/<sensor>/turn_on      its bias at the start; also /bias, /walk and /drop_out
 ///   <vehicle>/<sonar>               echoes, noise and false detections of a sonar
-///   <vehicle>/<camera>/noise        noise of a camera's pixels; <camera>/noise for one of the station's
+///   <vehicle>/<camera>/noise        noise of a camera's pixels; <camera>/noise for a camera of the station
 ///   water/waves, water/gusts/<axis>, optics/ripples
-///   link/loss, link/wait            packets that are lost; waits of the random access
+///   link/loss, link/wait            lost packets; waits of random access
 ///
-/// A name keys its draws (RandomStream): a stream that is renamed gives other samples.
+/// The name keys the draws (RandomStream): renaming a stream changes its samples.
 template <typename... Parts>
 std::string stream_name(std::string_view owner, const Parts&... parts) {
   std::string name(owner);

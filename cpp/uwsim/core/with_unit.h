@@ -5,7 +5,7 @@
 
 namespace uwsim {
 
-/// A value that is written with its unit, such as `3 m`; see `require`. It refers to the value.
+/// A value printed with its unit, such as `3 m`; see `require`. It holds a reference to the value.
 template <typename Value>
 struct WithUnit {
   const Value& value;

@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-/// p + R r - station, one scalar along the line of sight and two across it, whose errors do not depend on each other.
+/// p + R r - station, as one scalar along the line of sight and two across it, whose errors are independent.
 class AcousticFixAid final : public Aid {
  public:
   AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std, double bearing_std)
@@ -19,8 +19,8 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm();
     if (!(range > 1e-6)) return;
-    // Where the position is known well, axes along and across the line to it keep the range free of the bearing's
-    // error: seen along the measured line, the vehicle is R (1 - cos error) nearer than R.
+    // Where the position is known well, use axes along and across the expected line, which keeps the bearing's error
+    // out of the range: along the measured line, the vehicle is R (1 - cos error) nearer than R.
     const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
     const bool is_known = position_variance < kKnown * kKnown * range * range;
     const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();

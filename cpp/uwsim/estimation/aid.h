@@ -10,12 +10,12 @@
 
 namespace uwsim {
 
-/// An outlier is farther than this many standard deviations from what the filter expects (Mahalanobis distance of one
-/// scalar; a good reading is taken for one in 1.7 million).
+/// An outlier is farther than this many standard deviations from the value that the filter expects (Mahalanobis
+/// distance of one scalar; rejects one good reading in 1.7 million).
 inline constexpr double kGate = 5;
-/// At the last of this many readings in a row with outliers the filter doubts itself instead: it takes its own error to
-/// be as large. A reading counts if at least a third of its scalars are outliers: two of a DVL's four beams, which is
-/// what an error between them looks like, but not one, which may be a bad one.
+/// At the last of this many consecutive readings with outliers the filter doubts itself instead: it assumes that its
+/// own error is as large. A reading counts if at least a third of its scalars are outliers: two of a DVL's four beams,
+/// which is how an error between them appears, but not one, which may be a single bad beam.
 inline constexpr std::uint64_t kReadingsBeforeDoubt = 5;
 inline constexpr int kMaxReading = 8;
 
@@ -23,24 +23,24 @@ inline constexpr int kMaxReading = 8;
 class Aid {
  public:
   virtual ~Aid() = default;
-  /// The number of values of a reading.
+  /// The number of values in a reading.
   virtual int width() const = 0;
-  /// The models of its biases, which become errors of the filter.
+  /// The models of its biases, which become error states of the filter.
   virtual std::vector<BiasModel> biases() const { return {}; }
-  /// How many of them, from the first, version 1 of the saved state has.
+  /// How many of them, from the first, the saved state of version 1 has.
   virtual int biases_in_version_1() const { return static_cast<int>(biases().size()); }
-  /// The errors that it sees: doubt acts on these three.
+  /// The errors that it observes: doubt acts on these three.
   virtual ErrorIndex seen() const = 0;
-  /// Corrects `state` by a reading (width(),) scalar by scalar.
+  /// Corrects `state` with a reading (width(),), scalar by scalar.
   virtual void correct(FilterState& state, const double* reading) const = 0;
-  /// Saves or restores the figures that it was made with. Throws InvalidValue.
+  /// Saves or restores the parameters that it was made with. Throws InvalidValue.
   virtual void exchange_figures(StateArchive& archive) = 0;
 
-  /// Where its counts and its biases are in the state; set by NavigationFilter.
+  /// Positions of its counts and its biases in the state; set by NavigationFilter.
   int index = 0, first_bias = 0;
 
  protected:
-  /// One scalar: residual = h . error + white noise of `variance`. Joseph form. Returns whether it was no outlier.
+  /// Applies one scalar: residual = h . error + white noise of `variance`. Joseph form. Returns false for an outlier.
   bool correct(FilterState& state, double residual, const ErrorVector& h, double variance) const;
 };
 

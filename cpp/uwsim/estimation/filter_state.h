@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// The errors' order: position, velocity, attitude, gyroscope bias, accelerometer bias, then the biases of aids.
+/// The order of the errors: position, velocity, attitude, gyroscope bias, accelerometer bias, then the biases of aids.
 enum ErrorIndex : int { kPosition = 0, kVelocity = 3, kAttitude = 6, kRateBias = 9, kForceBias = 12, kAidBias = 15 };
 inline constexpr int kMaxErrors = 32;
 inline constexpr int kMaxAids = 8;
@@ -15,8 +15,8 @@ inline constexpr int kMaxAids = 8;
 using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
 using ErrorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxErrors, kMaxErrors>;
 
-/// How the bias of one channel behaves, in its unit u: a constant that is drawn at the start, a first-order
-/// Gauss-Markov process of standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
+/// How the bias of one channel behaves, in its unit u: a constant drawn at the start, a first-order Gauss-Markov
+/// process of standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
 struct BiasModel {
   double turn_on_std = 0;   ///< [u]
   double drift_std = 0;     ///< [u]
@@ -24,27 +24,27 @@ struct BiasModel {
   double walk = 0;          ///< [u/sqrt(s)]
 
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
-  /// The share that is left after dt. A drift on top of a constant is taken for a random walk, which agrees with it
-  /// over times that are short beside drift_time_s, so that one state holds both.
+  /// The share that remains after dt. A drift on top of a constant is treated as a random walk, which agrees with it
+  /// over times that are short compared with drift_time_s, so that one state covers both.
   double decay(double dt_s) const;
   /// The variance that dt adds [u2].
   double growth(double dt_s) const;
 };
 
-/// The outcome of an aid's scalars, and how many of its last readings in a row had outliers.
+/// The outcome of an aid's scalars, and how many of its last consecutive readings had outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
 
-/// The IMU as of the state's time, between two samples by interpolation; biases included, body axes of that time.
+/// The IMU at the state's time, interpolated between two samples; biases included, body axes of that time.
 struct LastSample {
   Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t time_ns = kNone;  ///< of the newest sample that the state has reached since it began or coasted
-  /// The change of the rate over the interval before that sample, and the interval's length; 0: not known.
+  std::uint64_t time_ns = kNone;  ///< of the newest sample that the state has reached since it started or coasted
+  /// The change of the rate over the interval before that sample, and the interval's length; 0: unknown.
   Eigen::Vector3d rate_slope_rad_s2 = Eigen::Vector3d::Zero();
   double slope_s = 0;
-  double guessed_s = 0;  ///< how long the rate before the first sample was taken for that sample's
+  double guessed_s = 0;  ///< how long the first sample's rate was assumed to hold before it
 };
 
 /// The state of an error-state Kalman filter (Sola 2017, "Quaternion kinematics for the error-state Kalman filter"):
@@ -60,12 +60,12 @@ struct FilterState {
   ErrorMatrix covariance;
   LastSample sample;
   std::array<AidCounts, kMaxAids> counts;
-  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and when last
-  std::uint64_t restarted_ns = 0;            ///< when it began anew last
+  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and when it last did
+  std::uint64_t restarted_ns = 0;            ///< when it last restarted
 
   int errors() const { return static_cast<int>(covariance.rows()); }
   Eigen::Vector3d rate_rad_s() const { return sample.rate_rad_s - rate_bias_rad_s; }
-  /// Moves the error into the state.
+  /// Moves the estimated error into the state.
   void add(const ErrorVector& error);
 };
 

@@ -8,8 +8,8 @@ namespace uwsim {
 namespace {
 
 /// The yaw of a compass's x axis. With the vehicle's own field i, body axes, as a share of the earth's horizontal
-/// field, and the direction n of magnetic north, yaw is measured too small by (n x R i)_z (Groves 2013, ch. 6.1):
-/// level, turning tells it from an error of the attitude; the field upwards counts as soon as the vehicle rolls or
+/// field, and the direction n of magnetic north, yaw is measured too small by (n x R i)_z (Groves 2013, ch. 6.1): on a
+/// level vehicle, turning separates it from an attitude error; the upward field matters as soon as the vehicle rolls or
 /// pitches.
 class HeadingAid final : public Aid {
  public:
@@ -21,15 +21,15 @@ class HeadingAid final : public Aid {
     const BiasModel iron{.turn_on_std = iron_std_};
     return {bias_, iron, iron, iron};
   }
-  int biases_in_version_1() const override { return 3; }  // the field upwards is missing
+  int biases_in_version_1() const override { return 3; }  // the upward field is missing
   ErrorIndex seen() const override { return kAttitude; }
 
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d ahead = state.orientation * axis_;
     const double level = ahead.head<2>().squaredNorm();
     if (level < 1e-4) return;  // it points straight up or down
-    // By the expected yaw, not the measured one, whose noise would be in `sees` as it is in the residual: readings at
-    // one heading would then tell of a field that is not there.
+    // Use the expected yaw, not the measured one, whose noise would be in `sees` as well as in the residual: readings
+    // at one heading would then seem to reveal a field that does not exist.
     const double yaw = std::atan2(ahead.y(), ahead.x());
     const Eigen::Vector3d east_of_north(std::sin(north_rad_), -std::cos(north_rad_), 0);
     Eigen::Vector4d sees;

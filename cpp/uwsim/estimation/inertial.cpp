@@ -9,27 +9,28 @@
 namespace uwsim {
 namespace {
 
-// The error of integration by steps, so that even a filter of perfect instruments stays open to fixes.
+// The error of integrating in steps; it keeps even a filter of perfect instruments open to corrections.
 constexpr double kLeastRateDensity = 2e-6;   // rad/sqrt(s)
 constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
-// A collision that exceeds the IMU's limits: what it may hide, assumed, as of an ROV that is stopped or thrown back.
+// A collision that exceeds the IMU's limits: the velocity it may hide, assumed for an ROV that is stopped or thrown
+// back.
 constexpr double kShockVelocity_m_s = 1;
 constexpr double kShockTurn_rad = 0.05;
 // A vehicle without an IMU: assumed, of the order of an ROV's manoeuvres.
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
-const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are righted
+const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are restored by buoyancy
 
-// A blow, for example by the ground: the second difference of the angular velocity exceeds what thrusters (assumed) and
-// noise can cause. A second difference has sqrt(6) times the noise of one sample.
+// A shock, for example from hitting the ground: the second difference of the angular velocity exceeds what thrusters
+// (assumed) and noise can cause. A second difference has sqrt(6) times the noise of one sample.
 constexpr double kBlow_rad_s = 0.01;
 constexpr double kBlowInNoise = 15;
-// The turn, unseen by the gyroscope's samples, when the ground pushes the hull out. An assumed value: without it the
-// NEES of the 9 errors after skids on the bed is 10.4 (uwsim validate estimation).
+// The rotation that the gyroscope's samples miss when the ground pushes the hull out. Assumed: without it the NEES of
+// the 9 errors after skids on the bed is 10.4 (uwsim validate estimation).
 constexpr double kBlowTurn_rad = 1e-3;
 
-constexpr double kEven = 1.5;  // ratio up to which two intervals count as even
+constexpr double kEven = 1.5;  // ratio up to which two intervals count as equal
 
-/// The variance that white noise of a sampled quantity adds to its integral over dt.
+/// The variance that the white noise of a sampled quantity adds to its integral over dt.
 double integrated(double sample_std, double period_s, double least_density, double dt_s) {
   return std::max(sample_std * sample_std * period_s, least_density * least_density) * dt_s;
 }
@@ -53,7 +54,7 @@ void transport(ErrorMatrix& p, double dt, const Eigen::Matrix3d& velocity_from_a
   p.middleCols<3>(kAttitude) -= dt * p.middleCols<3>(kRateBias);
 }
 
-/// Before the first sample: its angular velocity, and its force along the same axes of the world.
+/// Guesses the state before the first sample: its angular velocity, and its force along the same axes of the world.
 void guess_before(FilterState& state, const ImuSample& first) {
   const double ahead_s = seconds_between(state.time_ns, first.time_ns);
   state.sample.rate_rad_s = first.rate_rad_s;
@@ -73,15 +74,15 @@ ImuSample between(const FilterState& state, const ImuSample& next, std::uint64_t
 }
 
 /// How the rate's slope up to the next sample differs from a straight line through the last two, integrated over the
-/// part from the state's time to `time_ns`: the parabola through three samples. Not where they are spaced unevenly, as
-/// after a gap, since slopes over short intervals are of noise.
+/// part from the state's time to `time_ns`: the parabola through three samples. Not used where they are unevenly
+/// spaced, such as after a gap, since slopes over short intervals are mostly noise.
 Eigen::Vector3d bend(const LastSample& last, const Eigen::Vector3d& slope, double whole, double from, double to) {
   const auto integral = [whole](double t) { return t * t * (t / 3 - whole / 2); };
   if (last.slope_s == 0 || whole > kEven * last.slope_s || last.slope_s > kEven * whole) return Eigen::Vector3d::Zero();
   return (slope - last.rate_slope_rad_s2) / (whole + last.slope_s) * (integral(to) - integral(from));
 }
 
-/// The turn from the state's time to that of `now`, on the way to the next sample; keeps what the next turn needs.
+/// The rotation from the state's time to that of `now`, on the way to the next sample; records what the next one needs.
 Eigen::Vector3d turned(FilterState& state, const ImuSample& now, const ImuSample& next) {
   LastSample& last = state.sample;
   const double dt = seconds_between(state.time_ns, now.time_ns);
@@ -95,7 +96,7 @@ Eigen::Vector3d turned(FilterState& state, const ImuSample& now, const ImuSample
                  from = seconds_between(last.time_ns, state.time_ns);
     const Eigen::Vector3d slope = (next.rate_rad_s - last.rate_rad_s) / (whole - from);
     turn += bend(last, slope, whole, from, from + dt);
-    // What the guess before the first sample missed if the rate grew as it does now.
+    // What the guess before the first sample missed if the rate grew then as it does now.
     if (last.guessed_s > 0 && last.guessed_s <= kEven * whole) turn -= 0.5 * last.guessed_s * last.guessed_s * slope;
     last.guessed_s = 0;
     if (now.time_ns == next.time_ns) {
@@ -114,8 +115,9 @@ void grow(ErrorMatrix& p, int first, double variance) {
 
 }  // namespace
 
-/// A blow changes the angular velocity at some time between two samples, which as a step at a random time errs by its
-/// change times dt / sqrt(12). Within a shock the samples say little: the velocity that is left is not known, either.
+/// A shock changes the angular velocity at some time between two samples; modelled as a step at a random time, its
+/// error is the change times dt / sqrt(12). During a shock the samples carry little information: the velocity
+/// afterwards is unknown as well.
 void Inertial::grow_by_shock(FilterState& state, double dt, const ImuSample& next) const {
   constexpr double kReached = 1 - 1e-9;
   const bool spins = next.rate_rad_s.norm() >= kReached * imu_.rate_limit;
@@ -161,7 +163,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   const Eigen::Vector3d turn = turned(state, now, next);
   state.orientation = (state.orientation * rotation_by(turn)).normalized();
   const Eigen::Matrix3d after = state.orientation.toRotationMatrix();
-  // A sample that is a mean is of the middle of its averaging time, so that the later one counts for more.
+  // A sample that is a mean belongs to the middle of its averaging time, so the later one has more weight.
   const double share = 0.5 * (1 + imu_.averaging_s / dt);
   const Eigen::Matrix3d turn_forces = share * after;
   const Eigen::Matrix3d turn_earlier = (1 - share) * before;
@@ -173,7 +175,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   state.sample.force_m_s2 = now.force_m_s2;
   state.time_ns = time_ns;
   ErrorMatrix& p = state.covariance;
-  // R [f]x e = [R f]x R e, at both ends with the error e of the attitude at the beginning.
+  // R [f]x e = [R f]x R e, at both ends with the attitude error e at the beginning.
   transport(p, dt, -dt * cross_matrix(force_world) * before, -dt * (turn_earlier + turn_forces),
             rotation_by(-turn).toRotationMatrix());
   grow(p, kVelocity, integrated(imu_.force_std, imu_.period_s, kLeastForceDensity, dt));

@@ -11,15 +11,15 @@ namespace {
 
 constexpr std::uint64_t kHorizon_ns = static_cast<std::uint64_t>(NavigationFilter::kHorizon_s * 1e9);
 constexpr std::uint64_t kCheckpoint_ns = 100'000'000;
-// A filter that doubts itself again within this time errs in more than what the aid sees, such as after a collision:
-// then it begins anew where it is, with these standard deviations, assumed, as of an ROV that is thrown about.
+// A filter that doubts itself again within this time is wrong in more than the aid observes, for example after a
+// collision. It then restarts where it is, with these standard deviations, assumed for an ROV that is thrown about.
 constexpr std::uint64_t kDoubtAgain_ns = 5'000'000'000;
-// For some time after a doubt it begins anew, too, if the IMU's biases come out as what they are hardly ever, which is
-// what an error of the attitude looks like; but not at once again.
+// For some time after a doubt it also restarts if the IMU's biases reach values that they hardly ever have, which is
+// how an attitude error appears; but not again immediately.
 constexpr std::uint64_t kProbation_ns = 30'000'000'000, kSettling_ns = 3'000'000'000;
 constexpr double kImplausible = 4;  // standard deviations
 constexpr double kLostPosition_m = 2, kLostVelocity_m_s = 1, kLostAttitude_rad = 0.15;
-constexpr std::size_t kForgetFrom = 2048;  // events; they are moved down together
+constexpr std::size_t kForgetFrom = 2048;  // number of events; they are moved down together
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void NavigationFilter::start(const FilterStart& start) {
   checkpoint();
 }
 
-/// All biases as they are before anything is known of them. The rest of the covariance is left.
+/// Resets all biases to their prior values. The rest of the covariance is unchanged.
 void NavigationFilter::set_biases() {
   const int n = present_.errors();
   present_.rate_bias_rad_s.setZero();
@@ -84,7 +84,7 @@ bool NavigationFilter::biases_are_plausible() const {
          are(present_.force_bias_m_s2, inertial_.errors().force_bias);
 }
 
-/// Corrects the present state, and begins anew where the filter turns out to be lost.
+/// Corrects the present state, and restarts if the filter turns out to be lost.
 void NavigationFilter::correct(const Event& reading) {
   const auto aid = static_cast<std::size_t>(reading.source);
   AidCounts& counts = present_.counts[aid];
@@ -102,7 +102,7 @@ void NavigationFilter::correct(const Event& reading) {
   if (again || (on_probation && !biases_are_plausible())) restart();
 }
 
-/// Begins anew where it is: all that was learnt is forgotten but the means of position, velocity and attitude.
+/// Restarts where it is: everything learnt is forgotten except the means of position, velocity and attitude.
 void NavigationFilter::restart() {
   present_.restarted_ns = present_.time_ns;
   const Eigen::Vector3d position = present_.covariance.diagonal().segment<3>(kPosition);
@@ -179,7 +179,7 @@ const NavigationFilter::Event* NavigationFilter::next_inertial(std::size_t from)
   return found == events_.end() ? nullptr : &*found;
 }
 
-/// Returns whether the event could be worked off: a reading that is newer than the IMU's waits.
+/// Returns whether the event could be processed: a reading newer than the IMU's waits.
 bool NavigationFilter::apply(std::size_t index) {
   const Event& event = events_[index];
   if (event.time_ns > present_.time_ns) {
@@ -202,7 +202,7 @@ void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
 
 void NavigationFilter::checkpoint() { checkpoints_.push_back({present_, next_}); }
 
-/// The index of the last checkpoint that readings may still go back to.
+/// The index of the last checkpoint to which readings may still go back.
 std::size_t NavigationFilter::last_before_horizon() const {
   const auto after = std::find_if(checkpoints_.begin(), checkpoints_.end(), [&](const Checkpoint& c) {
     return c.state.time_ns + kHorizon_ns > present_.time_ns;

@@ -14,7 +14,7 @@
 
 namespace uwsim {
 
-/// Where the vehicle is when the filter starts, and how well that is known: standard deviations.
+/// Where the vehicle is when the filter starts, and how accurately that is known, as standard deviations.
 struct FilterStart {
   std::uint64_t time_ns = 0;
   Pose world_from_body;
@@ -25,33 +25,34 @@ struct FilterStart {
 };
 
 /// An error-state Kalman filter that takes readings in any order. It keeps the readings of the last kHorizon_s and its
-/// states at some times between; when a reading comes late, it goes back to the last state before it and repeats what
-/// followed. The result depends on the readings and their times alone, not on when they were added.
+/// states at some times between; when a reading arrives late, it goes back to the last state before it and replays what
+/// followed. The result depends only on the readings and their times, not on when they were added.
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
-  /// Version of the bytes that save() returns. 2: with the figures of its instruments, the IMU's last sample, and all
-  /// three axes of a compass's hard iron.
+  /// Version of the bytes that save() returns. 2: includes the parameters of its instruments, the IMU's last sample,
+  /// and all three axes of a compass's hard iron.
   static constexpr std::uint64_t kVersion = 2;
 
   /// `imu_body_m`: where the IMU is on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
 
-  /// Returns the aid's index. Before start().
+  /// Returns the aid's index. To be called before start().
   int add_aid(std::unique_ptr<Aid> aid);
   void start(const FilterStart& start);
 
-  /// Readings of the IMU, body axes, rows of angular velocity and specific force; not later than others that follow.
+  /// Adds readings of the IMU, body axes, rows of angular velocity and specific force; they must not be later than
+  /// other readings that follow.
   void add_imu(std::uint64_t time_ns, const double* rate_and_force);
-  /// A reading of an aid, measured at `time_ns`, that came at `arrival_ns`. One that is older than the start or came
-  /// later than kHorizon_s is dropped, and counted.
+  /// Adds a reading of an aid, measured at `time_ns`, that arrived at `arrival_ns`. A reading from before the start, or
+  /// one that arrived later than kHorizon_s, is dropped and counted.
   void add_reading(int aid, std::uint64_t time_ns, std::uint64_t arrival_ns, const double* reading);
-  /// There was no IMU until `time_ns`.
+  /// Records that there was no IMU until `time_ns`.
   void add_silence(std::uint64_t time_ns);
-  /// Works off what was added. Readings that are newer than the IMU's wait.
+  /// Processes what was added. Readings newer than the IMU's wait.
   void catch_up();
 
-  /// The newest, of the IMU's centre.
+  /// The newest state, of the IMU's centre.
   const FilterState& state() const { return present_; }
   Eigen::Vector3d position_body_origin_m() const;
   Eigen::Vector3d velocity_body_m_s() const;  ///< of the body's origin, body axes
@@ -59,9 +60,9 @@ class NavigationFilter {
   int aids() const { return static_cast<int>(aids_.size()); }
   int aid_width(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->width(); }
 
-  /// Everything that the future depends on. A filter with the same aids that restores it continues alike.
+  /// Everything that future results depend on. A filter with the same aids that restores it continues identically.
   std::string save();
-  /// Throws InvalidValue for bytes that do not fit, and for an unknown version.
+  /// Throws InvalidValue for bytes that do not match, and for an unknown version.
   void restore(std::string_view bytes, std::uint64_t version = kVersion);
 
  private:
@@ -97,8 +98,8 @@ class NavigationFilter {
   std::vector<std::unique_ptr<Aid>> aids_;
   std::vector<BiasModel> aid_biases_;
   FilterState present_;
-  std::vector<Event> events_;  ///< by time; at one time the IMU first
-  std::size_t next_ = 0;       ///< the first event that is not in present_
+  std::vector<Event> events_;  ///< by time; at equal times the IMU first
+  std::size_t next_ = 0;       ///< the first event that is not yet in present_
   std::size_t changed_ = 0;    ///< the first event that is new
   std::vector<Checkpoint> checkpoints_;
   std::uint64_t too_late_ = 0;

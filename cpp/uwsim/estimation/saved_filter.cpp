@@ -15,7 +15,7 @@ void exchange_sample(StateArchive& archive, LastSample& sample) {
   archive(sample.guessed_s);
 }
 
-/// Version 1 has no more of the IMU than its newest angular velocity: the rest begins at the next sample.
+/// Version 1 holds no more of the IMU than its newest angular velocity: the rest starts at the next sample.
 void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t version) {
   archive(state.time_ns);
   exchange_numbers(archive, state.position_m);
@@ -37,7 +37,7 @@ void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t ver
   archive(state.restarted_ns);
 }
 
-/// Adds error `k`, of which nothing but its variance is known.
+/// Inserts error `k`, of which only the variance is known.
 void put_in(FilterState& state, int k, double variance) {
   const int after = state.errors() - k;
   const ErrorVector bias = state.aid_bias;
@@ -56,7 +56,7 @@ void put_in(FilterState& state, int k, double variance) {
 
 void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
   FilterState& state = checkpoints_.front().state;
-  std::vector<int> lacking;  // the errors that version 1 lacks, in their order
+  std::vector<int> lacking;  // the errors that version 1 lacks, in order
   for (const auto& aid : aids_) {
     const int biases = static_cast<int>(aid->biases().size());
     for (int k = version == 1 ? aid->biases_in_version_1() : biases; k < biases; ++k) {
@@ -89,7 +89,7 @@ void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
   }
 }
 
-/// It keeps to the figures that it was made with, whatever those of a filter that restores its state.
+/// A restored filter uses the parameters in the saved state, whatever its own were.
 void NavigationFilter::exchange_figures(StateArchive& archive) {
   inertial_.exchange_figures(archive);
   aid_biases_.clear();

@@ -6,7 +6,7 @@
 namespace uwsim::camera {
 namespace {
 
-/// Light on its way down over its mean: focused and spread by the slopes of the ripples (Ripples::Snapshot) and, where
+/// Downwelling light over its mean: focused and spread by the slopes of the ripples (Ripples::Snapshot) and, where
 /// there are waves, by theirs: 1 / |det(1 + d bend H)| with H the curvature of the surface above, at most 3.
 UWSIM_LANES Float caustic_at(const View& view, Vector point) {
   const Float depth = max(view.surface_z - (point.z + view.camera_z), Float{});

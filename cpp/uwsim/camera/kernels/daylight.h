@@ -7,16 +7,16 @@
 namespace uwsim::camera {
 namespace {
 
-constexpr float kShadowReach_m = 5.0f;        // above the water: what stands higher casts no shadow into it
-constexpr float kShadowRayThreshold = 2e-3f;  // light that adds less to what a pixel already has is not tested
+constexpr float kShadowReach_m = 5.0f;        // above the water: anything higher casts no shadow into it
+constexpr float kShadowRayThreshold = 2e-3f;  // light that adds less than this to a pixel's radiance is not tested
 
 UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
 }
 
-/// Daylight on surfaces: the sky's is added at once, the sun's becomes the light to be tested by a shadow ray. Level
-/// ground receives beam and sky by Kd; slopes by their cosine to the sun and by how much sky and upwelling light they
-/// face.
+/// Daylight on surfaces: the sky's is added at once, the sun's becomes the light under test by a shadow ray. Level
+/// ground receives beam and sky by Kd; slopes by the cosine of their angle to the sun and by how much sky and upwelling
+/// light they face.
 void shade_daylight(const View& view, Block& block) {
   apply_material(view, block);
   const Vector point = load(block.point), normal = load(block.normal);

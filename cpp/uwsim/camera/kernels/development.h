@@ -45,7 +45,7 @@ UWSIM_LANES Vector standard_normals(const Development& d, int pixel) {
   return {r1 * first.cosine, r1 * first.sine, r2 * second.cosine};
 }
 
-/// The sRGB transfer curve (IEC 61966-2-1), within 4e-5: its power function as a polynomial in the fourth root of the
+/// The sRGB transfer curve (IEC 61966-2-1), within 4e-5: its power law as a polynomial in the fourth root of the
 /// signal.
 UWSIM_LANES Float srgb(Float linear) {
   const Float x = clamp(linear, 0, 1), q = square_root(square_root(x));
@@ -63,12 +63,12 @@ UWSIM_LANES Float load_some(const float* from, int count) {
 UWSIM_LANES void write_bytes(Int red, Int green, Int blue, int count, std::uint8_t* rgb) {
   alignas(64) std::int32_t pixels[kLanes];
   store(pixels, red | green << 8 | blue << 16);
-  // Four bytes each: the next pixel overwrites the last of them.
+  // Four bytes each; the next pixel overwrites the last of them.
   for (int k = 0; k + 1 < count; ++k) __builtin_memcpy(rgb + 3 * k, pixels + k, 4);
   __builtin_memcpy(rgb + 3 * (count - 1), pixels + count - 1, 3);
 }
 
-/// From one row of radiance to bytes: vignetting (cos^4 of the angle off the axis, in part), gain, photon and read
+/// Turns one row of radiance into bytes: vignetting (cos^4 of the angle off the axis, in part), gain, photon and read
 /// noise (variance iso x / full_well + (iso read / full_well)^2 for a signal x whose full scale is 1), the transfer
 /// curve.
 void develop_row(const View& view, const Development& d, const RadiancePlanes& planes, int row, std::uint8_t* rgb) {

@@ -24,7 +24,7 @@ UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* 
   const Int triangle = bits_as<std::int32_t>(number) & on_terrain;
   const Int upper = triangle & 1, cell = triangle >> 1, is_upper = upper == 1;
   const int row = view.terrain_nx - 1;
-  Int j = to_int(to_float(cell) * (1 / static_cast<float>(row)));  // may be off by one: corrected below
+  Int j = to_int(to_float(cell) * (1 / static_cast<float>(row)));  // may be off by one, which is corrected below
   j += (j * row > cell);
   j -= ((j + 1) * row <= cell);
   const Int i = cell - j * row, corner = j * view.terrain_nx + i;
@@ -38,8 +38,8 @@ UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* 
           to_double(to_float(j + upper))};
 }
 
-/// Solves the distance to terrain again in double, on the plane of the triangle that was hit: in single precision it
-/// errs by 1e-4 m.
+/// Recomputes the distance to terrain in double, on the plane of the triangle that was hit: single precision errs by
+/// 1e-4 m.
 UWSIM_LANES void refine_on_terrain(const View& view, Vector origin, Vector direction, Int on_terrain, Block& block,
                                    Float& distance, Vector& normal) {
   const TerrainPlanes f = terrain_planes(view, block.primitive, on_terrain);
@@ -49,7 +49,7 @@ UWSIM_LANES void refine_on_terrain(const View& view, Vector origin, Vector direc
   const Double sinking =
       f.slope_x * to_double(direction.x) + f.slope_y * to_double(direction.y) - to_double(direction.z);
   const Vector facing = unit({to_single(-f.slope_x), to_single(-f.slope_y), splat(1)});
-  // Within 0.1 degree of tangency the plane determines the distance less well than the ray tree does.
+  // Within 0.1 degree of tangency the plane determines the distance less accurately than the ray tree does.
   const Int solvable = on_terrain & (abs(to_single(sinking)) * facing.z > static_cast<float>(kGrazingSine));
   distance = select(solvable, max(to_single(above / sinking), Float{}), distance);
   normal = select(on_terrain, facing, normal);

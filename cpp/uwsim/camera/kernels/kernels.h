@@ -54,7 +54,7 @@ struct Kernels {
   void (*develop_row)(const View&, const Development&, const RadiancePlanes&, int row, std::uint8_t* rgb);
 };
 
-/// Those for the widest instruction set that this CPU has; all give the same bits.
+/// The kernels for the widest instruction set that this CPU has; all give the same bits.
 const Kernels& kernels();
 const Kernels& baseline_kernels();
 const Kernels& avx2_kernels();

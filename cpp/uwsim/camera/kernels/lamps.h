@@ -60,7 +60,7 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   to = select(empty, from, to);
 }
 
-/// The lamp's light that the water at one point scatters towards the eye, attenuated on both paths, divided by
+/// The lamp's light that the water at one point scatters towards the eye, attenuated on both paths, and divided by
 /// intensity / apart. `s`, `c`: sine and cosine of the angle at the lamp between the ray's nearest point and this one;
 /// -s is also the cosine of the scattering angle. `ahead`, `along`: the cosine to the lamp's axis is ahead c + along s.
 UWSIM_LANES Vector lamp_scattering(const View& view, const SpotLight& lamp, Float s, Float c, Float ahead, Float along,
@@ -83,7 +83,7 @@ void add_lamp_backscatter(const View& view, int index, Block& block) {
   const SpotLight& lamp = view.lamps[index];
   const Vector direction = load(block.direction);
   const Int active = load(block.active.at) & load(block.in_water.at);
-  // From beyond eight attenuation lengths nothing comes back.
+  // Nothing noticeable comes back from beyond eight attenuation lengths.
   const Float end = min(load(block.reach.at), splat(8 / view.c[1]));
   Float from, to;
   cone_crossing(lamp, direction, end, from, to);
@@ -95,7 +95,7 @@ void add_lamp_backscatter(const View& view, int index, Block& block) {
   const Float along = dot(direction, axis), ahead = (along * nearest - dot(lamp_at, axis)) / apart;
   const Float first = from - nearest, last = to - nearest;
   const Float step = angle_of(apart * apart + first * last, apart * (last - first)) * (1.0f / kBackscatterSamples);
-  const Float half = 0.5f * step, z = half * half;  // half is at most pi / 8: series suffice
+  const Float half = 0.5f * step, z = half * half;  // half is at most pi / 8, so series suffice
   const Float half_s = half * (1 + z * (-1.0f / 6 + z * (1.0f / 120 - z * (1.0f / 5040))));
   const Float half_c = 1 + z * (-0.5f + z * (1.0f / 24 - z * (1.0f / 720)));
   const Float step_s = 2 * half_s * half_c, step_c = 1 - 2 * half_s * half_s;

@@ -2,8 +2,8 @@
 
 #include "uwsim/camera/kernels/lanes.h"
 
-/// Functions and vectors of sixteen lanes. The functions are polynomials, so that all builds give the same bits; each
-/// states its error. Included by the kernels only.
+/// Functions and vectors of sixteen lanes. The functions are polynomials, so that all builds give the same bits; their
+/// comments state the errors. Included by the kernels only.
 namespace uwsim::camera {
 namespace {
 
@@ -24,8 +24,8 @@ UWSIM_LANES Rounded rounded(Float x) {
   return {shifted - 0x1.8p23f, bits_as<std::int32_t>(shifted)};
 }
 
-/// e^x for x below 88, 0 below -87: 2^k times a polynomial in the rest of x / ln 2, of least relative error on
-/// [-1/2, 1/2]; the relative error is below 2e-7 + 1.2e-7 |x|.
+/// e^x for x below 88, 0 below -87: 2^k times a polynomial in the remainder of x / ln 2, minimax on [-1/2, 1/2]; the
+/// relative error is below 2e-7 + 1.2e-7 |x|.
 UWSIM_LANES Float exponential(Float x) {
   const Float y = max(x, splat(-87)) * 1.44269504f;
   const Rounded k = rounded(y);
@@ -48,7 +48,7 @@ UWSIM_LANES Float logarithm(Float x) {
   return series + to_float(exponent) * 0.69314718f;
 }
 
-/// Sine within 1e-6, for |x| up to about 1e4: a series in the rest after whole half turns, which flip its sign.
+/// Sine within 1e-6, for |x| up to about 1e4: a series in the remainder after whole half turns, which flip its sign.
 UWSIM_LANES Float sine(Float x) {
   const Rounded halves = rounded(x * 0.318309886f);
   const Float r = x - halves.whole * 3.140625f - halves.whole * 9.67653590e-4f, z = r * r;

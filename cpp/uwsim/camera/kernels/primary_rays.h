@@ -40,7 +40,7 @@ void rays_through_pixels(const View& view, int left, int top, int scale, Block& 
   set_rays(view, x, y, block);
 }
 
-/// Whether the picture holds all pixels of the block, as it does most blocks: their rays are tabulated block by block.
+/// Whether the whole block lies within the picture, as most blocks do: their rays are tabulated block by block.
 UWSIM_LANES bool is_whole_block(const View& view, int left, int top) {
   return left + kBlockSide <= view.width && top + kBlockSide <= view.height;
 }
@@ -60,7 +60,7 @@ void shaft_rays(const View& view, int left, int top, int scale, Block& block) {
   rays_through_pixels(view, left, top, scale, block);
 }
 
-/// Before the first segment of each path: no light yet, and nothing attenuates what is to come.
+/// Initialises each path before its first segment: no light yet, and full throughput.
 void start_paths(const View& view, Block& block) {
   store(block.throughput, ones());
   store(block.radiance, zero());

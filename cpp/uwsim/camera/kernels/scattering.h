@@ -10,13 +10,13 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-// Asymmetry of particles for daylight. Single scattering by real particles (g about 0.9) makes the water beside the
-// camera ten times too dark, since daylight is scattered many times. 0.5 gives a horizontal radiance of about 0.04 of
-// the downwelling irradiance in turbid water, as in radiance distributions measured in lakes and seas: assumed, correct
-// in its order of magnitude.
+// Asymmetry of particles for daylight. Single scattering with the asymmetry of real particles (about 0.9) makes the
+// water around the camera ten times too dark, since daylight is scattered many times. 0.5 gives a horizontal radiance
+// of about 0.04 of the downwelling irradiance in turbid water, as in radiance distributions measured in lakes and seas:
+// assumed, but of the right order of magnitude.
 constexpr float kDaylightAsymmetry = 0.5f;
-// Asymmetry of particles for lamps: near the camera their light is scattered once (Petzold 1972 by way of g = 0.9:
-// assumed).
+// Asymmetry of particles for lamps: near the camera their light is scattered once (Petzold 1972, represented by g =
+// 0.9: assumed).
 constexpr float kLampAsymmetry = 0.9f;
 
 /// Phase function of Henyey and Greenstein 1941, [1/sr].
@@ -28,14 +28,13 @@ UWSIM_LANES Float henyey_greenstein_phase(Float cosine, float g) {
 /// Phase function of molecules (Rayleigh), [1/sr].
 UWSIM_LANES Float rayleigh_phase(Float cosine) { return (3 / (16 * kPi)) * (1 + cosine * cosine); }
 
-/// Light that water scatters towards the eye for each unit of irradiance, [1/(m sr)]. `g`: one of the asymmetries
-/// above.
+/// Light that water scatters towards the eye per unit of irradiance, [1/(m sr)]. `g`: one of the asymmetries above.
 UWSIM_LANES Vector scattering(const View& view, Float cosine, float g) {
   const Float particles = henyey_greenstein_phase(cosine, g), molecules = rayleigh_phase(cosine);
   return broadcast(view.particle_b) * particles + broadcast(view.molecule_b) * molecules;
 }
 
-/// Irradiance on a level surface at a depth: `total` falls by Kd; `beam`, the sun's own, also loses what is scattered
+/// Irradiance on a level surface at a depth: `total` falls by Kd; `beam`, the sun's part, also loses what is scattered
 /// out of it.
 struct DaylightAtDepth {
   Vector total, beam;
@@ -50,8 +49,8 @@ UWSIM_LANES DaylightAtDepth daylight_at_depth(const View& view, Float depth) {
 
 /// Daylight that `length` of water scatters into a ray, attenuated on its way to the eye, in closed form: daylight
 /// changes as exp(-K depth) along the ray, so that the backscatter is J / k (1 - exp(-k length)) with k = c - K
-/// sin(elevation); it saturates, at J / c for a level ray. Split into what comes from the sun's beam, which shafts
-/// modulate, and the rest.
+/// sin(elevation); it saturates, at J / c for a level ray. Split into the sun's beam, which shafts modulate, and the
+/// rest.
 UWSIM_LANES void daylight_backscatter(const View& view, Vector origin, Vector direction, Float length, Vector& diffuse,
                                       Vector& beam) {
   const Float depth = view.surface_z - (origin.z + view.camera_z);

@@ -26,7 +26,7 @@ void shaft_sample_light(const View& view, const Block& block, BlockFloats& weigh
   store(caustic.at, view.has_caustics ? caustic_at(view, load(block.point)) : splat(1));
 }
 
-/// Weights of bilinear interpolation between blocks: how much each lane takes of the blocks before, at and after its
+/// Weights of bilinear interpolation between blocks: how much each lane takes from the blocks before, at and after its
 /// own along each axis. A block's value belongs to its middle, 1.5 pixels from its first.
 struct BlockWeights {
   alignas(64) float across[3][kLanes], down[3][kLanes];

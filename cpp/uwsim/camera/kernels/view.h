@@ -12,10 +12,10 @@ inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
 struct Material {
   float base[3], other[3];  ///< albedo
   float contrast;           ///< of the patches, 0: none
-  float fine_per_m;         ///< small patches per metre; the large ones measure 1.4 m in all materials
+  float fine_per_m;         ///< number of small patches per metre; the large ones measure 1.4 m in all materials
   float bump;               ///< tilt of the normal by the small patches [rad]
   float ripple_m;           ///< length of sand ripples, 0: none
-  float ripple_tilt;        ///< their steepest slope
+  float ripple_tilt;        ///< steepest slope of the ripples
 };
 
 /// A spot lamp: intensity [irradiance m2], axis away from the lamp.
@@ -26,7 +26,7 @@ struct SpotLight {
 
 /// Heights and slopes of the world's waves at the nodes of a grid around the camera, [y][x][height, slope x, slope y].
 struct WaveNodes {
-  const float* values;  ///< null: still water
+  const float* values;  ///< null: the water is still
   int side;
   float spacing_m, left_m, bottom_m;  ///< of the first node, relative to the camera
 };
@@ -42,7 +42,7 @@ struct View {
   float texture_x, texture_y;   ///< camera in the frame of textures and ripples, which repeat
   double terrain_x, terrain_y;  ///< first node relative to the camera
   double terrain_spacing, anchor_z;
-  const float* heights;  ///< null: no terrain
+  const float* heights;  ///< null: there is no terrain
   int terrain_nx;
   std::uint32_t terrain_label;
 
@@ -54,7 +54,7 @@ struct View {
   float beam_level[3], total_level[3];  ///< irradiance on a level surface just below the water's surface
   float to_sun_in_water[3];
   float beam[3], sky[3], to_sun[3];  ///< in air
-  const float *caustics, *slopes;    ///< Ripples::Snapshot's, null: no ripples
+  const float *caustics, *slopes;    ///< of Ripples::Snapshot; null: there are no ripples
   float bend;                        ///< 1 - 1 / refractive_index
   WaveNodes waves;
 
@@ -62,7 +62,7 @@ struct View {
   int steep_material, land_material;  ///< indices for steep and for dry ground; the bed's is 0
   int lamp_count;
   const SpotLight* lamps;
-  int shaft_width;  ///< blocks in a row of the shafts' image, 0: no shafts
+  int shaft_width;  ///< number of blocks in a row of the shafts' image; 0: no shafts
   const float* shafts;
 };
 

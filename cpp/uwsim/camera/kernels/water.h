@@ -2,15 +2,15 @@
 
 #include "uwsim/camera/kernels/water_surface.h"
 
-/// The water along one straight segment of a ray. Included by the kernels only.
+/// Effects of the water along one straight segment of a ray. Included by the kernels only.
 namespace uwsim::camera {
 namespace {
 
 constexpr float kFarthest_m = 2e4f;
 constexpr float kNegligible = 1e-3f;  // throughput below which a path is not continued
 
-/// Ends each ray's segment at its hit or at the surface, adds the backscatter of the water along it, and attenuates
-/// what lies beyond.
+/// Ends each ray's segment at its hit or at the surface, adds the backscatter of the water along it, and attenuates the
+/// light from beyond.
 void apply_water(const View& view, Block& block) {
   const Vector origin = load(block.origin), direction = load(block.direction);
   const Float distance = load(block.distance.at);

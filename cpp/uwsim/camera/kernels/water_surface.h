@@ -12,7 +12,7 @@ struct WaveSample {
   Float height, slope_x, slope_y;
 };
 
-/// The world's waves at a place, interpolated between nodes; beyond the grid, those at its edge.
+/// The world's waves at a place, interpolated between nodes; beyond the grid, the values at its edge.
 UWSIM_LANES WaveSample waves_at(const View& view, Float x, Float y) {
   const WaveNodes& nodes = view.waves;
   if (nodes.values == nullptr) return {splat(view.surface_z), Float{}, Float{}};
@@ -80,7 +80,7 @@ void refract_or_reflect(const View& view, Block& block) {
   WaveSample sample = waves_at(view, at.x, at.y);
   add_ripples(view, at.x, at.y, end, sample);
   const Vector up = unit({-sample.slope_x, -sample.slope_y, splat(1)});
-  const Vector facing = select(in_water, up * splat(-1), up);  // towards the side that the ray comes from
+  const Vector facing = select(in_water, up * splat(-1), up);  // towards the side from which the ray comes
   const Float cosine = clamp(-dot(direction, facing), 0.02f, 1);
   const Float ratio = select(in_water, splat(view.refractive_index), splat(1 / view.refractive_index));
   const Float sine2 = ratio * ratio * (1 - cosine * cosine);
@@ -91,7 +91,7 @@ void refract_or_reflect(const View& view, Block& block) {
   const Float reflectance = select(totally, splat(1), 0.5f * (s * s + p * p));
   Vector refracted = unit(direction * ratio + facing * (ratio * cosine - beyond));
   Vector reflected = unit(direction + facing * (2 * cosine));
-  // A ripple must not send a ray back through the surface that it has left.
+  // A ripple must not send a ray back through the surface that it came from.
   refracted.z = select(in_water, max(refracted.z, splat(0.002f)), min(refracted.z, splat(-0.002f)));
   reflected.z = select(in_water, min(reflected.z, splat(-0.002f)), max(reflected.z, splat(0.002f)));
   const Int reflects = reflectance > 0.5f;
