@@ -8,7 +8,8 @@
 
 namespace uwsim {
 
-/// An ostream into an AtomicFile, for libraries that write to streams. Its FileError passes through the library.
+/// An ostream that writes to an AtomicFile, for libraries that write to streams. Its FileError passes through the
+/// library.
 class AtomicFileStream : private std::streambuf, public std::ostream {
  public:
   explicit AtomicFileStream(AtomicFile& file) : std::ostream(this), file_(file) {

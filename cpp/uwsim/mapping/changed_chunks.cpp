@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-/// A larger cube has too many chunks to list: it counts as all chunks.
+/// A larger cube has too many chunks to list: all chunks count as changed.
 constexpr int kListedLevelsMax = 10;
 
 }  // namespace

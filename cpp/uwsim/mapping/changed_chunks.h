@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// The 64 x 64 x 64 voxels of a chunk. `code`: the Morton code of a voxel in it without the lowest 18 bits.
+/// The 64 x 64 x 64 voxels of a chunk. `code`: the Morton code of any of its voxels without the lowest 18 bits.
 KeyBox chunk_box(std::uint32_t code);
 
 /// Chunks in which voxels may have changed.
@@ -15,7 +15,7 @@ struct ChangedChunks {
   bool all = false;
   std::set<std::uint32_t> codes;
 
-  /// The chunks of a cube of 2^levels voxels an edge.
+  /// Adds the chunks of a cube with an edge of 2^levels voxels.
   void add(const VoxelKey& corner, int levels);
 };
 

@@ -72,7 +72,8 @@ void require_finite_points(std::span<const float> points_m, const char* name, st
           "must be at least " + std::to_string(least) + " points");
 }
 
-/// The mean of the finite points. PCL's float32 sums lose too much far from zero, so its fits run about this point.
+/// The mean of the finite points. PCL's float32 sums lose too many digits far from zero, so its fits are done relative
+/// to this point.
 Eigen::Vector3d mean_m(std::span<const float> points_m) {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   int count = 0;
@@ -85,10 +86,10 @@ Eigen::Vector3d mean_m(std::span<const float> points_m) {
   return sum_m / std::max(count, 1);
 }
 
-/// PCL prints its failures to stderr; ours are exceptions.
+/// PCL prints its failures to stderr; we throw exceptions instead.
 void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
 
-/// Access to how PCL's ICP ended.
+/// Gives access to the reason why PCL's ICP stopped.
 class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> {
  public:
   int iterations() const { return nr_iterations_; }
@@ -101,7 +102,7 @@ class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, doub
   }
 };
 
-/// Root mean square of the distances to the target's nearest points, and the share of the points that have one in
+/// Root mean square of the distances to the target's nearest points, and the share of the points that have one within
 /// reach.
 std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
   pcl::search::KdTree<pcl::PointXYZ> tree;
@@ -153,7 +154,7 @@ std::vector<float> transform_points(std::span<const float> points_source_m, cons
   if (points_source_m.empty()) return {};  // PCL would print a warning
   const Cloud::Ptr source = to_cloud(points_source_m);
   Cloud target;
-  pcl::transformPointCloud(*source, target, target_from_source);  // computes in double, rounds each point once
+  pcl::transformPointCloud(*source, target, target_from_source);  // computes in double and rounds each point once
   return to_points(target);
 }
 
@@ -197,8 +198,8 @@ std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
     high_m = high_m.max(point_m);
   }
   if (!(low_m <= high_m).all()) return {};
-  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // about it PCL's float32 sums lose little
-  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // two more along each axis, for rounding
+  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // PCL's float32 sums lose little relative to it
+  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // plus two along each axis, for rounding
   require(voxels < std::numeric_limits<std::int32_t>::max(), "voxel_m", voxel_m,
           "too small for the cloud's box, which must have fewer than 2^31 voxels");
   pcl::VoxelGrid<pcl::PointXYZ> grid;
@@ -286,11 +287,11 @@ Registration register_cloud(std::span<const float> source_m, std::span<const flo
   require_finite_points(target_m, "target_m", 3);
   silence_pcl();
   const Eigen::Vector3d mean = mean_m(target_m);
-  // Frame `mean`: the target's, with its zero at the mean.
+  // The frame `mean`: the target's, with its origin at the mean.
   Eigen::Matrix4d target_from_mean = Eigen::Matrix4d::Identity(), mean_from_target = target_from_mean;
   target_from_mean.topRightCorner<3, 1>() = mean;
   mean_from_target.topRightCorner<3, 1>() = -mean;
-  // The guess is applied here, so that the rotations which PCL applies in float32 are small and about a near point.
+  // The guess is applied here, so that the rotations that PCL applies in float32 are small and about a nearby point.
   const Eigen::Matrix4d mean_from_source = mean_from_target * guess;
   auto source = pcl::make_shared<Cloud>();
   pcl::transformPointCloud(*to_cloud(source_m), *source, mean_from_source);
@@ -301,7 +302,7 @@ Registration register_cloud(std::span<const float> source_m, std::span<const flo
   icp.setInputTarget(target);
   icp.setMaxCorrespondenceDistance(max_distance_m);
   icp.setMaximumIterations(max_iterations);
-  icp.setTransformationEpsilon(1e-12);  // squared metres, and 1 - cos of a rotation
+  icp.setTransformationEpsilon(1e-12);  // squared metres, and 1 - cos of the rotation
   icp.setEuclideanFitnessEpsilon(1e-9);
   Cloud moved;
   icp.align(moved);

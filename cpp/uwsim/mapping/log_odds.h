@@ -10,13 +10,13 @@
 /// A voxel that a hit or a miss would only push further past its limit keeps its value (OctoMap's updateNode).
 ///
 /// The vector kernels include this header, so its functions are `static`: none can be linked from another file. Their
-/// own forms of clamped_sum() are bricks/kernels/scan_kernels_avx2.cpp and scan_kernels_avx512.cpp, add_misses().
+/// versions of clamped_sum() are in bricks/kernels/scan_kernels_avx2.cpp and scan_kernels_avx512.cpp, add_misses().
 namespace uwsim {
 
 /// An OccupancyModel (occupancy_model.h) in log-odds.
 struct OccupancyLogOdds {
   float hit;   ///< added to a voxel that holds a point; at least 0
-  float miss;  ///< added to a voxel that a ray passes; at most 0
+  float miss;  ///< added to a voxel that a ray passes through; at most 0
   float clamping_min;
   float clamping_max;
 };
@@ -25,7 +25,7 @@ static inline float log_odds_of(double probability) {
   return static_cast<float>(__builtin_log(probability / (1 - probability)));
 }
 
-/// A voxel is occupied from a probability of 0.5 on.
+/// A voxel is occupied at a probability of at least 0.5.
 static inline bool is_occupied(float log_odds) { return log_odds >= 0; }
 
 static inline float clamped(float log_odds, const OccupancyLogOdds& model) {
@@ -34,12 +34,12 @@ static inline float clamped(float log_odds, const OccupancyLogOdds& model) {
                                          : log_odds;
 }
 
-/// The log-odds of a voxel after `change`, such as model.hit, was added.
+/// The log-odds of a voxel after adding `change`, such as model.hit.
 static inline float clamped_sum(float log_odds, float change, const OccupancyLogOdds& model) {
   return clamped(log_odds + change, model);
 }
 
-/// Whether a hit leaves a known voxel as it is.
+/// Whether a hit leaves a known voxel unchanged.
 static inline bool hit_changes_nothing(float log_odds, const OccupancyLogOdds& model) {
   return log_odds >= model.clamping_max || (model.hit == 0 && log_odds <= model.clamping_min);
 }

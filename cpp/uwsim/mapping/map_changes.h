@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// Which voxels became unknown, free or occupied since the last call. It keeps the states that it has reported: 2 kB a
-/// chunk, and 128 bytes for each brick whose voxels differ.
+/// Which voxels became unknown, free or occupied since the last call. It stores the states that it has reported: 2 kB
+/// per chunk, and 128 bytes for each brick whose voxels differ.
 class MapChanges {
  public:
   struct Changed {
@@ -19,10 +19,10 @@ class MapChanges {
     std::int8_t state;  ///< 1 occupied, 0 free, -1 unknown
   };
 
-  /// Notes which chunks may have changed.
+  /// Records which chunks may have changed.
   void note(const ChangedChunks& chunks);
-  /// Changed voxels in Morton order; at the first call, all known ones. Throws InvalidValue if there are more than
-  /// `most`; the next call then reports them.
+  /// Returns changed voxels in Morton order; on the first call, all known ones. Throws InvalidValue if there are more
+  /// than `most`; the next call then reports them.
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 
  private:
@@ -33,7 +33,7 @@ class MapChanges {
   };
   struct ChunkStates {
     std::array<Kind, 512> kinds{};  ///< of the bricks
-    std::vector<States> mixed;      ///< of the mixed bricks, in their order
+    std::vector<States> mixed;      ///< of the mixed bricks, in order
 
     std::vector<States> unpacked() const;
   };
@@ -44,7 +44,7 @@ class MapChanges {
                              std::vector<Changed>& changed);
   void list_pending(const MapEngine& engine, std::size_t most);
 
-  ChangedChunks pending_{true, {}};                ///< chunks with changes that were not reported
+  ChangedChunks pending_{true, {}};                ///< chunks with changes that have not been reported
   std::map<std::uint32_t, ChunkStates> reported_;  ///< by the chunk's code
 };
 

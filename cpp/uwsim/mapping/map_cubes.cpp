@@ -11,7 +11,7 @@ bool is_on_lattice(const VoxelKey& corner, int levels) {
   return ((corner[0] | corner[1] | corner[2]) & mask) == 0;
 }
 
-/// Whether the last eight leaves are the eighths of one cube and equal.
+/// Whether the last eight leaves are the equal eighths of one cube.
 bool can_be_pruned(const std::vector<MapCube>& leaves) {
   if (leaves.size() < 8) return false;
   const MapCube& first = leaves[leaves.size() - 8];

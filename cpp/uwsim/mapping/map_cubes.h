@@ -4,10 +4,10 @@
 
 #include "uwsim/mapping/map_engine.h"
 
-/// Lists of a map's cubes, the same from both engines.
+/// Lists of a map's cubes, identical for both engines.
 namespace uwsim {
 
-/// A cube of 2^levels voxels an edge.
+/// A cube with an edge of 2^levels voxels.
 struct MapCube {
   VoxelKey corner;
   int levels;
@@ -16,12 +16,12 @@ struct MapCube {
 
 using CubeVisitor = std::function<void(const MapCube&)>;
 
-/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves are one, up to an eighth of the root's
+/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves become one, up to an eighth of the root's
 /// cube.
 void for_each_pruned_leaf(const MapEngine& engine, const CubeVisitor& visit);
 
-/// The cubes of 2^levels voxels an edge of which something is known, in Morton order. Their log-odds are the greatest
-/// in them, as in OctoMap's inner nodes.
+/// The cubes with an edge of 2^levels voxels of which anything is known, in Morton order. Their log-odds are the
+/// maximum inside them, as in OctoMap's inner nodes.
 void for_each_cell(const MapEngine& engine, int levels, const CubeVisitor& visit);
 
 /// The known voxels of a box, in Morton order.

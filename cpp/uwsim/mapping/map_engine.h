@@ -20,7 +20,7 @@ namespace uwsim {
 
 class AtomicFile;
 
-/// One ping: points in the world, x, y, z by rows, of which non-finite ones are skipped; where its rays start, in the
+/// One ping: rows of x, y, z in the world, of which non-finite points are skipped; and the start of its rays, in the
 /// tree's frame.
 struct Scan {
   std::span<const float> points_world_m;
@@ -39,33 +39,33 @@ using OccupiedWords = std::array<std::uint64_t, 4096>;
 /// The data structure behind an OccupancyMap. Callers check the arguments, and call from one thread at a time.
 class MapEngine {
  public:
-  /// leaf(key, levels, log_odds): a cube of 2^levels voxels an edge; `key` is that of its lowest voxel.
+  /// leaf(key, levels, log_odds): a cube with an edge of 2^levels voxels; `key` is that of its lowest voxel.
   using LeafVisitor = std::function<void(const VoxelKey&, int, float)>;
 
   virtual ~MapEngine() = default;
 
-  /// Inserts scans in their order. max_range_m: negative for no limit.
+  /// Inserts scans in order. max_range_m: negative for no limit.
   virtual void insert(std::span<const Scan> scans, double max_range_m, int threads) = 0;
   /// Fills an empty map from a file that check_octree_file() accepted; `body` is the file without its header.
   virtual void load(MapFormat format, std::string_view body) = 0;
 
-  /// Adds log-odds to each voxel of a cube of 2^levels voxels an edge, on its own lattice, as OctoMap's
-  /// updateNodeLogOdds does (log_odds.h). finish_adding() must follow the last call.
+  /// Adds log-odds to each voxel of an aligned cube with an edge of 2^levels voxels, as OctoMap's updateNodeLogOdds
+  /// does (log_odds.h). finish_adding() must follow the last call.
   virtual void add(const VoxelKey& corner, int levels, float log_odds) = 0;
   virtual void finish_adding() = 0;
-  /// For later scans: the voxels stay as they are.
+  /// Applies to later scans: existing voxels keep their values.
   virtual void set_model(const OccupancyModel& model) = 0;
 
-  /// The chunks that may have changed since the last call; all at the first call, from which on changes are recorded.
+  /// The chunks that may have changed since the last call; all on the first call, after which changes are recorded.
   virtual ChangedChunks take_changed() = 0;
 
-  /// The chunks that may have occupied voxels; `all` if they are too many to list.
+  /// The chunks that may contain occupied voxels; `all` if there are too many to list.
   virtual ChangedChunks occupied_chunks() const = 0;
-  /// Sets the bits of a chunk's occupied voxels; the others are zero before.
+  /// Sets the bits of a chunk's occupied voxels; all others must be zero beforehand.
   virtual void occupied_in(std::uint32_t chunk, OccupiedWords& words) const = 0;
 
   virtual std::optional<float> log_odds_at(const VoxelKey& key) const = 0;
-  /// In Morton order. How many equal voxels make up one leaf depends on the engine.
+  /// In Morton order. How many equal voxels form one leaf depends on the engine.
   virtual void for_each_leaf(const LeafVisitor& leaf) const = 0;
   virtual VoxelCounts count() const {
     VoxelCounts voxels;
@@ -74,9 +74,9 @@ class MapEngine {
     });
     return voxels;
   }
-  /// The leaves that have voxels of the box.
+  /// The leaves that contain voxels of the box.
   virtual void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const = 0;
-  /// The tree of an .ot: all log-odds, pruned; an inner node is the greatest of its children.
+  /// The tree of an .ot: all log-odds, pruned; an inner node holds the maximum of its children.
   virtual TreeBytes full_tree() const = 0;
   /// The tree of a .bt: voxels are occupied or free, as OctoMap's writeBinary leaves them.
   virtual TreeBytes binary_tree() const = 0;
@@ -85,7 +85,7 @@ class MapEngine {
   /// The nodes of the pruned tree.
   virtual std::uint64_t nodes() const = 0;
   virtual std::size_t memory_bytes() const = 0;
-  /// How many parts of the map have left memory so far.
+  /// How many parts of the map have been evicted from memory so far.
   virtual std::uint64_t evictions() const { return 0; }
 };
 

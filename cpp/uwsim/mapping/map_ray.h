@@ -8,18 +8,18 @@
 namespace uwsim {
 
 enum class MapRayEnd : std::int8_t {
-  unknown = -1,  ///< in an unknown voxel, which the ray was not to pass
+  unknown = -1,  ///< in an unknown voxel that the ray was not allowed to pass
   free = 0,      ///< at its maximum range or at the cube's edge
   hit = 1,       ///< in an occupied voxel
 };
 
 struct MapRayHit {
   MapRayEnd end;
-  VoxelKey voxel;  ///< the last one that the ray came to
+  VoxelKey voxel;  ///< the last voxel that the ray reached
 };
 
-/// Follows a ray to the first occupied voxel, with the steps of octomap::OcTree::castRay, in float32. max_range_m: to a
-/// voxel's centre; 0 for no limit. The origin must lie in the cube, the direction must not be zero.
+/// Follows a ray to the first occupied voxel, with the steps of octomap::OcTree::castRay, in float32. max_range_m:
+/// measured to a voxel's centre; 0 for no limit. The origin must lie in the cube, the direction must not be zero.
 MapRayHit cast_map_ray(const MapEngine& engine, double resolution_m, const Eigen::Vector3f& origin_m,
                        const Eigen::Vector3f& direction, bool ignore_unknown, double max_range_m);
 

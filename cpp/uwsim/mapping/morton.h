@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Morton codes: the bits of a key's coordinates interleaved, x lowest. An octree's children, and all below them, are
-/// in this order. The voxels of a cube of 2^n voxels an edge have 8^n codes in a row.
+/// Morton codes: the bits of a key's coordinates interleaved, x lowest. An octree's children, and everything below
+/// them, are in this order. The voxels of a cube with an edge of 2^n voxels have 8^n consecutive codes.
 namespace uwsim::morton {
 
 /// Moves bit i of `value` to bit 3 i.

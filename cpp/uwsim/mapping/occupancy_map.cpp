@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::uint64_t kListedVoxelsMax = 100'000'000;
 
-/// Visits the voxels of a leaf in Morton order, so that a list of voxels does not depend on what was pruned.
+/// Visits the voxels of a leaf in Morton order, so that a list of voxels does not depend on pruning.
 template <typename Visit>
 void for_each_voxel(const VoxelKey& corner, int levels, const Visit& visit) {
   if (levels == 0) return visit(corner);
   for (int i = 0; i < 8; ++i) for_each_voxel(child_corner(corner, i, 1 << (levels - 1)), levels - 1, visit);
 }
 
-/// Refuses a map before it takes memory: a file of a few bytes a chunk may need a thousand times as much.
+/// Refuses a map before it takes memory: a file with a few bytes per chunk may need a thousand times as much.
 void require_memory_for(const OctreeFile& file, std::string_view name, const MapOptions& options) {
   if (options.memory_limit_bytes > 0) return;
   constexpr double kChunkBytes = 2'200, kFullBrickBytes = 2'240, kOctomapNodeBytes = 100;
@@ -100,7 +100,7 @@ void OccupancyMap::Impl::for_each_voxel_that_is(bool occupied, const Visit& visi
       if (is_occupied(log_odds) == occupied) for_each_voxel(corner, levels, visit);
     });
   }
-  for (const std::uint32_t chunk : chunks.codes) {  // some ten times as fast, since most voxels are free
+  for (const std::uint32_t chunk : chunks.codes) {  // about ten times as fast, since most voxels are free
     OccupiedWords words{};
     engine->occupied_in(chunk, words);
     for (std::size_t word = 0; word < words.size(); ++word) {

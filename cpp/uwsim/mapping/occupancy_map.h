@@ -27,34 +27,34 @@ enum class MapEngineKind {
 
 /// How points outside OctoMap's cube are treated, and all points of a scan whose origin is outside.
 enum class OnOutside {
-  refuse,  ///< InvalidValue, and nothing is inserted
-  count,   ///< they are discarded and counted: MapStatistics::outside_points
+  refuse,  ///< throw InvalidValue and insert nothing
+  count,   ///< discard and count them: MapStatistics::outside_points
 };
 
 struct MapOptions {
   MapEngineKind engine = MapEngineKind::bricks;
   OccupancyModel model;
-  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks' kernels; the bytes do not depend on it
+  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks' kernels; does not affect the bytes
   OnOutside on_outside = OnOutside::refuse;
-  /// How much memory the voxels may take; one batch of scans and the reserves come on top. The least recently used
-  /// parts of the map go to a file without a name in `spill_folder` (empty: the system's), and come back when they are
-  /// used. 0: no limit. For engine `bricks` only.
+  /// How much memory the voxels may take, excluding one batch of scans and the reserves. The least recently used parts
+  /// of the map are moved to a nameless file in `spill_folder` (empty: the system's), and come back when they are
+  /// needed. 0: no limit. Only for engine `bricks`.
   std::size_t memory_limit_bytes = 0;
   std::string spill_folder = {};
 };
 
 struct MapStatistics {
-  std::uint64_t occupied_voxels;  ///< of the finest level: a pruned leaf counts as many voxels as it covers
+  std::uint64_t occupied_voxels;  ///< at the finest level: a pruned leaf counts as many voxels as it covers
   std::uint64_t free_voxels;
   std::size_t nodes;             ///< of the pruned tree
-  std::size_t memory_bytes;      ///< octomap: its own figure, without the allocator's overhead; bricks: all
+  std::size_t memory_bytes;      ///< octomap: as it reports, without the allocator's overhead; bricks: everything
   std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
-  std::uint64_t evictions;       ///< how many parts of the map have left memory so far
+  std::uint64_t evictions;       ///< how many parts of the map have been evicted from memory so far
 };
 
 /// Cubes of a map, in columns.
 struct MapCubes {
-  std::vector<double> centres_world_m;  ///< x, y, z by rows
+  std::vector<double> centres_world_m;  ///< rows of x, y, z
   std::vector<double> edges_m;
   std::vector<float> log_odds;
 };
@@ -63,19 +63,19 @@ struct MapCubes {
 /// model (log_odds.h).
 ///
 /// OctoMap's cube reaches 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m). `origin_world_m` moves that
-/// origin to where the survey is: the tree and its files hold world minus origin, and the caller must remember the
-/// origin. Points are rounded to float32 in the tree's frame.
+/// origin to the survey: the tree and its files hold world minus origin, and the caller must remember the origin.
+/// Points are rounded to float32 in the tree's frame.
 ///
-/// The bytes of a map depend on the scans and their order only, not on queries or files written in between. Safe to use
-/// from several threads: calls wait for each other.
+/// The bytes of a map depend only on the scans and their order, not on queries or files written in between.
+/// Thread-safe: calls wait for each other.
 class OccupancyMap {
  public:
   /// resolution_m: edge of a voxel, in [0.001, 1000]. Throws InvalidValue.
   explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                         const MapOptions& options = {});
-  /// Reads a .bt or .ot file; its first line tells which it is. A .bt knows occupied and free only: its voxels get the
-  /// clamping limits. Throws FileError if the file cannot be read, InvalidValue if it is not a valid map, or if the map
-  /// may need more than half of this machine's memory and has no limit.
+  /// Reads a .bt or .ot file; the first line identifies the format. A .bt only distinguishes occupied and free: its
+  /// voxels get the clamping limits. Throws FileError if the file cannot be read, InvalidValue if it is not a valid
+  /// map, or if the map may need more than half of this machine's memory and has no limit.
   static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                            const MapOptions& options = {});
   /// The same from memory; `name` stands for the path in messages.
@@ -91,20 +91,20 @@ class OccupancyMap {
   MapEngineKind engine() const;
 
   /// Inserts one ping as OctoMap's insertPointCloud does: a voxel that holds a point gets one hit, any other voxel
-  /// between the origin and a point gets one miss. A point farther away than max_range_m (infinity: no limit; at least
-  /// a nanometre) gives misses up to there and no hit. points_world_m: x, y, z by rows; non-finite points mean no echo
-  /// and are skipped. Throws InvalidValue, and inserts nothing, if the origin is non-finite or the origin or a point
+  /// between the origin and a point gets one miss. A point beyond max_range_m (infinity: no limit; at least a
+  /// nanometre) gives misses up to that range and no hit. points_world_m: rows of x, y, z; non-finite points mean no
+  /// echo and are skipped. Throws InvalidValue, inserting nothing, if the origin is non-finite or the origin or a point
   /// lies outside OctoMap's cube.
   void insert_scan(std::span<const float> points_world_m, const Eigen::Vector3d& origin_world_m, double max_range_m);
 
-  /// Inserts several pings in their order, which is faster than one by one. counts: points in each ping;
-  /// points_world_m: the points of all; origins_world_m: x, y, z of each. threads: for engine `bricks`; the bytes do
-  /// not depend on it. Throws as insert_scan() does, and then inserts none.
+  /// Inserts several pings in order, which is faster than one by one. counts: points in each ping; points_world_m: the
+  /// points of all; origins_world_m: x, y, z of each. threads: for engine `bricks`; does not affect the bytes. Throws
+  /// like insert_scan(), and then inserts none.
   void insert_scans(std::span<const float> points_world_m, std::span<const std::int64_t> counts,
                     std::span<const double> origins_world_m, double max_range_m, int threads);
 
-  /// Centres of the voxels of the finest level, x, y, z by rows, in Morton order (z, y, x bits from the highest level
-  /// down). Throws InvalidValue if there are more than 100 million.
+  /// Centres of the occupied voxels of the finest level, rows of x, y, z, in Morton order (z, y, x bits from the
+  /// highest level down). Throws InvalidValue if there are more than 100 million.
   std::vector<double> occupied_voxels_world_m() const;
   std::vector<double> free_voxels_world_m() const;
 
@@ -120,8 +120,8 @@ class OccupancyMap {
 
   /// The leaves of the pruned tree, in Morton order.
   MapCubes leaves() const;
-  /// The cubes at a depth of the tree, 1 to 16 (the finest), of which something is known, in Morton order. Their
-  /// log-odds are the greatest in them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100
+  /// The cubes at a depth of the tree, 1 to 16 (the finest), of which anything is known, in Morton order. Their
+  /// log-odds are the maximum inside them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100
   /// million.
   MapCubes cells(int depth) const;
   /// The known voxels of the finest level whose centres lie in a box, faces included, in Morton order. Throws
@@ -130,10 +130,11 @@ class OccupancyMap {
 
   struct Casts {
     std::vector<std::int8_t> ends;              ///< 1 occupied, 0 maximum range or the cube's edge, -1 unknown
-    std::vector<double> voxel_centres_world_m;  ///< of the last voxel that each ray came to
+    std::vector<double> voxel_centres_world_m;  ///< centre of the last voxel that each ray reached
   };
-  /// Follows rays, x, y, z by rows, as octomap::OcTree::castRay does, in float32. max_range_m: to a voxel's centre,
-  /// infinity for no limit. Throws InvalidValue on an origin outside the cube and on a direction of length zero.
+  /// Follows rays, given as rows of x, y, z, as octomap::OcTree::castRay does, in float32. max_range_m: measured to a
+  /// voxel's centre, infinity for no limit. Throws InvalidValue for an origin outside the cube and for a direction of
+  /// length zero.
   Casts cast_rays(std::span<const double> origins_world_m, std::span<const double> directions_world,
                   bool ignore_unknown, double max_range_m) const;
 
@@ -141,34 +142,34 @@ class OccupancyMap {
     std::vector<double> voxel_centres_world_m;
     std::vector<std::int8_t> states;  ///< 1 occupied, 0 free, -1 unknown
   };
-  /// The voxels whose state differs from that at the last call, in Morton order; at the first call, all known ones.
-  /// Throws InvalidValue if there are more than 100 million; the next call then reports them.
+  /// The voxels whose state has changed since the last call, in Morton order; on the first call, all known ones. Throws
+  /// InvalidValue if there are more than 100 million; the next call then reports them.
   Changes changed_voxels();
 
   struct OccupancyChanges {
-    std::vector<std::int16_t> cells;     ///< x, y, z by rows: voxels from the origin
-    std::vector<std::uint8_t> occupied;  ///< 1: has become so, 0: is so no longer
+    std::vector<std::int16_t> cells;     ///< rows of x, y, z: voxels from the origin
+    std::vector<std::uint8_t> occupied;  ///< 1: became occupied, 0: no longer occupied
   };
-  /// The voxels that became occupied, or are so no longer, since the last call, in Morton order; at the first call, all
+  /// The voxels that became occupied, or stopped being so, since the last call, in Morton order; on the first call, all
   /// occupied ones. Throws InvalidValue if there are more than 100 million; the next call then reports them.
   OccupancyChanges changed_occupancy();
 
   /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, the sum is clamped to this map's
   /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. Throws
-  /// InvalidValue, having changed nothing, if it is not, or if the other map has another resolution, is this map or
+  /// InvalidValue, changing nothing, if it is not, or if the other map has a different resolution, is this map or
   /// reaches outside the cube.
   void merge(const OccupancyMap& other);
 
   OccupancyModel model() const;
-  /// For later scans: a voxel stays as it is until a scan changes it. Throws InvalidValue.
+  /// Applies to later scans: a voxel keeps its value until a scan changes it. Throws InvalidValue.
   void set_model(const OccupancyModel& model);
 
-  /// The bytes of a file. The map does not change: a .bt that is written during a survey does not reset the log-odds to
-  /// the clamping limits. A .bt is written by an octomap::OcTree's writeBinary; if the map is large or has a limit of
-  /// memory, by us, with the same bytes.
+  /// The bytes of a file. The map does not change: writing a .bt during a survey does not reset the log-odds to the
+  /// clamping limits. A .bt is written by octomap::OcTree's writeBinary or, if the map is large or has a memory limit,
+  /// by us, with the same bytes.
   std::string to_bytes(MapFormat format) const;
-  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a limit of memory, are written piece by
-  /// piece and take a few megabytes of memory. Throws FileError.
+  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a memory limit, are written piece by piece
+  /// and take a few megabytes of memory. Throws FileError.
   void write(const std::string& path, MapFormat format) const;
 
   /// A copy as OctoMap's own tree, with all log-odds.

@@ -30,7 +30,7 @@ struct OccupancyMap::Impl {
   /// Voxels from OctoMap's origin along an axis, as OctoMap computes it.
   double cell(double tree_m) const { return std::floor(1.0 / resolution_m * tree_m); }
 
-  /// Within the cube, without its outermost voxels: a ray along the very edge could step over it.
+  /// Whether it is within the cube, excluding the outermost voxels: a ray along the very edge could step over it.
   bool in_cube(float tree_m) const { return std::abs(cell(tree_m) + 0.5) < kHalfExtent - 1; }
 
   bool in_cube(const Eigen::Vector3f& tree_m) const {
@@ -47,18 +47,18 @@ struct OccupancyMap::Impl {
   void check_points(const Scan& scan, double max_range_m) const;
   struct Clipped {
     std::vector<float> inside_world_m;  ///< the points inside the cube; left empty if `outside` is 0
-    std::uint64_t outside;              ///< the number of points outside: all if the scan's origin is
+    std::uint64_t outside;              ///< the number of points outside: all of them if the scan's origin is outside
   };
   Clipped clip_to_cube(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m) const;
 
-  /// The key of the voxel that holds a point; none outside the cube.
+  /// The key of the voxel that holds a point; none if it is outside the cube.
   std::optional<VoxelKey> key_at(const double* point_world_m) const;
-  /// The centre along an axis of a cube of 2^levels voxels an edge.
+  /// The centre, along one axis, of a cube with an edge of 2^levels voxels.
   double centre_world_m(const VoxelKey& corner, int levels, std::size_t axis) const {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];
   }
 
-  /// Tells both lists of changes what has changed since either was asked.
+  /// Notes in both lists of changes what has changed since either was read.
   void note_changes() {
     const ChangedChunks latest = engine->take_changed();
     changes.note(latest);
@@ -76,7 +76,7 @@ struct OccupancyMap::Impl {
   const std::unique_ptr<MapEngine> engine;
   MapChanges changes;
   OccupiedChanges occupied_changes;
-  std::uint64_t outside_points = 0;  ///< discarded so far
+  std::uint64_t outside_points = 0;  ///< number discarded so far
   mutable ForkSafeMutex<std::mutex> mutex;
 };
 

@@ -4,16 +4,16 @@
 #include "uwsim/core/check.h"
 #include "uwsim/mapping/occupancy_map_impl.h"
 
-/// The members of OccupancyMap that check and insert scans.
+/// Members of OccupancyMap that check and insert scans.
 namespace uwsim {
 namespace {
 
 /// OctoMap collects a ray's keys in a buffer of 100,000 and ends the process when it is full.
 constexpr double kRayStepsMax = 99'990;
-constexpr double kMaxRangeMin_m = 1e-9;  // below what floats can resolve OctoMap's walk may not end
+constexpr double kMaxRangeMin_m = 1e-9;  // below what floats can resolve, OctoMap's walk may not end
 constexpr int kThreadsMax = 1024;
 
-/// The maximum range as OctoMap takes it: negative for no limit.
+/// The maximum range in OctoMap's convention: negative for no limit.
 double octomap_range_m(double max_range_m) {
   require(max_range_m >= kMaxRangeMin_m, "scan.max_range_m", max_range_m,
           "must be positive, and a nanometre at least (infinity: no limit)");
@@ -23,7 +23,7 @@ double octomap_range_m(double max_range_m) {
 }  // namespace
 
 /// Throws unless every point can be inserted: it lies inside the cube, and the ray to it is not too long for OctoMap.
-/// First for the box around the points, and only if the box is too large for each point.
+/// Checks the box around the points first, and each point only if the box is too large.
 void OccupancyMap::Impl::check_points(const Scan& scan, double max_range_m) const {
   float lowest[3], highest[3];
   for (int axis = 0; axis < 3; ++axis) lowest[axis] = highest[axis] = scan.origin_m[axis] + float(origin_world_m[axis]);
@@ -103,7 +103,7 @@ void OccupancyMap::insert_scans(std::span<const float> points_world_m, std::span
   const double range_m = octomap_range_m(max_range_m);
   std::vector<Scan> scans;
   scans.reserve(counts.size());
-  std::vector<std::vector<float>> clipped_points;  // of the scans that lie partly outside
+  std::vector<std::vector<float>> clipped_points;  // of the scans that are partly outside
   std::uint64_t outside = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {

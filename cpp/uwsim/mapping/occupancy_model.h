@@ -4,11 +4,11 @@
 
 namespace uwsim {
 
-/// The probabilities of OctoMap's sensor model, with its defaults. log_odds.h says what is done with them.
+/// The probabilities of OctoMap's sensor model, with its defaults. log_odds.h describes how they are used.
 struct OccupancyModel {
-  double hit = 0.7;              ///< that a voxel is occupied if it holds a point, in [0.5, 1)
-  double miss = 0.4;             ///< that a voxel is occupied if a ray passes it, in (0, 0.5]
-  double clamping_min = 0.1192;  ///< limits of what scans may make of a voxel
+  double hit = 0.7;              ///< probability that a voxel is occupied if it holds a point, in [0.5, 1)
+  double miss = 0.4;             ///< probability that a voxel is occupied if a ray passes through it, in (0, 0.5]
+  double clamping_min = 0.1192;  ///< limits of the probability that scans may lead to
   double clamping_max = 0.971;
 
   OccupancyLogOdds in_log_odds() const;

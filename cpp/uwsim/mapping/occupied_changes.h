@@ -9,8 +9,8 @@
 
 namespace uwsim {
 
-/// Which voxels became occupied, or are so no longer, since the last call. Free water, which is most of what scans
-/// change, costs it nothing: it keeps 12 bytes for each 4 x 4 x 4 voxels of which one is occupied.
+/// Which voxels became occupied, or stopped being so, since the last call. Free water, which is most of what scans
+/// change, costs nothing: it stores 12 bytes for each 4 x 4 x 4 voxels that contain an occupied one.
 class OccupiedChanges {
  public:
   struct Changed {
@@ -18,14 +18,14 @@ class OccupiedChanges {
     bool is_occupied;
   };
 
-  /// Notes which chunks may have changed.
+  /// Records which chunks may have changed.
   void note(const ChangedChunks& chunks);
-  /// Changed voxels in Morton order; at the first call, all occupied ones. Throws InvalidValue if there are more than
-  /// `most`; the next call then reports them.
+  /// Returns changed voxels in Morton order; on the first call, all occupied ones. Throws InvalidValue if there are
+  /// more than `most`; the next call then reports them.
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 
  private:
-  /// The words of a chunk: those of 64 voxels, in Morton order, that are not zero.
+  /// The nonzero words of a chunk, of 64 voxels each, in Morton order.
   using Words = std::vector<std::pair<std::uint16_t, std::uint64_t>>;
 
   ChangedChunks pending_{true, {}};

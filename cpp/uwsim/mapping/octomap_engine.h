@@ -11,11 +11,11 @@ class OcTree;
 namespace uwsim {
 
 /// The reference: Debian's octomap::OcTree, whose insertPointCloud inserts the scans (eagerly: inner nodes are updated
-/// and pruned after every voxel). No code of ours stands between a scan and the tree.
+/// and pruned after every voxel). None of our code comes between a scan and the tree.
 std::unique_ptr<MapEngine> make_octomap_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
                                                const OccupancyModel& model);
 
-/// Makes an octomap::OcTree of the tree of an .ot, with the model as its own.
+/// Makes an octomap::OcTree from the tree of an .ot, with this model.
 std::shared_ptr<octomap::OcTree> octree_of(const TreeBytes& full_tree, double resolution_m,
                                            const OccupancyModel& model);
 

@@ -16,7 +16,7 @@ constexpr std::string_view kFullTitle = "# Octomap OcTree file";
   throw InvalidValue("map '" + std::string(name) + "': " + rule);
 }
 
-/// Text from a file, made fit for one line of a message.
+/// Text from a file, made printable on one line of a message.
 std::string quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
@@ -79,8 +79,8 @@ class TreeCheck {
  public:
   TreeCheck(std::string_view bytes, std::size_t at, std::string_view name) : bytes_(bytes), at_(at), name_(name) {}
 
-  /// An inner node of a .bt, which is already counted. There must be a level below it, and another below its inner
-  /// children.
+  /// Visits an inner node of a .bt, which is already counted. There must be a level below it, and another below its
+  /// inner children.
   void binary_node(int depth) {
     const auto codes = take<std::uint16_t>();
     ++inner_nodes[static_cast<std::size_t>(depth)];
@@ -91,7 +91,7 @@ class TreeCheck {
     }
   }
 
-  /// A node of an .ot, which is already counted.
+  /// Visits a node of an .ot, which is already counted.
   void full_node(int depth) {
     if (!std::isfinite(take<float>())) refuse(name_, "damaged: a log-odds that is not finite");
     const auto flags = take<std::uint8_t>();

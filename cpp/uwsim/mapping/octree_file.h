@@ -9,9 +9,9 @@
 #include "uwsim/mapping/voxel_key.h"
 
 /// OctoMap's two file formats, without OctoMap: a few header lines, then the tree in preorder.
-///   .bt  the most likely values: two bytes an inner node, two bits a child: 0 unknown, 1 free, 2 occupied, 3 inner.
-///   .ot  all log-odds: a float32 of log-odds and a byte of child flags a node, leaves included.
-/// OctoMap's own reader trusts a file: it recurses as deep as the file asks for, and prints instead of throwing. So
+///   .bt  the most likely values: two bytes per inner node, two bits per child: 0 unknown, 1 free, 2 occupied, 3 inner.
+///   .ot  all log-odds: a float32 of log-odds and a byte of child flags per node, leaves included.
+/// OctoMap's own reader trusts a file: it recurses as deep as the file demands, and prints instead of throwing. So
 /// every file is checked here first.
 namespace uwsim {
 
@@ -20,17 +20,17 @@ enum class MapFormat { bt, ot };
 struct OctreeFile {
   MapFormat format;
   double resolution_m;
-  std::uint64_t nodes;                                      ///< 0 for an empty map, whose body is empty too
-  std::size_t body_offset;                                  ///< of the tree in the file
+  std::uint64_t nodes;                                      ///< 0 for an empty map, whose body is also empty
+  std::size_t body_offset;                                  ///< start of the tree in the file
   std::array<std::uint64_t, kTreeDepth + 1> inner_nodes{};  ///< by depth
 };
 
 /// Reads the header and walks the whole tree. Throws InvalidValue that names `name` unless the id is OcTree, the
-/// resolution is within require_resolution(), no node is below the 16th level, every inner node has children, every
-/// log-odds is finite, the number of nodes is the header's and the file ends where the tree does.
+/// resolution passes require_resolution(), no node is below the 16th level, every inner node has children, every
+/// log-odds is finite, the number of nodes matches the header and the file ends where the tree does.
 OctreeFile check_octree_file(std::string_view bytes, std::string_view name);
 
-/// The header that OctoMap writes. The resolution has six digits as OctoMap's has, or more where six would change it.
+/// The header that OctoMap writes. The resolution has six digits, as in OctoMap, or more if six would change it.
 std::string octree_header(MapFormat format, std::uint64_t nodes, double resolution_m);
 
 /// Throws InvalidValue unless the edge of a voxel is in [0.001, 1000] m.

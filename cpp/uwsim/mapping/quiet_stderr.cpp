@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-thread_local int quiet = 0;  ///< QuietStderr objects of this thread
+thread_local int quiet = 0;  ///< number of QuietStderr objects of this thread
 
 ssize_t write_unless_quiet(void*, const char* text, size_t size) {
   return quiet > 0 ? static_cast<ssize_t>(size) : ::write(STDERR_FILENO, text, size);
@@ -30,7 +30,7 @@ FILE* filter() {
 }
 
 std::mutex swapping;
-int in_use = 0;  ///< QuietStderr objects of all threads
+int in_use = 0;  ///< number of QuietStderr objects of all threads
 FILE* original = nullptr;
 
 }  // namespace

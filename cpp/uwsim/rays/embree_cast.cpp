@@ -29,8 +29,8 @@ struct CastContext {
   }
 };
 
-/// Without AVX-512 Embree splits packets and reads idle lanes, too; Debian's build ends the process over one that is
-/// not finite.
+/// Without AVX-512 Embree splits packets and reads idle lanes as well; Debian's build ends the process if one is not
+/// finite.
 void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const bool idle = active[k] == 0;
@@ -45,7 +45,7 @@ void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
   }
 }
 
-/// A float ray's end, a little farther than the true one.
+/// A float ray's end, slightly farther than the true one.
 float farther(double far_m) {
   const double farther_m = far_m * (1 + kFartherRelative) + kFarther_m;
   return farther_m < kLargest ? static_cast<float>(farther_m) : kLargest;

@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-/// Each loop is over one or two rows, which compilers turn into wide moves.
+/// Each loop covers one or two rows, which compilers turn into wide moves.
 void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
           const double* starts_m, RTCRay16& out) {
   const Eigen::Vector3d shift = anchor_world_m - surfaces.middle_m();
@@ -59,7 +59,7 @@ void number_triangles(RTCHit16& hit) {
     if (!TileSurfaces::is_terrain(hit.geomID[k])) continue;
     const float u = hit.u[k], v = hit.v[k];
     hit.primID[k] = member_number(hit.geomID[k], hit.primID[k], u, v);
-    const bool second = u + v > 1;  // whose corners are the quad's second, third and fourth
+    const bool second = u + v > 1;  // its corners are the quad's second, third and fourth
     hit.u[k] = second ? u + v - 1 : u;
     hit.v[k] = second ? 1 - u : v;
   }
@@ -102,7 +102,7 @@ void occluded_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen:
   RTCRay16 packet;
   fill(surfaces, anchor_world_m, rays, starts_m, packet);
   occluded(tree, {.surfaces = &surfaces}, order, rays.active.data(), packet);
-  for (std::size_t k = 0; k < kPacketRays; ++k) {  // Embree marks what is blocked by tfar = -inf
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // Embree marks blocked rays with tfar = -inf
     blocked[k] = packet.tfar[k] == -std::numeric_limits<float>::infinity() ? rays.active[k] : 0;
   }
 }

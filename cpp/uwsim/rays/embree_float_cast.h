@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-// Pictures' rays: cast in float, and not solved again. ray_scene.h says by how much they may err.
+// Rays for pictures: cast in float, and not recomputed in double. ray_scene.h states how much they may err.
 
 /// The hits of a packet on round shapes, in double, and their numbers within the tile.
 struct RoundAnswer {
@@ -18,9 +18,9 @@ struct RoundAnswer {
   RoundAnswer(const Eigen::Vector3d& anchor_world_m, const RayPacket& packet) : rays(anchor_world_m, packet) {}
 };
 
-/// Embree's own answer to a packet, of rays that start `starts_m` along their direction (0 when null); distances count
-/// from the rays' origins. `round`, if not null, is filled where Embree asked a round shape; only for rays that start
-/// at 0.
+/// Embree's own answer to a packet of rays that start `starts_m` along their direction (0 if null); distances are
+/// measured from the rays' origins. If not null, `round` is filled where Embree queried a round shape; only for rays
+/// that start at 0.
 void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,
                 const RayPacket& rays, const double* starts_m, RoundAnswer* round, HitPacket& hits, RayOrder order);
 void occluded_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,

@@ -37,7 +37,7 @@ bool try_primitive(RTCPointQueryFunctionArguments* args) {
   return false;
 }
 
-/// A triangle or shape of a solid, and whether another surface comes near it.
+/// A triangle or shape of a solid, and whether another surface is near it.
 struct Neighbourhood {
   const TileSurfaces* surfaces;
   std::uint32_t geometry;
@@ -52,18 +52,18 @@ bool comes_near(const Neighbourhood& own, const TileMember& other) {
   if (own.round || own.surfaces->is_round(other.geometry)) return true;
   const Corners corners = own.surfaces->corners(other.geometry, other.primitive);
   if (other.geometry == own.geometry) {
-    // Itself, or a neighbour: hits near shared edges are searched for all triangles around them in any case.
+    // The triangle itself, or a neighbour: hits near shared edges are searched among all triangles around them anyway.
     for (const Eigen::Vector3d& corner : corners) {
       if (std::ranges::find(own.corners, corner) != own.corners.end()) return false;
     }
   }
-  // Boxes of slanted triangles overlap where the triangles are far apart; what widening reaches stays crowded.
+  // Boxes of slanted triangles overlap even if the triangles are far apart; whatever widening reaches stays crowded.
   return closer_than(own.corners, corners, own.surfaces->tolerances().widening_m);
 }
 
 bool visit_neighbour(RTCPointQueryFunctionArguments* args) {
   auto* own = static_cast<Neighbourhood*>(args->userPtr);
-  // Round shapes are exact among themselves; terrain is dealt with where it is hit.
+  // Round shapes are exact among themselves; terrain is handled where it is hit.
   if (own->round && (own->surfaces->is_round(args->geomID) || TileSurfaces::is_terrain(args->geomID))) return false;
   for_each_member(args->geomID, args->primID, [&](std::uint32_t member) {
     own->crowded = own->crowded || comes_near(*own, {args->geomID, member});
@@ -79,7 +79,7 @@ struct NearestTriangle {
   double distance_m;
 };
 
-/// A little farther than the distance, so that float rounding hides no nearer triangle.
+/// Slightly larger than the distance, so that float rounding hides no nearer triangle.
 float search_radius(const TileSurfaces& surfaces, double distance_m) {
   return static_cast<float>(distance_m * (1 + kFartherSearch) + surfaces.tolerances().search_margin_m);
 }

@@ -10,24 +10,24 @@ struct RTCSceneTy;
 
 namespace uwsim {
 
-// Embree's tree as an index of what lies near a point; everything found is solved in double.
+// Embree's tree as an index of what lies near a point; everything found is computed in double.
 
 struct LabelledHit {
   TileHit hit;
   Label label;
 };
 
-/// The first hit of a ray, between two distances, on any surface that comes within a sphere.
+/// The first hit of a ray, between two distances, on any surface within a sphere.
 std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces& surfaces,
                                             const Eigen::Vector3d& point_world_m, double radius_m, const TileRay& ray,
                                             double from_m, double to_m);
 
-/// For each triangle of a solid's mesh: whether a surface other than its neighbours comes near it, so that either may
-/// be hit first within float's error. For each round shape: whether a mesh comes near it.
+/// For each triangle of a solid's mesh: whether a surface other than its neighbours is so close that either may be hit
+/// first within float's error. For each round shape: whether a mesh is that close.
 std::vector<std::uint8_t> crowded_members(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label);
 
-/// The smaller of `nearest_m` and the distance to the tree's nearest triangle; round shapes do not count. `meshes`: the
-/// tree holds the meshes of solids that rays meet as shapes.
+/// The smaller of `nearest_m` and the distance to the tree's nearest triangle; round shapes do not count. `meshes`:
+/// whether the tree holds the meshes of solids that rays hit as shapes.
 double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool meshes,
                           const Eigen::Vector3d& point_world_m, double nearest_m);
 

@@ -24,7 +24,7 @@ void put(const Eigen::Vector3d& point, float* vertex) {
   for (int axis = 0; axis < 3; ++axis) vertex[axis] = static_cast<float>(point(axis));
 }
 
-/// A vertex of the block, raised, about the tile's middle.
+/// A raised vertex of the block, relative to the tile's middle.
 Eigen::Vector3d raised_vertex_m(const TileSurfaces& surfaces, std::uint32_t column, std::uint32_t row) {
   const TileContents& block = surfaces.contents();
   const Heightfield& terrain = *surfaces.world().terrain();
@@ -33,8 +33,8 @@ Eigen::Vector3d raised_vertex_m(const TileSurfaces& surfaces, std::uint32_t colu
          surfaces.tolerances().raise_m * raise_per_metre(surfaces.world(), block, column, row);
 }
 
-/// The block's cells, which share the block's vertices. Those near solids get a vertex that is not a number, for which
-/// Embree leaves them out.
+/// Adds the block's cells, which share the block's vertices. Cells near solids get a NaN vertex, so that Embree leaves
+/// them out.
 void fill_open_terrain(const TileSurfaces& surfaces, const Quads& quads) {
   const TileContents& block = surfaces.contents();
   const std::uint32_t row_length = block.columns + 1, nowhere = row_length * (block.rows + 1);
@@ -54,7 +54,7 @@ void fill_open_terrain(const TileSurfaces& surfaces, const Quads& quads) {
   }
 }
 
-/// The cells near solids, each with vertices of its own.
+/// The cells near solids, each with its own vertices.
 void fill_terrain_near_solids(const TileSurfaces& surfaces, std::uint32_t cells, const Quads& quads) {
   for (std::uint32_t k = 0; k < cells; ++k) {
     const std::uint32_t cell = surfaces.block_triangle(2 * k) / 2;
@@ -68,8 +68,8 @@ void fill_terrain_near_solids(const TileSurfaces& surfaces, std::uint32_t cells,
   for (std::uint32_t k = 0; k < kCorners * cells; ++k) quads.index[k] = k;
 }
 
-/// Embree's filter for shadow rays. By a cliff the raised terrain is high above the ground: a ray that starts between
-/// the two leaves through the raised sheet from below, and is blocked only if it meets the true terrain.
+/// Embree's filter for shadow rays. At a cliff the raised terrain is high above the ground: a ray that starts between
+/// the two leaves through the raised sheet from below, and is blocked only if it hits the true terrain.
 void let_out_through_raised_terrain(const RTCFilterFunctionNArguments* args) {
   const TileSurfaces& surfaces = *detail_of(args->context).surfaces;
   RTCRayN* rays = args->ray;

@@ -9,17 +9,18 @@ struct RTCSceneTy;
 
 namespace uwsim {
 
-/// Adds the terrain's cells to a tree, as quads, which take half the nodes and memory of triangles. Embree cuts each
-/// from its second corner to its fourth, as Heightfield does, so that a quad is a cell's two triangles. All corners are
-/// raised (see raised_terrain.h); because open cells share their corners, no ray can slip between two of them.
+/// Adds the terrain's cells to a tree, as quads, which take half the nodes and memory of triangles. Embree splits each
+/// from its second corner to its fourth, as Heightfield does, so that a quad consists of a cell's two triangles. All
+/// corners are raised (see raised_terrain.h); because open cells share their corners, no ray can slip between two of
+/// them.
 void attach_terrain(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
 
-/// The surfaces' number of the primitive that Embree names, by where it is hit: a quad is two triangles.
+/// The surface number of the primitive that Embree reports, depending on where it is hit: a quad is two triangles.
 inline std::uint32_t member_number(std::uint32_t geometry, std::uint32_t primitive, float u, float v) {
   return TileSurfaces::is_terrain(geometry) ? 2 * primitive + static_cast<std::uint32_t>(u + v > 1) : primitive;
 }
 
-/// Calls `visit` with the surfaces' numbers of the primitive that Embree names.
+/// Calls `visit` with the surface numbers of the primitive that Embree reports.
 template <typename Visit>
 void for_each_member(std::uint32_t geometry, std::uint32_t primitive, const Visit& visit) {
   if (!TileSurfaces::is_terrain(geometry)) return visit(primitive);

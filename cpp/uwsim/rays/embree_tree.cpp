@@ -12,7 +12,7 @@
 namespace uwsim {
 namespace {
 
-/// Triangles that share no vertices: each is widened by itself.
+/// Adds triangles that share no vertices: each is widened separately.
 template <typename CornersOf>
 GeometryOwner separate_triangles(RTCDevice device, std::size_t count, const CornersOf& corners_of) {
   GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
@@ -35,7 +35,8 @@ Corners about(const Eigen::Vector3d& middle_m, Corners corners) {
   return corners;
 }
 
-/// Embree's filter for rays that are not solved again in double: discards hits on what widening added to triangles.
+/// Embree's filter for rays that are not recomputed in double: discards hits on the margin that widening added to
+/// triangles.
 void discard_widened_edges(const RTCFilterFunctionNArguments* args) {
   if (detail_of(args->context).exact != nullptr) return;
   const auto& surfaces = *static_cast<const TileSurfaces*>(args->geometryUserPtr);

@@ -27,14 +27,14 @@ using RayTree = std::unique_ptr<RTCSceneTy, ReleaseTree>;
 RayDevice make_ray_device();
 /// Robust trees let no ray slip between neighbouring triangles.
 RayTree make_ray_tree(RTCDeviceTy* device, bool robust);
-/// Builds the tree. Throws InvalidValue when Embree cannot: it would go on with a world that has holes.
+/// Builds the tree. Throws InvalidValue if Embree cannot, since it would continue with a world that has holes.
 void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
 
-/// Adds a finished geometry to a tree by its number.
+/// Adds a finished geometry to a tree under its number.
 void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geometry_id);
-/// A solid's triangles, widened; geometry and primitive numbers are the surfaces'.
+/// Adds a solid's triangles, widened; geometry and primitive numbers are the surfaces'.
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
-/// The triangles of a mesh that rays meet as shapes; primitive numbers count within the share.
+/// Adds the triangles of a mesh that rays hit as shapes; primitive numbers count within the share.
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);
 
 }  // namespace uwsim

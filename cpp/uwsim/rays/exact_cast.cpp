@@ -11,21 +11,21 @@
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/terrain_walk.h"
 
-// The way of an exact ray, from top to bottom in the order in which things happen; README.md draws it.
+// The steps of casting an exact ray, in order; README.md draws them.
 //
-//   1. cast       Embree names the surface that each of sixteen rays meets first, in float
+//   1. cast       Embree reports the surface that each of sixteen rays hits first, in float
 //   2. locate     find where the heights of the terrain triangles are, and prefetch them
-//   3. refine     meet the terrain triangles again in double, sixteen at once
-//   4. classify   most rays over open terrain are done now, and so are those that met nothing
-//   5. resolve    every other ray by itself, in double: the ways in which a hit is certain without a search
-//   6. search     the rest: try all surfaces within the error of the hit; where there is none, go on behind it
+//   3. refine     intersect the terrain triangles again in double, sixteen at once
+//   4. classify   most rays over open terrain are done now, and so are those that hit nothing
+//   5. resolve    every other ray separately, in double: the cases in which a hit is certain without a search
+//   6. search     the rest: try all surfaces within the error of the hit; if there is none, continue behind it
 
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kTogether = 4;    // packets: heights come from memory while the next packets are cast
-constexpr std::size_t kFewSolids = 16;  // near one cell, which are tried one by one
-constexpr int kMostTurns = 64;          // candidates that a ray may pass before it is taken to meet no solid
+constexpr std::size_t kTogether = 4;    // packets: heights are fetched from memory while the next packets are cast
+constexpr std::size_t kFewSolids = 16;  // near one cell; this few are tried one by one
+constexpr int kMostTurns = 64;          // candidates that a ray may pass before it counts as missing all solids
 
 class ExactCast {
  public:
@@ -50,7 +50,7 @@ class ExactCast {
   /// The intermediate results of a packet.
   struct Answer {
     FloatAnswer embree;
-    std::uint32_t low_starts;  ///< lanes that do not start clearly above the terrain, one a bit
+    std::uint32_t low_starts;  ///< lanes that do not start clearly above the terrain, one bit each
   };
 
   /// Steps 1 and 2.
@@ -60,8 +60,8 @@ class ExactCast {
     if (answer.embree.any_terrain) kernels_.locate_heights(tile_.block, answer.embree.terrain);
   }
 
-  /// Embree sees the raised terrain, which rays from above meet before the true one. Rays that start below it, or close
-  /// above, may meet the terrain before anything that Embree names.
+  /// Embree sees the raised terrain, which rays from above hit before the true one. Rays that start below it, or just
+  /// above it, may hit the terrain before anything that Embree reports.
   std::uint32_t low_starts(const ExactRays& rays, const double* starts_m) const {
     alignas(64) std::array<std::int32_t, kPacketRays> low;
     starts_m == nullptr ? kernels_.find_low_starts(tile_.block, lanes_of(rays), low.data()) : low.fill(-1);
@@ -82,7 +82,7 @@ class ExactCast {
     }
   }
 
-  /// Step 3. `met`: -1 where the ray meets the terrain triangle that Embree named, clear of its edges, else 0.
+  /// Step 3. `met`: -1 where the ray hits the terrain triangle that Embree reported, away from its edges, else 0.
   void refine(const FloatAnswer& embree, const ExactRays& rays, std::array<std::int32_t, kPacketRays>& met,
               ExactHits& hits) const {
     if (!embree.any_terrain) {
@@ -95,8 +95,8 @@ class ExactCast {
         {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
   }
 
-  /// Step 4. Labels hits on open terrain; returns the lanes that are not done, one a bit: those that met anything else
-  /// and those that start low.
+  /// Step 4. Labels hits on open terrain; returns the lanes that are not done, one bit each: those that hit anything
+  /// else and those that start low.
   std::uint32_t classify(const Answer& answer, const std::array<std::int32_t, kPacketRays>& met,
                          ExactHits& hits) const {
     const bool done = kernels_.label_terrain(answer.embree.geometry.data(), TileSurfaces::kOpenTerrain, met.data(),
@@ -109,13 +109,13 @@ class ExactCast {
     return left;
   }
 
-  /// Step 5. One ray. `refined`: step 3 found it on the terrain triangle that Embree named, and `hits` says where.
+  /// Step 5. One ray. `refined`: step 3 found its hit on the terrain triangle that Embree reported; `hits` has it.
   void resolve(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane, bool refined,
                ExactHits& hits) const {
     const std::optional<Candidate> candidate = candidate_of(answer.embree, surfaces_, starts_m, lane);
-    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known of the way to the candidate
+    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known about the path to the candidate
 
-    // 5a. From a low start, walk the terrain until the ray is clear of it.
+    // 5a. From a low start, walk along the terrain until the ray is clear of it.
     if ((answer.low_starts >> lane & 1) != 0) {
       terrain = walk_terrain(surfaces_, ray_of(rays, lane), starts_m != nullptr ? starts_m[lane] : 0);
       if (terrain.began_low) return search(rays, lane, starts_m, candidate, terrain, hits);
@@ -123,7 +123,7 @@ class ExactCast {
     if (!candidate) return;
     const auto [geometry, primitive, distance_m] = *candidate;
 
-    // 5b. Terrain that was met clear of its triangle's edges: only solids near it can be met before.
+    // 5b. Terrain hit away from its triangle's edges: only solids near it can be hit earlier.
     if (geometry == TileSurfaces::kOpenTerrain && refined) {
       hits.label[lane] = kTerrain;
       return;
@@ -134,7 +134,7 @@ class ExactCast {
       return prefer_solids_before(rays, lane, primitive, hits);
     }
 
-    // 5c. A round shape that no mesh comes near: Embree's callback has met it in double.
+    // 5c. A round shape that no mesh is close to: Embree's callback has computed the hit in double.
     const bool round = surfaces_.is_round(geometry);
     if (round && !tile_.is_crowded(geometry, primitive)) {
       const ExactHits& exact = answer.embree.round;
@@ -142,14 +142,14 @@ class ExactCast {
                   rays.far_m[lane]);
     }
 
-    // 5d. Terrain that was met near an edge or not at all: walk from where the raised terrain was met.
+    // 5d. Terrain hit near an edge or not at all: walk from where the raised terrain was hit.
     const TileRay ray = ray_of(rays, lane);
     if (TileSurfaces::is_terrain(geometry)) {
       terrain = walk_terrain(surfaces_, ray, std::max(0.0, distance_m));
       if (terrain.hit && !terrain.near_solids) return keep(hits, lane, *terrain.hit, kTerrain, ray.far_m);
     }
 
-    // 5e. A solid's triangle that nothing but its neighbours comes near, met clear of its edges.
+    // 5e. A solid's triangle that nothing but its neighbours is close to, hit away from its edges.
     if (geometry > kTerrain && !round && !tile_.is_crowded(geometry, primitive)) {
       const auto hit = surfaces_.meet(geometry, primitive, ray);
       if (hit && hit->clear_of_edges && hit->distance_m >= 0) {
@@ -170,9 +170,9 @@ class ExactCast {
     }
   }
 
-  /// Step 6. Goes from candidate to candidate until a true hit is found that nothing can be before. Embree names a
-  /// solid too early or for nothing (by what widening added) and the terrain too early or not at all (from between the
-  /// raised and the true one). `terrain`: what a walk along the ray has found so far.
+  /// Step 6. Goes from candidate to candidate until it finds a true hit that nothing can precede. Embree may report a
+  /// solid too early or wrongly (because of widening) and the terrain too early or not at all (from between the raised
+  /// and the true one). `terrain`: what a walk along the ray has found so far.
   void search(const ExactRays& rays, std::size_t lane, const double* starts_m, std::optional<Candidate> candidate,
               TerrainWalk terrain, ExactHits& hits) const {
     const Tolerances& tolerances = surfaces_.tolerances();
@@ -181,10 +181,10 @@ class ExactCast {
     for (int turn = 0; candidate && turn < kMostTurns; ++turn) {
       const double at_m = candidate->distance_m;
       if (TileSurfaces::is_terrain(candidate->geometry)) {
-        // The raised terrain: the true one is behind it, unless a walk has been past here.
+        // The raised terrain: the true one is behind it, unless a walk has already passed here.
         if (!terrain.hit && at_m >= terrain.clear_to_m) terrain = walk_terrain(surfaces_, ray, std::max(0.0, at_m));
       } else {
-        // A solid: the first of all surfaces around there is the true hit, unless the terrain is before it.
+        // A solid: the first of all surfaces around there is the true hit, unless the terrain comes before it.
         const double error_m = tolerances.hit_error_along_m(sine_at(*candidate, ray));
         const Eigen::Vector3d point = ray.origin_world_m + at_m * ray.direction_world;
         const auto solid = first_hit_around(tile_.tree.get(), surfaces_, point, error_m, ray,
@@ -193,7 +193,7 @@ class ExactCast {
           return keep(hits, lane, solid->hit, solid->label, far_m);
         }
       }
-      // Behind the terrain only what float may have put behind it is of interest.
+      // Behind the terrain, only surfaces that float may have put behind it matter.
       if (terrain.hit) {
         ray.far_m = std::min(ray.far_m, terrain.hit->distance_m + tolerances.hit_error_along_m(kGrazingSine));
       }
@@ -202,8 +202,8 @@ class ExactCast {
     terrain.hit ? keep(hits, lane, *terrain.hit, kTerrain, far_m) : set_miss(hits, lane);
   }
 
-  /// The sine of the angle between a ray and the triangle that it may have met, 0.1 degree's at least. A round shape is
-  /// met exactly, but a mesh that comes near it may be met at any angle.
+  /// The sine of the angle between a ray and the triangle that it may have hit, at least that of 0.1 degree. Hits on a
+  /// round shape are exact, but a mesh close to it may be hit at any angle.
   double sine_at(const Candidate& candidate, const TileRay& ray) const {
     if (surfaces_.is_round(candidate.geometry)) return kGrazingSine;
     const Corners t = surfaces_.corners(candidate.geometry, candidate.primitive);
@@ -211,7 +211,7 @@ class ExactCast {
     return std::max(kGrazingSine, std::abs(normal.dot(ray.direction_world)));
   }
 
-  /// Sets a lane's hit, or a miss where it lies beyond the ray's end.
+  /// Sets a lane's hit, or a miss if it lies beyond the ray's end.
   static void keep(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label, double far_m) {
     if (!(hit.distance_m <= far_m)) return set_miss(hits, lane);
     set_hit(hits, lane, std::max(0.0, hit.distance_m), hit.normal_world, label);

@@ -10,9 +10,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSphereMargin = 1e-5;  // share of the radius, for float rays
+constexpr double kSphereMargin = 1e-5;  // fraction of the radius, for float rays
 
-/// A packet from the world's axes to the body's, in float.
+/// Rotates a packet from the world's axes to the body's, in float.
 RayPacket turned(const RayPacket& rays, const Eigen::Matrix3f& rotation) {
   RayPacket out = rays;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -65,7 +65,7 @@ void MovingBodies::cast(std::span<const ExactRays> rays, std::size_t hidden, std
   }
 }
 
-/// Rays start where they reach the sphere around the body: near its tile, as float needs it.
+/// Rays start where they reach the sphere around the body, since float needs them close to its tile.
 void MovingBodies::cast_at(const Body& body, Label label, const ExactRays& rays, ExactHits& hits) {
   ExactRays local;
   ExactRays::Lanes start_m;

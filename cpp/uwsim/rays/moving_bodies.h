@@ -16,16 +16,16 @@ namespace uwsim {
 
 class RayScene;
 
-/// Bodies that move among the fixed surfaces of a world, such as vehicles, as rays meet them. The surface of each is
-/// prepared once, in the body's frame, as a RayScene of its own; a pose places it. Rays are turned into the body's
-/// frame in double, so that they meet it as exactly as the world (rays/README.md). Casts need a body only if a sphere
-/// around it is within reach; they do not allocate. Not safe to use while a body is placed; copies are independent and
-/// share the surfaces.
+/// Bodies that move among the fixed surfaces of a world, such as vehicles, as targets for rays. The surface of each is
+/// prepared once, in the body's frame, as a separate RayScene; a pose places it. Rays are transformed into the body's
+/// frame in double, so that hits are as exact as those on the world (rays/README.md). Casts examine a body only if a
+/// sphere around it is within reach; they do not allocate. Not safe to use while a body is placed; copies are
+/// independent and share the surfaces.
 class MovingBodies {
  public:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-  /// `first_label`: of the first body; the others follow.
+  /// `first_label`: label of the first body; the others follow.
   explicit MovingBodies(Label first_label) : first_label_(first_label) {}
 
   /// Returns the body's index. Throws InvalidValue for a mesh that is not well formed.
@@ -34,17 +34,17 @@ class MovingBodies {
   std::size_t size() const { return bodies_.size(); }
   Label label(std::size_t body) const { return static_cast<Label>(first_label_ + body); }
 
-  // Each of these leaves out the body `hidden`.
+  // Each of these excludes the body `hidden`.
 
   /// Replaces hits by nearer ones on bodies.
   void cast(std::span<const ExactRays> rays, std::size_t hidden, std::span<ExactHits> hits) const;
   /// The same in float, as RayScene::cast for pictures.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
             HitPacket& hits) const;
-  /// Sets the lanes on which a body lies.
+  /// Sets the lanes that a body blocks.
   void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
                Blocked& blocked) const;
-  /// Whether any body may be as near as that; conservative.
+  /// Whether any body may be within this distance; conservative.
   bool may_be_within(const Eigen::Vector3d& point_world_m, double distance_m, std::size_t hidden) const;
   /// The smaller of `nearest_m` and the distance to the nearest triangle.
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m, std::size_t hidden) const;
@@ -52,7 +52,7 @@ class MovingBodies {
  private:
   struct Body {
     std::shared_ptr<const RayScene> surface;
-    Eigen::Vector3d centre_body_m;  // of a sphere around it
+    Eigen::Vector3d centre_body_m;  // centre of a sphere around it
     double radius_m;                // with a margin for rounding
     Eigen::Vector3d centre_world_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();

@@ -6,8 +6,8 @@
 namespace uwsim {
 namespace {
 
-/// 1 / cosine of the slope of the triangle with its right angle at a vertex of the block, whose legs run towards higher
-/// columns and rows (side 1) or lower ones (-1).
+/// 1 / cosine of the slope of the triangle whose right angle is at a vertex of the block, and whose legs run towards
+/// higher columns and rows (side 1) or lower ones (-1).
 double steepness(const Heightfield& terrain, const TileContents& block, std::uint32_t column, std::uint32_t row,
                  int side) {
   const float* here = &terrain.heights_m()[(block.first_row + row) * terrain.nx() + block.first_column + column];
@@ -16,7 +16,7 @@ double steepness(const Heightfield& terrain, const TileContents& block, std::uin
   return std::sqrt(1 + x * x + y * y);
 }
 
-/// The largest of the triangles around a vertex of the block.
+/// The largest steepness of the triangles around a vertex of the block.
 double steepest_at(const Heightfield& terrain, const TileContents& block, std::uint32_t column, std::uint32_t row) {
   const auto at = [&](std::uint32_t i, std::uint32_t j, int side) { return steepness(terrain, block, i, j, side); };
   double most = 1;
@@ -45,7 +45,8 @@ Eigen::Vector3d raise_per_metre(const World& world, const TileContents& block, s
                                 std::uint32_t row) {
   const auto outward = [](std::uint32_t at, std::uint32_t last) { return at == 0 ? -1.0 : at == last ? 1.0 : 0.0; };
   Eigen::Vector3d shift(outward(column, block.columns), outward(row, block.rows), 0);
-  // Where the terrain falls outward, moving outward lowers the sheet over the terrain; rising more makes up for it.
+  // Where the terrain falls outward, moving outward lowers the sheet relative to the terrain; raising it more makes up
+  // for that.
   const double steep = steepest_at(*world.terrain(), block, column, row), slope = std::sqrt(steep * steep - 1);
   shift.z() = steep + slope * (std::abs(shift.x()) + std::abs(shift.y()));
   return shift;

@@ -8,12 +8,12 @@
 
 namespace uwsim {
 
-/// A cone around the active rays of a packet, for the quick question whether any of them may reach a sphere. The answer
-/// is conservative: never no where a ray does.
+/// A cone around the active rays of a packet, for quickly deciding whether any of them may reach a sphere. The answer
+/// is conservative: never no if a ray does.
 class RayBundle {
  public:
-  /// `anchor_world_m`: what the packet's origins count from. `distance_m`: of each ray's nearest hit so far, behind
-  /// which nothing is of interest.
+  /// `anchor_world_m`: the reference point of the packet's origins. `distance_m`: distance of each ray's nearest hit so
+  /// far, behind which nothing matters.
   template <typename Packet, typename Distances>
   RayBundle(const Eigen::Vector3d& anchor_world_m, const Packet& rays, const Distances& distance_m) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -54,10 +54,10 @@ class RayBundle {
   }
 
  private:
-  static constexpr double kRounding = 1e-7;  // float's: directions are unit vectors to 6e-8
+  static constexpr double kRounding = 1e-7;  // of float: directions are unit vectors to 6e-8
 
   Eigen::Vector3d apex_world_m_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::Zero();
-  double spread_m_ = 0;  // of the origins about the apex
+  double spread_m_ = 0;  // spread of the origins about the apex
   double cosine_ = -1, sine_ = 0;
   double far_m_ = -std::numeric_limits<double>::infinity();
 };

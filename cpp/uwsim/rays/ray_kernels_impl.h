@@ -8,7 +8,7 @@
 #include "uwsim/rays/tolerances.h"
 
 // The kernels of ray_kernels.h, compiled once for each instruction set: hence the anonymous namespace, and plain loops
-// that compilers vectorise. `ivdep` promises that inputs and outputs do not overlap.
+// that compilers can vectorise. `ivdep` promises that inputs and outputs do not overlap.
 namespace uwsim {
 namespace {
 
@@ -28,7 +28,7 @@ bool all_near(const LaneRays& rays, const double* middle_m, double distance_m) {
 }
 
 void to_float(const LaneRays& rays, const double* middle_m, double setback_m, const LaneFloats& floats) {
-  constexpr double kLargest = 3e38;  // a float that is not infinite
+  constexpr double kLargest = 3e38;  // the largest value converted to float, so that it stays finite
   const double x = middle_m[0], y = middle_m[1], z = middle_m[2];
 #pragma GCC ivdep
   for (int k = 0; k < kLanes; ++k) {
@@ -80,11 +80,11 @@ void may_meet_round(const LaneRays& rays, const double* point_m, const double* a
     const double x = rays.origin_x[k] - px, y = rays.origin_y[k] - py, z = rays.origin_z[k] - pz;
     const double dx = rays.direction_x[k], dy = rays.direction_y[k], dz = rays.direction_z[k];
     const double along = x * ax + y * ay + z * az, gain = dx * ax + dy * ay + dz * az;
-    const double sx = x - along * ax, sy = y - along * ay, sz = z - along * az;  // off the axis
+    const double sx = x - along * ax, sy = y - along * ay, sz = z - along * az;  // distance from the axis
     const double tx = dx - gain * ax, ty = dy - gain * ay, tz = dz - gain * az;
     const double closest = -(sx * tx + sy * ty + sz * tz) / (tx * tx + ty * ty + tz * tz);
     const double cx = sx + closest * tx, cy = sy + closest * ty, cz = sz + closest * tz;
-    passes[k] = cx * cx + cy * cy + cz * cz > limit ? 0 : -1;  // NaN along the axis, which passes
+    passes[k] = cx * cx + cy * cy + cz * cz > limit ? 0 : -1;  // NaN along the axis, which passes the test
   }
 }
 
@@ -107,7 +107,7 @@ int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::u
 }
 
 void locate_heights(const TerrainBlock& block, TerrainLanes& terrain) {
-  // Column and row by a multiplication: exact for whole numbers below 2^31, as half a cell is added.
+  // Column and row by multiplication: exact for whole numbers below 2^31, because half a cell is added.
   const double per_column = 1.0 / block.columns;
   const auto columns = static_cast<std::int32_t>(block.columns);
   const auto first_column = static_cast<std::int32_t>(block.first_column);

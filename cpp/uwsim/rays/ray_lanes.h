@@ -10,9 +10,9 @@
 
 namespace uwsim {
 
-// One lane of a packet as vectors, and back.
+// Converts one lane of a packet to vectors, and back.
 
-template <typename Packet>  // RayPacket, from its anchor; or ExactRays
+template <typename Packet>  // RayPacket, relative to its anchor; or ExactRays
 Eigen::Vector3d origin_of(const Packet& rays, std::size_t lane) {
   return {rays.origin_x[lane], rays.origin_y[lane], rays.origin_z[lane]};
 }
@@ -61,7 +61,7 @@ inline void copy_lane(const ExactHits& from, ExactHits& to, std::size_t lane) {
   set_hit(to, lane, from.distance_m[lane], normal_of(from, lane), static_cast<Label>(from.label[lane]));
 }
 
-/// A packet of rays as kernels take it.
+/// A packet of rays in the form that kernels take.
 inline LaneRays lanes_of(const ExactRays& rays) {
   return {rays.origin_x.data(),    rays.origin_y.data(),    rays.origin_z.data(), rays.direction_x.data(),
           rays.direction_y.data(), rays.direction_z.data(), rays.far_m.data(),    rays.active.data()};

@@ -13,32 +13,33 @@ namespace uwsim {
 
 struct TileTrees;
 
-/// A piece of the world, about 1 km wide at most, as rays meet it: in float by Embree, about the piece's own middle,
-/// and then in double (exact_cast.cpp). README.md tells the way of a ray and the error budget.
+/// A piece of the world, at most about 1 km wide, as a target for rays: in float by Embree, relative to the piece's own
+/// middle, and then in double (exact_cast.cpp). README.md describes the path of a ray and the error budget.
 class RayTile {
  public:
-  /// Throws InvalidValue when Embree cannot build its tree.
+  /// Throws InvalidValue if Embree cannot build its tree.
   RayTile(RTCDeviceTy* device, const World& world, TileContents contents);
   ~RayTile();
   RayTile(RayTile&&) noexcept;
   RayTile& operator=(RayTile&&) noexcept;
 
-  /// Bounds of the surfaces and of all that tolerances add to them.
+  /// Bounds of the surfaces, including everything that tolerances add to them.
   const Eigen::AlignedBox3d& box() const;
-  /// Whether rays from here may be cast in float as they are; others must start where they enter the box.
+  /// Whether rays from here may be cast in float directly; others must start where they enter the box.
   bool is_near(const Eigen::Vector3d& point_world_m) const;
   bool is_near(std::span<const ExactRays> rays) const;
 
-  /// The true first hits in this tile of rays that start `starts_m` along their direction (at 0 when null).
+  /// The true first hits in this tile, for rays that start `starts_m` along their direction (at 0 if null).
   void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const;
-  /// The same for packets that are near, at 0; together they cost less.
+  /// The same for packets that are near and start at 0; casting them together costs less.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
-  /// Embree's own answers; `starts_m` as above, distances count from the rays' origins.
+  /// Embree's unrefined answers; `starts_m` as above, distances are measured from the rays' origins.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
             RayOrder order) const;
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, Blocked& blocked,
                 RayOrder order) const;
-  /// The smaller of `nearest_m` and the distance to the nearest triangle, in double; solids count by their meshes.
+  /// The smaller of `nearest_m` and the distance to the nearest triangle, in double; solids are represented by their
+  /// meshes.
   double distance(const Eigen::Vector3d& point_world_m, double nearest_m) const;
 
  private:

@@ -11,9 +11,9 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFarthest_m = 1e12;  // an endless ray's end, for its box
+constexpr double kFarthest_m = 1e12;  // the end of an unlimited ray, for its bounding box
 
-/// Where the ray enters the box, 0 from inside; infinity where it misses it or is not finite.
+/// Where the ray enters the box, 0 from inside; infinity if it misses the box or is not finite.
 double entry_m(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                double far_m) {
   double first = 0, last = far_m;
@@ -58,7 +58,7 @@ std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const 
     }
     if (one.soonest_m < kInfinity) found.push_back(one);
   }
-  // Not stable_sort: libstdc++ merges in memory that is not aligned as a ReachedTile must be.
+  // Not stable_sort: libstdc++ merges in memory that lacks the alignment of a ReachedTile.
   std::ranges::sort(found, {}, [](const ReachedTile& one) { return std::pair(one.soonest_m, one.tile); });
   return found;
 }

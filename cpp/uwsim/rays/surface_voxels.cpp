@@ -34,7 +34,7 @@ void SurfaceVoxels::look_at(std::span<const float> points_world_m) {
     bool inside = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double cell = std::floor(double{points_world_m[k + axis]} / resolution_m_) + double{kKeyOffset};
-      inside = inside && cell >= 0 && cell < 2.0 * kKeyOffset;  // false for NaN, too
+      inside = inside && cell >= 0 && cell < 2.0 * kKeyOffset;  // false for NaN as well
       voxel = voxel << kKeyBits | (inside ? static_cast<PackedKey>(cell) : 0);
     }
     if (inside && add(voxel)) fresh.push_back(voxel);
@@ -53,7 +53,7 @@ void SurfaceVoxels::distances(std::span<const PackedKey> voxels, std::span<doubl
   for (std::size_t k = 0; k < voxels.size(); ++k) distances_m[k] = table_[slot_of(voxels[k])].distance_m;
 }
 
-/// Looks at voxels that were added just now.
+/// Examines voxels that have just been added.
 void SurfaceVoxels::look_at(std::span<const PackedKey> fresh, int threads) {
   parallel_batches(fresh.size(), kVoxelsTogether, threads, [&](std::size_t first, std::size_t last, std::size_t) {
     std::vector<Eigen::Vector3d> centres_m(last - first);
@@ -99,7 +99,7 @@ Eigen::Vector3d SurfaceVoxels::centre_m(PackedKey voxel) const {
   return {along(0), along(1), along(2)};
 }
 
-/// Where a voxel is in the table, or may be put.
+/// Where a voxel is in the table, or where it can be inserted.
 std::size_t SurfaceVoxels::slot_of(PackedKey voxel) const {
   const std::size_t mask = table_.size() - 1;
   std::uint64_t mixed = static_cast<std::uint64_t>(voxel) * 0x9e3779b97f4a7c15u;  // Fibonacci hashing
@@ -109,7 +109,7 @@ std::size_t SurfaceVoxels::slot_of(PackedKey voxel) const {
   return slot;
 }
 
-/// Whether the voxel was not there.
+/// Inserts a voxel; returns whether it was new.
 bool SurfaceVoxels::add(PackedKey voxel) {
   Seen& seen = table_[slot_of(voxel)];
   if (seen.voxel == voxel) return false;

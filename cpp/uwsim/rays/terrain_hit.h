@@ -4,29 +4,30 @@
 
 #include "uwsim/rays/ray_kernels.h"
 
-// The refinement of a terrain hit: where a ray meets the plane of one terrain triangle, solved in double. Written once,
-// for the kernel that refines sixteen hits at a time and for the walk from cell to cell, so that both give the same
-// bits. Kernels include this file, hence the anonymous namespace.
+// The refinement of a terrain hit: where a ray intersects the plane of one terrain triangle, computed in double.
+// Written once, for both the kernel that refines sixteen hits at a time and the walk from cell to cell, so that both
+// give the same bits. Kernels include this file, hence the anonymous namespace.
 namespace uwsim {
 namespace {
 
 /// A terrain triangle, seen from its vertex at the right angle, whose legs run along a row and a column of the grid.
 /// Over its cell it is a linear function, z = height + slope_x u + slope_y v, with u and v in cells from that vertex:
-/// to meet it, a ray needs no cross products.
+/// intersecting it needs no cross products.
 struct TerrainTriangle {
-  double side;              ///< 1: the right angle is at the cell's corner and u, v rise along the legs; -1: far corner
+  /// 1: the right angle is at the cell's corner and u, v rise along the legs; -1: at the far corner
+  double side;
   double column, row;       ///< of the vertex, in the whole height field
   double height_m;          ///< of the vertex
-  double slope_x, slope_y;  ///< metres a cell
+  double slope_x, slope_y;  ///< metres per cell
 };
 
-/// Where a ray's line meets the triangle's plane. a and b count along the legs in cells: the point is on the triangle
-/// where neither is negative and their sum is at most 1.
+/// Where a ray's line intersects the triangle's plane. a and b are measured along the legs in cells: the point is on
+/// the triangle if neither is negative and their sum is at most 1.
 struct PlaneHit {
   double distance_m, a, b;
 };
 
-/// The triangle from the heights of its vertex and of the ends of its legs.
+/// The triangle, from the heights of its vertex and of the ends of its legs.
 inline TerrainTriangle terrain_triangle(double side, double column, double row, float height_m, float along_x_m,
                                         float along_y_m) {
   const double height = height_m;
@@ -35,11 +36,11 @@ inline TerrainTriangle terrain_triangle(double side, double column, double row, 
 
 inline PlaneHit meet_plane(const TerrainTriangle& triangle, const TerrainBlock& block, double origin_x, double origin_y,
                            double origin_z, double direction_x, double direction_y, double direction_z) {
-  // The ray in cells from the vertex.
+  // The ray in cells, relative to the vertex.
   const double u = (origin_x - block.origin_x) * block.cells_per_m - triangle.column;
   const double v = (origin_y - block.origin_y) * block.cells_per_m - triangle.row;
   const double du = direction_x * block.cells_per_m, dv = direction_y * block.cells_per_m;
-  // How high the plane is above the origin, over how fast the ray gains on it.
+  // The height of the plane above the origin, divided by the rate at which the ray approaches it.
   const double distance_m = (triangle.height_m + triangle.slope_x * u + triangle.slope_y * v - origin_z) /
                             (direction_z - triangle.slope_x * du - triangle.slope_y * dv);
   return {distance_m, triangle.side * (u + distance_m * du), triangle.side * (v + distance_m * dv)};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A ray over a block of cells, across in cells from the block's corner.
+/// A ray over a block of cells, in horizontal cells from the block's corner.
 class Walk {
  public:
   Walk(const TileSurfaces& surfaces, const TileRay& ray, double from_m)
@@ -45,7 +45,7 @@ class Walk {
   }
 
  private:
-  /// Limits first and last to the part of the ray that lies between 0 and `count`, edges included.
+  /// Limits first and last to the part of the ray that lies between 0 and `count`, inclusive.
   static bool clip(double start, double direction, double count, double& first, double& last) {
     if (direction == 0) return start >= -kCellMargin && start <= count + kCellMargin;
     const double one = (-kCellMargin - start) / direction, two = (count + kCellMargin - start) / direction;
@@ -67,7 +67,7 @@ class Walk {
     return block_.heights_m + row * block_.row_length + column;
   }
 
-  /// Goes to the next cell; returns the distance along the ray at which it begins.
+  /// Proceeds to the next cell; returns the distance along the ray at which it begins.
   double step() {
     const double to_x = dx_ == 0 ? kInfinity : (static_cast<double>(i_ + (dx_ > 0)) - x_) / dx_;
     const double to_y = dy_ == 0 ? kInfinity : (static_cast<double>(j_ + (dy_ > 0)) - y_) / dy_;

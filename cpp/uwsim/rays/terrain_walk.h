@@ -9,14 +9,15 @@ namespace uwsim {
 
 /// The result of a walk along a ray from cell to cell of a tile's terrain, in double.
 struct TerrainWalk {
-  std::optional<TileHit> hit;                                   ///< where the ray meets the terrain
-  double clear_to_m = std::numeric_limits<double>::infinity();  ///< without a hit: the ray meets no terrain before
-  bool began_low = false;                                       ///< the first point was not clear above the terrain
-  bool near_solids = false;  ///< the walk went through a cell that a solid comes near
+  std::optional<TileHit> hit;  ///< where the ray hits the terrain
+  /// without a hit: the ray does not hit the terrain before this distance
+  double clear_to_m = std::numeric_limits<double>::infinity();
+  bool began_low = false;    ///< the first point was not clearly above the terrain
+  bool near_solids = false;  ///< the walk passed through a cell with a solid nearby
 };
 
-/// Walks from `from_m`, or from where the ray comes to lie over the tile's terrain, to where it meets the terrain (from
-/// above or below), leaves the tile, or is higher above the terrain than the clearance.
+/// Walks from `from_m`, or from where the ray enters the space over the tile's terrain, to where it hits the terrain
+/// (from above or below), leaves the tile, or is higher above the terrain than the clearance.
 TerrainWalk walk_terrain(const TileSurfaces& surfaces, const TileRay& ray, double from_m);
 
 }  // namespace uwsim

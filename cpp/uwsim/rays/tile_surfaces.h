@@ -14,11 +14,11 @@
 
 namespace uwsim {
 
-/// A tile's surfaces in double, numbered as Embree's tree numbers them: by geometry, then by primitive.
+/// A tile's surfaces in double, with the same numbering as in Embree's tree: by geometry, then by primitive.
 ///
-/// The terrain is two geometries, so that a hit tells at once whether a solid comes near: open terrain, and cells near
-/// solids. Triangles of the first are numbered by the block: 2 cell and 2 cell + 1, cells row by row, those near solids
-/// included. Triangles of the second count the cells near solids only. Solids follow, each by its label.
+/// The terrain consists of two geometries, so that a hit shows at once whether a solid is near: open terrain, and cells
+/// near solids. Triangles of the first are numbered by the block: 2 cell and 2 cell + 1, cells row by row, including
+/// those near solids. Triangles of the second count only the cells near solids. Solids follow, each by its label.
 class TileSurfaces {
  public:
   static constexpr std::uint32_t kTerrainNearSolids = 0;
@@ -28,9 +28,9 @@ class TileSurfaces {
 
   const World& world() const { return world_; }
   const TileContents& contents() const { return contents_; }
-  /// Bounds of the surfaces and of all that tolerances add to them.
+  /// Bounds of the surfaces, including everything that tolerances add to them.
   const Eigen::AlignedBox3d& box() const { return box_; }
-  /// The point that float coordinates count from.
+  /// The origin of float coordinates.
   const Eigen::Vector3d& middle_m() const { return middle_m_; }
   double diagonal_m() const { return diagonal_m_; }
   const Tolerances& tolerances() const { return tolerances_; }
@@ -50,21 +50,21 @@ class TileSurfaces {
   const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
   /// Bounds of a triangle or shape.
   Eigen::AlignedBox3d box_of(const TileMember& member) const;
-  /// Where a ray meets one triangle, edges included, or one shape. Only shapes keep to the ray's limits.
+  /// Where a ray hits one triangle, edges included, or one shape. Only shapes respect the ray's limits.
   std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
 
-  /// Whether a cell of the block is among those near solids, whose triangles count under kTerrainNearSolids only.
+  /// Whether a cell of the block is among those near solids, whose triangles belong to kTerrainNearSolids only.
   bool is_near_solids(std::uint32_t cell) const { return near_solids_.contains(cell); }
   /// The number within the block of a triangle near solids.
   std::uint32_t block_triangle(std::uint32_t triangle_near_solids) const {
     return 2 * near_solids_.cell(triangle_near_solids / 2) + triangle_near_solids % 2;
   }
-  /// The solids that come near that triangle's cell.
+  /// The solids near that triangle's cell.
   std::span<const TileMember> solids_near(std::uint32_t triangle_near_solids) const {
     return near_solids_.solids(triangle_near_solids / 2);
   }
 
-  /// The block as kernels take it.
+  /// The block in the form that kernels take.
   TerrainBlock terrain_block() const;
 
  private:
@@ -79,8 +79,8 @@ class TileSurfaces {
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0;
   Tolerances tolerances_{};
-  bool whole_terrain_ = false;                   // the block is the whole terrain: its numbers are the world's
-  std::vector<std::int32_t> share_of_geometry_;  // into contents_.solids, -1 for none
+  bool whole_terrain_ = false;                   // the block is the whole terrain, so its numbers are the world's
+  std::vector<std::int32_t> share_of_geometry_;  // index into contents_.solids, -1 for none
   CellsNearSolids near_solids_;
 };
 

@@ -9,18 +9,18 @@
 
 namespace uwsim {
 
-/// A tile ready for rays: its surfaces in double, and what Embree built of them in float. It must not move: Embree's
-/// callbacks point into it.
+/// A tile ready for rays: its surfaces in double, and the trees that Embree built from them in float. It must not move,
+/// since Embree's callbacks point into it.
 struct TileTrees {
   TileSurfaces surfaces;
   TerrainBlock block{};                            ///< heights_m is null without terrain
   std::vector<RoundGeometry> round;                ///< what the callbacks of round shapes point to
-  RayTree tree;                                    ///< what rays meet: raised terrain, widened triangles, round shapes
-  RayTree mesh_tree;                               ///< the meshes of solids that rays meet as shapes, for distances
-  std::vector<std::vector<std::uint8_t>> crowded;  ///< by geometry and primitive: another surface comes near
+  RayTree tree;                                    ///< what rays hit: raised terrain, widened triangles, round shapes
+  RayTree mesh_tree;                               ///< the meshes of solids that rays hit as shapes, for distances
+  std::vector<std::vector<std::uint8_t>> crowded;  ///< by geometry and primitive: whether another surface is near
   const RayKernels& kernels = ray_kernels();
 
-  /// Throws InvalidValue when Embree cannot build its trees.
+  /// Throws InvalidValue if Embree cannot build its trees.
   TileTrees(RTCDeviceTy* device, const World& world, TileContents contents);
   TileTrees(const TileTrees&) = delete;
   TileTrees& operator=(const TileTrees&) = delete;

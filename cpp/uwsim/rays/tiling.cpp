@@ -11,14 +11,14 @@ namespace uwsim {
 namespace {
 
 constexpr double kFineTileWidth_m = 50;
-constexpr double kFineEdge = 8;  // widenings
+constexpr double kFineEdge = 8;  // in multiples of the widening
 
 using Key = std::pair<std::int64_t, std::int64_t>;  // a tile's row and column
 
-/// Where the world is cut: at whole blocks of terrain cells, or every kTileWidth_m where there is no terrain.
+/// Where the world is cut: at whole blocks of terrain cells, or every kTileWidth_m if there is no terrain.
 struct Cuts {
   Eigen::Vector2d origin_m, width_m;
-  std::uint32_t columns = 0, rows = 0;  // in a tile, in terrain cells
+  std::uint32_t columns = 0, rows = 0;  // per tile, in terrain cells
 
   Key tile_at(const Eigen::Vector3d& point) const {
     const auto part = [](double from_origin_m, double width) {
@@ -28,7 +28,7 @@ struct Cuts {
   }
 };
 
-/// As many cells as fit, shared out evenly among the tiles.
+/// As many cells as fit, distributed evenly over the tiles.
 std::uint32_t cells_a_tile(std::size_t cells, double spacing_m) {
   const double most = std::max(1.0, std::floor(kTileWidth_m / spacing_m)), count = static_cast<double>(cells);
   return static_cast<std::uint32_t>(std::ceil(count / std::ceil(count / most)));
@@ -90,8 +90,8 @@ void add_solid(const Solid& solid, Label label, const Cuts& cuts, std::map<Key, 
   }
 }
 
-/// Whether triangles are so small that what float needs in a tile of the world (tolerances.h) would blur them together:
-/// most of their hits would have to be searched for.
+/// Whether triangles are so small that the margins that float needs in a tile of the world (tolerances.h) would merge
+/// them: most of their hits would then have to be searched for.
 bool is_fine(const Solid& solid, const Eigen::AlignedBox2d& world) {
   if (!solid.shapes.empty()) return false;
   const double widening_m = tolerances_of(world.sizes().cwiseMin(kTileWidth_m).norm(), 1, true).widening_m;

@@ -3,102 +3,102 @@
 namespace uwsim {
 
 // Every tolerance, margin and error bound of the ray engine. README.md has the error budget that they add up to.
-// Kernels include this file: it defines constants and declares one function, no more.
+// Kernels include this file, which therefore only defines constants and declares one function.
 
-/// The sine of 0.1 degree, rounded down. At a smaller angle to a surface a ray may be judged to graze or to miss it by
-/// float's error; errors that grow with 1 / sine are followed up to here and no further.
+/// The sine of 0.1 degree, rounded down. At smaller angles to a surface, float's error may decide whether a ray grazes
+/// or misses it; errors that grow with 1 / sine are covered down to this angle only.
 inline constexpr double kGrazingSine = 1.7e-3;
 
 // Float.
 
-/// A bound on how far a point of a tile moves when it is rounded to float about the tile's middle, as a part of half
-/// the tile's diagonal. One rounding moves a coordinate by up to 2^-24 = 6e-8 of it; this is 16 of them, since
-/// vertices, origins, directions and Embree's own arithmetic each add theirs.
+/// A bound on how far a point of a tile moves when it is rounded to float relative to the tile's middle, as a fraction
+/// of half the tile's diagonal. One rounding moves a coordinate by up to 2^-24 = 6e-8 of it; this is 16 of them, since
+/// vertices, origins, directions and Embree's own arithmetic each contribute.
 inline constexpr double kFloatError = 1e-6;
-/// Tiles of a few millimetres and less have this bound.
+/// Lower limit of that bound, reached in tiles of a few millimetres and less.
 inline constexpr double kLeastFloatError_m = 1e-8;
-/// A float ray reaches farther than the ray in double, so that rounding does not cut it short; what is found beyond the
-/// ray's end is discarded in double.
+/// A float ray reaches farther than the ray in double, so that rounding does not cut it short; hits beyond the ray's
+/// end are discarded in double.
 inline constexpr double kFartherRelative = 1e-6;
 inline constexpr double kFarther_m = 1e-6;
-/// A search for the nearest triangle reaches this part farther than the best distance so far, for the same reason.
+/// For the same reason, a search for the nearest triangle reaches farther than the best distance so far by this
+/// fraction.
 inline constexpr double kFartherSearch = 1e-5;
-/// Below this raise of the terrain, shadow rays need no second look: they start at least 1 mm off their surface.
+/// With terrain raised by less than this, shadow rays need no second check: they start at least 1 mm off their surface.
 inline constexpr double kHarmlessRaise_m = 5e-4;
-/// A widened triangle's corner moves by at most this many widenings; 1 / 8 is the sine of half of 14 degrees, so that
-/// only corners sharper than 14 degrees need another form.
+/// A corner of a widened triangle moves by at most this many widenings; 1 / 8 is the sine of half of 14 degrees, so
+/// that only corners sharper than 14 degrees need another form.
 inline constexpr double kLongestMitre = 8;
 
 // Double.
 
 /// Barycentric: neighbouring triangles overlap by this much, so that no ray slips between them.
 inline constexpr double kSeam = 1e-10;
-/// In cells: a terrain hit that is solved in double counts at once if it lies this far inside its triangle; otherwise
-/// the walk from cell to cell decides. The walk's block is wider by as much on each side. At the far side of a terrain
-/// of 10,000 cells, double rounds by 1e-12 cells.
+/// In cells: a terrain hit computed in double is accepted at once if it lies this far inside its triangle; otherwise
+/// the walk from cell to cell decides. The walk's block is wider by the same amount on each side. At the far side of a
+/// terrain of 10,000 cells, double rounds by 1e-12 cells.
 inline constexpr double kCellMargin = 1e-9;
-/// A ray passes a round shape if its line stays outside the squared radius by more than this part of it.
+/// A ray misses a round shape if its line stays outside the squared radius by more than this fraction of it.
 inline constexpr double kRoundMargin = 1e-9;
 
-/// The figures of one tile [m]. They follow from the first one and from the terrain's steepest triangle.
+/// The tolerances of one tile [m]. They follow from the first one and from the terrain's steepest triangle.
 struct Tolerances {
   /// A bound on how far any point of a ray or a surface in this tile moves by float rounding: `kFloatError` of half the
   /// tile's diagonal. Called r below. 0.3 mm in a square tile of 400 m, 0.7 mm in one of 1 km.
   double rounding_m;
 
-  /// 8 r. The distance across the ray from the point that Embree names to the true hit.
+  /// 8 r. The distance across the ray from the point that Embree reports to the true hit.
   double hit_error_m;
 
-  /// 64 r. How far the edges of a solid's triangles are moved outward for Embree. An error across a ray is 1 / sine
-  /// times as long in the plane of the surface: 570 times at 0.1 degree. One rounding is r / 16, which makes 36 r.
+  /// 64 r. How far the edges of a solid's triangles are moved outward for Embree. An error across a ray is lengthened
+  /// by 1 / sine in the plane of the surface: 570 times at 0.1 degree. One rounding is r / 16, which amounts to 36 r.
   double widening_m;
 
-  /// 256 r, or 0 where no solid has triangles. Distance before its origin at which a float ray starts: a triangle that
-  /// lies just ahead of the origin may come to lie behind it in float, along the ray by 1 / sine times the error
-  /// across.
+  /// 256 r, or 0 if no solid has triangles. Distance before its origin at which a float ray starts: in float, a
+  /// triangle just ahead of the origin may end up behind it, along the ray by 1 / sine times the error across.
   double setback_m;
 
   /// r / 2. How far the terrain is raised for Embree, measured across its steepest triangle at each vertex: 8
   /// roundings.
   double raise_m;
 
-  /// `raise_m` times `steepest`, which is 1 / cosine of the steepest slope in the tile: the raise, measured upward.
+  /// `raise_m` times `steepest`, which is 1 / cosine of the steepest slope in the tile: the raise measured vertically.
   double upward_raise_m;
 
-  /// 4 `upward_raise_m`. A point that is so high above the terrain is above the raised terrain, too. Vertices at a
-  /// block's edges also move outward by one raise along each axis, for which they rise by up to two more; the fourth is
-  /// for rounding.
+  /// 4 `upward_raise_m`. A point this far above the terrain is above the raised terrain as well. Vertices at a block's
+  /// edges also move outward by one raise along each axis, for which they rise by up to two more; the fourth is for
+  /// rounding.
   double clearance_m;
 
   /// 4 r + `clearance_m`. How much farther from a point Embree's surfaces may be than the true ones.
   double search_margin_m;
 
-  /// 16 r + `clearance_m`. Terrain cells and solids that are closer than this may be met in the wrong order in float.
+  /// 16 r + `clearance_m`. Terrain cells and solids closer together than this may be hit in the wrong order in float.
   double near_terrain_m;
 
-  /// 8 r. Triangles and shapes of solids that are closer than this may be met in the wrong order in float.
+  /// 8 r. Triangles and shapes of solids closer together than this may be hit in the wrong order in float.
   double crowding_m;
 
-  /// r. A hit that lies this far inside a triangle's edges is on that triangle, whatever float says.
+  /// r. A hit this far inside a triangle's edges is on that triangle, whatever float reports.
   double edge_margin_m;
 
   /// 2 r. Added to the bounding boxes of round shapes.
   double round_box_margin_m;
 
-  /// 16 widenings. Added to the tile's bounding box, which holds all of the above.
+  /// 16 widenings. Added to the tile's bounding box, which encloses all of the above.
   double box_margin_m;
 
-  /// The distance along the ray from the point that Embree names to the true hit, at this sine of the angle to the
-  /// surface: the error across the ray and what it becomes along the surface.
+  /// The distance along the ray from the point that Embree reports to the true hit, at this sine of the angle to the
+  /// surface: the error across the ray, and what it amounts to along the surface.
   double hit_error_along_m(double sine) const { return hit_error_m * (1 + 1 / sine); }
 
-  /// How far outside the true triangle a float ray may meet the widened one and still count. Float's error along a ray
-  /// grows with its length over the triangle; a twentieth of the bound keeps tips of slivers from growing.
+  /// How far outside the true triangle a float ray may hit the widened one and still be accepted. Float's error along a
+  /// ray grows with its length over the triangle; a twentieth of the bound keeps the tips of slivers from growing.
   double picture_edge_m(double sine) const { return hit_error_m * (1 + 0.05 / sine); }
 };
 
-/// The tolerances of a tile: the diagonal of its surfaces' bounding box, 1 / cosine of the
-/// terrain's steepest slope (1 without terrain), and whether rays meet triangles of solids in it.
+/// The tolerances of a tile: the diagonal of its surfaces' bounding box, 1 / cosine of the terrain's steepest slope (1
+/// without terrain), and whether rays hit triangles of solids in it.
 Tolerances tolerances_of(double diagonal_m, double steepest, bool has_solid_triangles);
 
 }  // namespace uwsim

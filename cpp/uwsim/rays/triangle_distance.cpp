@@ -12,7 +12,7 @@ double segments_apart2(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const
                        const Eigen::Vector3d& d) {
   const Eigen::Vector3d ab = b - a, cd = d - c, ca = a - c;
   const double ab2 = ab.squaredNorm(), cd2 = cd.squaredNorm(), along_cd = cd.dot(ca);
-  double s = 0, t = 0;  // shares of ab and cd at the closest points
+  double s = 0, t = 0;  // fractions of ab and cd at the closest points
   if (ab2 > 0) {
     const double along_ab = ab.dot(ca), both = ab.dot(cd), denominator = ab2 * cd2 - both * both;
     if (cd2 > 0 && denominator > 0) s = std::clamp((both * along_cd - along_ab * cd2) / denominator, 0.0, 1.0);
@@ -26,7 +26,7 @@ double segments_apart2(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const
   return (ca + s * ab - t * cd).squaredNorm();
 }
 
-/// Whether an edge of one triangle goes through the other.
+/// Whether an edge of one triangle passes through the other.
 bool pierces(const Corners& one, const Corners& other) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d edge = one[(k + 1) % 3] - one[k];
@@ -40,7 +40,7 @@ bool pierces(const Corners& one, const Corners& other) {
 
 }  // namespace
 
-/// The closest points of two triangles lie on a corner and a triangle, or on two edges, unless they intersect.
+/// The closest points of two triangles are on a corner and a triangle, or on two edges, unless they intersect.
 bool closer_than(const Corners& one, const Corners& other, double distance_m) {
   const double limit2 = distance_m * distance_m;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -4,7 +4,7 @@
 
 namespace uwsim {
 
-/// Whether two triangles come closer to each other than that. Without area they count as their edges.
+/// Whether two triangles are closer to each other than that. A triangle without area is treated as its edges.
 bool closer_than(const Corners& one, const Corners& other, double distance_m);
 
 }  // namespace uwsim

@@ -12,7 +12,7 @@ struct TileRay {
   double far_m;
 };
 
-/// Where such a ray meets one triangle or round shape.
+/// Where such a ray hits one triangle or round shape.
 struct TileHit {
   double distance_m;
   Eigen::Vector3d normal_world;  ///< unit, on the side from which the corners run counter-clockwise
@@ -21,11 +21,11 @@ struct TileHit {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// Where a ray's line meets a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double;
+/// Where a ray's line hits a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double;
 /// the distance may be negative or beyond `far_m`. A ray within the triangle's plane misses it.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double edge_margin_m);
 
-/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have no length.
+/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have zero length.
 Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
 
 }  // namespace uwsim

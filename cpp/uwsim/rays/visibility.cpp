@@ -11,9 +11,10 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kGroupsTogether = 64;  // which share their nearest viewpoints
-constexpr std::size_t kViewpointStride = 8;  // among which near ones are looked for: on a path, neighbours see alike
-constexpr std::size_t kNearViewpoints = 24;  // that are tried before all
+constexpr std::size_t kGroupsTogether = 64;  // number of groups that share their nearest viewpoints
+// near viewpoints are searched among every eighth: neighbours on a path have similar views
+constexpr std::size_t kViewpointStride = 8;
+constexpr std::size_t kNearViewpoints = 24;  // number of viewpoints that are tried before all others
 
 /// Collects rays from viewpoints to points, and casts sixteen at a time.
 class SightLines {
@@ -31,7 +32,7 @@ class SightLines {
     if (++count_ == kPacketRays) cast();
   }
 
-  /// Casts what has been added, and marks the groups that are seen.
+  /// Casts what has been added, and marks the groups that are visible.
   void cast() {
     if (count_ == 0) return;
     for (std::size_t k = count_; k < kPacketRays; ++k) {
@@ -122,10 +123,10 @@ class Search {
   std::span<const Eigen::Vector3d> viewpoints_;
   const PointGroups& groups_;
   double range_m_, tolerance_m_;
-  bool all_outside_;  // no viewpoint is within a round shape
+  bool all_outside_;  // whether no viewpoint is inside a round shape
   std::span<std::uint8_t> seen_;
   SightLines lines_;
-  std::vector<std::pair<double, std::size_t>> near_;  // squared distance and number of viewpoints
+  std::vector<std::pair<double, std::size_t>> near_;  // squared distance and index of viewpoints
 };
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 namespace uwsim {
 
-/// Points on surfaces in groups, such as the samples of a voxel: group g has the points from `first[g]` up to, and
-/// without, `first[g + 1]`.
+/// Points on surfaces in groups, such as the samples of a voxel: group g has the points from `first[g]` up to, but
+/// excluding, `first[g + 1]`.
 struct PointGroups {
   std::span<const Eigen::Vector3d> points_world_m;
   std::span<const std::size_t> first;
@@ -21,10 +21,10 @@ struct PointGroups {
   }
 };
 
-/// For each group: 1 where one of its points is within `range_m` of a viewpoint and no surface lies more than
-/// `tolerance_m` before it, else 0. The result does not depend on the number of threads.
+/// For each group: 1 if one of its points is within `range_m` of a viewpoint and no surface lies more than
+/// `tolerance_m` in front of it, else 0. The result does not depend on the number of threads.
 ///
-/// Most groups are seen from a viewpoint near by. One that is not is tried from every viewpoint, except points within
+/// Most groups are visible from a nearby viewpoint. One that is not is tried from every viewpoint, except points inside
 /// round shapes, such as the bed inside a pipe.
 std::vector<std::uint8_t> seen_groups(const RayScene& scene, std::span<const Eigen::Vector3d> viewpoints_world_m,
                                       const PointGroups& groups, double range_m, double tolerance_m, int threads);

@@ -12,7 +12,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kStartsInside = 3;  // instead of the axis across which a ray enters
 
-/// A normal against the ray along an axis.
+/// The normal that points against the ray along an axis.
 Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
   if (axis == kStartsInside) direction.cwiseAbs().maxCoeff(&axis);
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -22,7 +22,7 @@ Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
 
 }  // namespace
 
-/// A ray in units of cubes from the lowest corner; distances along it stay in metres.
+/// A ray in units of cubes from the lowest corner; distances along it remain in metres.
 struct VoxelScene::Walk {
   Eigen::Vector3d start, rate;
 

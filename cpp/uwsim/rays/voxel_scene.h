@@ -11,15 +11,15 @@
 
 namespace uwsim {
 
-/// Cubes on a grid, such as the occupied voxels of a map, as rays meet them: for pictures of maps. It is made in a
-/// small part of the time of a mesh with a tree over its triangles, and in a few bytes a voxel.
+/// Cubes on a grid, such as the occupied voxels of a map, as targets for rays: for pictures of maps. Building it takes
+/// a fraction of the time of a mesh with a tree over its triangles, and a few bytes per voxel.
 ///
 /// A ray walks from column to column of cubes (Amanatides and Woo 1987), and over blocks of columns at once where it
 /// passes above or below all of their cubes.
 class VoxelScene {
  public:
-  /// centres_world_m: of cubes of edge_m at multiples of edge_m from the world's zero, in any order, repeated or not.
-  /// Throws std::invalid_argument if they lie more than 2^17 cubes apart.
+  /// centres_world_m: of cubes of edge_m at multiples of edge_m from the world's origin, in any order, duplicates
+  /// allowed. Throws std::invalid_argument if they lie more than 2^17 cubes apart.
   VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double edge_m);
 
   /// The first hit on a cube within the range; label 0. A ray that starts inside a cube hits it at 0.
@@ -30,7 +30,7 @@ class VoxelScene {
 
   struct Block {
     std::int32_t low = 0, high = -1;                         ///< lowest and highest cube
-    std::array<std::uint32_t, kBlock * kBlock + 1> first{};  ///< of each column's cubes in heights_
+    std::array<std::uint32_t, kBlock * kBlock + 1> first{};  ///< start of each column's cubes in heights_
   };
   struct Walk;
 
@@ -41,11 +41,11 @@ class VoxelScene {
                    RayHit& hit) const;
 
   double edge_m_;
-  std::array<std::int32_t, 3> low_{}, high_{};  ///< cubes, high_ included
+  std::array<std::int32_t, 3> low_{}, high_{};  ///< in cubes, high_ inclusive
   std::array<std::int32_t, 2> block_counts_{};
-  std::vector<std::int32_t> block_numbers_;  ///< in blocks_; -1: empty
+  std::vector<std::int32_t> block_numbers_;  ///< index into blocks_; -1: empty
   std::vector<Block> blocks_;
-  std::vector<std::int32_t> heights_;  ///< of the cubes of each column, rising
+  std::vector<std::int32_t> heights_;  ///< of the cubes of each column, ascending
 };
 
 }  // namespace uwsim

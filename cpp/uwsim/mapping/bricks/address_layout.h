@@ -19,11 +19,11 @@ namespace uwsim::bricks {
 /// bitmap; they are the Morton codes of the voxels' keys (48 bits), and voxels are marked in a hash table.
 struct AddressLayout {
   static constexpr int kChunkBits = 18;
-  static constexpr int kTableBits = 32;  ///< two tables of 512 MB address space; only what rays touch takes memory
+  static constexpr int kTableBits = 32;  ///< two tables of 512 MB of address space; only what rays touch uses memory
 
   using Key = std::array<std::uint32_t, 3>;
 
-  /// For rays from `origin` to `count` ends, whose keys are in three columns: end_key[axis][i].
+  /// For rays from `origin` to `count` ends, whose keys are given as three columns: end_key[axis][i].
   AddressLayout(const Key& origin, const std::uint16_t* const* end_key, std::size_t count);
 
   std::uint64_t address(const Key& key) const {
@@ -42,8 +42,8 @@ struct AddressLayout {
 
   Key first_chunk{};
   Key chunks{};                ///< along each axis
-  std::array<int, 3> shift{};  ///< where the bits of the chunk's x, y and z begin
-  int bits = 0;                ///< of an address
+  std::array<int, 3> shift{};  ///< positions of the lowest bits of the chunk's x, y and z
+  int bits = 0;                ///< number of bits of an address
   std::array<std::uint64_t, 3> axis_mask{};
   bool fits_table = false;
 

@@ -11,10 +11,10 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr std::uint32_t kIndices = 1u << 31;
-/// Before the first huge page: so a small map takes little memory.
+/// Allocated before the first huge page, so that a small map takes little memory.
 constexpr std::size_t kSmallBytes = 256 << 10;
 
-/// Segments of destroyed arenas, up to so much address space: their pages are present already.
+/// Segments of destroyed arenas, up to this much address space: their pages are already present.
 constexpr std::size_t kKeptBytes = 64 << 20;
 struct KeptSegments {
   KeptSegments() { segments.reserve(kKeptBytes / kHugePage); }

@@ -8,8 +8,9 @@
 
 namespace uwsim::bricks {
 
-/// Elements of one size, found by their index; they never move, and new ones are uninitialised. One thread at a time
-/// may allocate; any may look elements up. When an arena is destroyed some of its memory is kept for the next ones.
+/// Elements of one size, identified by index; they never move, and new ones are uninitialised. Only one thread at a
+/// time may allocate; any number may look elements up. When an arena is destroyed, some of its memory is kept for the
+/// next one.
 class Arena {
  public:
   /// Elements lie in segments of 2^segment_bits.
@@ -31,7 +32,7 @@ class Arena {
   std::size_t element_bytes_;
   int segment_bits_;
   std::uint32_t allocated_ = 0;
-  MappedMemory table_;  ///< addresses of the segments; large enough for all, so that it never moves
+  MappedMemory table_;  ///< addresses of the segments; reserved at full size, so that it never moves
   std::vector<MappedMemory> segments_;
 };
 

@@ -3,24 +3,24 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The smallest parts of the map's storage. Plain structs: kernels of every instruction set use them.
+/// The smallest parts of the map's storage. They are plain structs, used by the kernels of every instruction set.
 namespace uwsim::bricks {
 
-/// Stands for "no brick" and "no block" where an index is expected.
+/// Means "no brick" or "no block" where an index is expected.
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
-/// 8 x 8 x 8 voxels in Morton order. Word w is about the 4 x 4 x 4 voxels 64 w to 64 w + 63, whose log-odds are in one
+/// 8 x 8 x 8 voxels in Morton order. Word w covers the 4 x 4 x 4 voxels 64 w to 64 w + 63, whose log-odds are in one
 /// block. A word needs no block while every known voxel in it is exactly at clamping_min, as most of the water in a
 /// survey is.
 struct alignas(64) Brick {
   std::uint64_t known[8];
   std::uint64_t at_min[8];  ///< known and at or below clamping_min: a miss does not change these voxels
-  std::uint32_t block[8];   ///< kNone, or the index of 64 log-odds; 0 where a voxel is unknown
+  std::uint32_t block[8];   ///< kNone, or the index of a block of 64 log-odds; 0 where a voxel is unknown
 };
 
 /// Blocks of 64 log-odds: their addresses, and a stack of free ones.
 struct BlockPool {
-  static constexpr int kSegmentBits = 13;  ///< blocks lie in segments of 2^13, which is one huge page of 2 MB
+  static constexpr int kSegmentBits = 13;  ///< a segment of 2^13 blocks is one huge page of 2 MB
 
   float* const* segments;
   std::uint32_t* free;

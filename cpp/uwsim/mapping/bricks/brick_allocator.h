@@ -9,8 +9,8 @@
 
 namespace uwsim::bricks {
 
-/// One thread's free bricks and blocks of a store. It takes them from the store many at a time, so that threads rarely
-/// wait for each other, and gives them back when it is destroyed.
+/// One thread's supply of free bricks and blocks from a store. It takes them from the store in batches, so that threads
+/// rarely wait for each other, and returns them when it is destroyed.
 class BrickAllocator {
  public:
   explicit BrickAllocator(BrickStore& store) : store_(store) {}
@@ -18,11 +18,11 @@ class BrickAllocator {
   BrickAllocator(const BrickAllocator&) = delete;
   BrickAllocator& operator=(const BrickAllocator&) = delete;
 
-  /// With `at_least` free blocks, and space for as many to be given back.
+  /// A pool with at least `at_least` free blocks, and room for as many to be returned.
   BlockPool& blocks(std::size_t at_least);
-  /// The brick of a slot, for writing; made if the slot is kNone or uniform.
+  /// The brick of a slot, for writing; created if the slot is kNone or uniform.
   Brick& writable(std::uint32_t& slot);
-  /// The block of a word, for writing. If it is new, known voxels are `known_log_odds` in it and unknown ones 0.
+  /// The block of a word, for writing. In a new block, known voxels are `known_log_odds` and unknown ones 0.
   float* writable_block(Brick& brick, int word, float known_log_odds);
   /// Frees the brick of a slot and makes the slot uniform, if all its voxels are known and at clamping_min.
   void compact(std::uint32_t& slot);

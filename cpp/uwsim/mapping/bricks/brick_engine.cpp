@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// The largest map that OctoMap writes: each of its nodes takes some 90 bytes in the meantime.
+/// The largest map that OctoMap writes: meanwhile, each of its nodes takes about 90 bytes.
 constexpr std::uint64_t kMostOctomapNodes = 30'000'000;
 
 class BrickEngine : public MapEngine {
@@ -112,8 +112,8 @@ class BrickEngine : public MapEngine {
   std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
-  /// A .bt is written by an octomap::OcTree, or by us if the map has a limit of memory or if that tree would take
-  /// gigabytes. The bytes are the same.
+  /// Whether octomap::OcTree writes the .bt. We write it ourselves if the map has a memory limit or if that tree would
+  /// take gigabytes. The bytes are the same.
   bool is_written_by_octomap(const TreeBytes& tree) const {
     return !store_.is_limited() && tree.nodes <= kMostOctomapNodes;
   }

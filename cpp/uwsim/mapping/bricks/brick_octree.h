@@ -11,8 +11,8 @@ namespace uwsim {
 class AtomicFile;
 }
 
-/// A store of bricks seen as OctoMap's octree: to list leaves, and to write and read OctoMap's files. The inner nodes
-/// and the pruning exist only while a function here runs.
+/// A store of bricks viewed as OctoMap's octree: lists leaves, and writes and reads OctoMap's files. Inner nodes and
+/// pruning exist only while a function here runs.
 namespace uwsim::bricks {
 
 // brick_octree_leaves.cpp
@@ -20,10 +20,10 @@ namespace uwsim::bricks {
 /// In Morton order.
 void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
 
-/// The leaves that have voxels of the box.
+/// The leaves that contain voxels of the box.
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
 
-/// The numbers of voxels; none if that takes a walk over large leaves.
+/// The numbers of voxels; none if counting would have to walk over large leaves.
 std::optional<VoxelCounts> count_voxels(const BrickStore& store);
 
 /// Sets the bits of a chunk's occupied voxels, in Morton order.
@@ -31,22 +31,22 @@ void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& wo
 
 // brick_octree_write.cpp
 
-/// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, an inner
-/// node is the greatest of its children.
+/// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, and an inner
+/// node holds the maximum of its children.
 TreeBytes full_tree(const BrickStore& store);
 std::uint64_t count_nodes(const BrickStore& store);
 
 /// The same tree after OctoMap's toMaxLikelihood and prune. That prune goes up level by level and stops at the first
-/// level where it prunes nothing, even if there is something to prune above; so does this.
+/// level where it prunes nothing, even if there is something to prune above; this does the same.
 struct LikelyShape {
   int pruned_levels;
   std::uint64_t nodes;
 };
 LikelyShape likely_shape(const BrickStore& store);
-/// The tree of that shape as a .bt: the bytes that an octomap::OcTree writes of it.
+/// The tree of that shape as a .bt: the bytes that octomap::OcTree writes for it.
 TreeBytes binary_tree(const BrickStore& store);
 
-/// Write the whole file, chunk by chunk: how much memory that takes does not depend on the map.
+/// Write the whole file, chunk by chunk: the memory needed does not depend on the map.
 void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);
 void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file);
 

@@ -14,8 +14,8 @@ namespace uwsim::bricks {
 /// return the same type:
 ///   visitor.leaf(levels, code, log_odds)   a cube of 2^levels voxels that are known and equal
 ///   visitor.unknown()                      a cube of which nothing is known
-///   visitor.inner(levels, code, child)     any other cube; child(i) walks its i-th eighth. In order; some may be left
-///                                          out
+///   visitor.inner(levels, code, child)     any other cube; child(i) walks its i-th eighth. Children must be visited in
+///                                          order, and some may be skipped
 /// `code` is the Morton code of a cube's lowest voxel.
 template <typename Visitor>
 class OctreeWalk {
@@ -23,18 +23,18 @@ class OctreeWalk {
   using Result = decltype(std::declval<Visitor&>().unknown());
 
   OctreeWalk(const BrickStore& store, Visitor& visitor) : OctreeWalk(store, visitor, store.sorted_chunks()) {}
-  /// Walks these chunks alone, which must be in Morton order.
+  /// Walks only these chunks, which must be in Morton order.
   OctreeWalk(const BrickStore& store, Visitor& visitor, std::vector<BrickStore::ChunkRef> chunks)
       : store_(store), visitor_(visitor), chunks_(std::move(chunks)) {}
 
   Result run() { return walk_chunks(kTreeDepth, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
-  /// Whether the voxels of a cube are sure to be equal; not every such cube is found. levels: 1 or 2.
+  /// Whether the voxels of a cube are certain to be equal; not every such cube is detected. levels: 1 or 2.
   bool are_equal(const Brick& brick, int first, int levels) const {
     const std::uint32_t block = brick.block[first >> 6];
     if (block == kNone) return true;  // all at clamping_min
-    if (levels == 2) return false;    // found by its eighths
+    if (levels == 2) return false;    // detected by its eighths
     const float* const log_odds = store_.block(block) + (first & 63);
     bool equal = true;
     for (int i = 1; i < 8; ++i) equal &= log_odds[i] == log_odds[0];
@@ -44,7 +44,8 @@ class OctreeWalk {
   using Chunks = std::span<const BrickStore::ChunkRef>;
   using Leaves = std::span<const BrickStore::LargeLeaf>;
 
-  /// A cube of one chunk or more. `chunks`, `leaves`: those in it. `cover`: the large leaf that it lies in, or null.
+  /// A cube of one chunk or more. `chunks`, `leaves`: those inside it. `cover`: the large leaf that it lies in, or
+  /// null.
   Result walk_chunks(int levels, std::uint32_t code, Chunks chunks, Leaves leaves, const BrickStore::LargeLeaf* cover) {
     if (leaves.size() == 1 && leaves[0].levels == levels) {
       cover = &leaves[0];
@@ -60,7 +61,7 @@ class OctreeWalk {
     return visitor_.inner(levels, std::uint64_t{code} << 18, [&](unsigned child) {
       const std::uint32_t first = code + (child << (3 * (levels - 7)));
       const std::uint64_t end = std::uint64_t{first} + (std::uint64_t{1} << (3 * (levels - 7)));
-      // The visitor may have left out children before this one.
+      // The visitor may have skipped children before this one.
       while (!chunks.empty() && chunks[0].first < first) chunks = chunks.subspan(1);
       while (!leaves.empty() && leaves[0].code < first) leaves = leaves.subspan(1);
       std::size_t chunks_inside = 0, leaves_inside = 0;

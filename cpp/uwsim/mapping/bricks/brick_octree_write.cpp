@@ -18,7 +18,7 @@ class OctreeWriter {
   struct Node {
     bool exists = false;
     bool is_leaf = false;
-    bool is_inserted_leaf = false;  ///< a leaf even before values became the most likely ones
+    bool is_inserted_leaf = false;  ///< it was a leaf before values became the most likely ones
     float log_odds = 0;
     float written = 0;  ///< log_odds, or the most likely value
   };
@@ -26,7 +26,7 @@ class OctreeWriter {
 
   /// Writes all log-odds, as an .ot. buffer: null to count only.
   explicit OctreeWriter(OctreeBuffer* buffer) : buffer_(buffer) {}
-  /// Writes the most likely values, by which more leaves are equal. Those are pruned up to `pruned_levels` above the
+  /// Writes the most likely values, which make more leaves equal. These are pruned up to `pruned_levels` above the
   /// voxels.
   OctreeWriter(OctreeBuffer* buffer, MapFormat format, const OccupancyLogOdds& model, int pruned_levels)
       : buffer_(buffer),
@@ -77,8 +77,7 @@ class OctreeWriter {
   }
 
   std::uint64_t nodes = 0;
-  Counts
-      newly_equal{};  ///< by level: inner nodes whose children are equal only because they are the most likely values
+  Counts newly_equal{};  ///< by level: inner nodes whose children are equal only as most likely values
 
  private:
   float likely(float log_odds) const {
@@ -123,13 +122,13 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   return writer;
 }
 
-/// The shape, by a writer that has pruned all levels.
+/// The shape, found by a writer that has pruned all levels.
 LikelyShape shape_by(const OctreeWriter& all) {
   const auto newly_equal = [&](int levels) { return all.newly_equal[static_cast<std::size_t>(levels)]; };
   LikelyShape shape{0, all.nodes};
   while (shape.pruned_levels + 1 < kTreeDepth && newly_equal(shape.pruned_levels + 1) > 0) ++shape.pruned_levels;
   for (int levels = shape.pruned_levels + 1; levels < kTreeDepth; ++levels) {
-    shape.nodes += 8 * newly_equal(levels);  // `all` pruned these children, OctoMap does not
+    shape.nodes += 8 * newly_equal(levels);  // `all` pruned these children, but OctoMap does not
   }
   return shape;
 }
@@ -149,7 +148,7 @@ TreeBytes full_tree(const BrickStore& store) {
 std::uint64_t count_nodes(const BrickStore& store) { return write(store, OctreeWriter(nullptr)).nodes; }
 
 TreeBytes binary_tree(const BrickStore& store) {
-  OctreeBuffer guess;  // mostly OctoMap prunes all that can be pruned
+  OctreeBuffer guess;  // usually OctoMap prunes everything that can be pruned
   const OctreeWriter all = write(store, OctreeWriter(&guess, MapFormat::bt, store.model(), kTreeDepth));
   const LikelyShape shape = shape_by(all);
   if (shape.nodes == all.nodes) return {guess.release(), shape.nodes};

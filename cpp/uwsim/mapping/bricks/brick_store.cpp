@@ -26,7 +26,7 @@ const BrickStore::Chunk* BrickStore::find_chunk(std::uint32_t code) const {
   const auto found = chunks_.find(code);
   if (found != chunks_.end()) return found->second.get();
   if (!spill_ || !spill_->saved.contains(code)) return nullptr;
-  BrickStore& self = const_cast<BrickStore&>(*this);  // callers cannot see where a chunk is kept
+  BrickStore& self = const_cast<BrickStore&>(*this);  // callers cannot observe where a chunk is stored
   self.evict_excess();
   Chunk* const chunk = self.restore(code);
   chunk->last_use = ++spill_->clock;
@@ -110,7 +110,7 @@ void BrickStore::set_model(const OccupancyLogOdds& model) {
   const float old_min = model_.clamping_min;
   model_ = model;
   if (model.clamping_min == old_min) return;
-  // The first uniform value becomes the new clamping_min; the old one gets a slot of its own.
+  // The first uniform value becomes the new clamping_min; the old one gets a separate slot.
   uniform_indices_.erase(old_min);
   const std::uint32_t old_slot = uniform_slot(old_min);
   const auto known_value = uniform_indices_.find(model.clamping_min);
@@ -123,8 +123,8 @@ void BrickStore::set_model(const OccupancyLogOdds& model) {
   }
 }
 
-/// Adapts a chunk to a new clamping_min. old_slot: the new slot of uniform bricks at the old one; known_slot: the slot
-/// that uniform bricks at the new one had so far, or kNone.
+/// Adapts a chunk to a new clamping_min. old_slot: the new slot for uniform bricks at the old value; known_slot: the
+/// slot that uniform bricks at the new value had so far, or kNone.
 void BrickStore::move_clamping_min(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_min) {
   BrickAllocator allocator(*this);
   for (std::uint32_t& slot : chunk.bricks) {

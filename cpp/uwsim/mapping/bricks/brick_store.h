@@ -21,7 +21,7 @@ namespace uwsim::bricks {
 struct ChunkSpill;
 
 /// The voxels of a map: chunks of 8 x 8 x 8 bricks of 8 x 8 x 8 voxels, found in a hash table. A brick whose voxels are
-/// all known and equal, and a leaf of a file that is larger than a chunk, are kept as one value. README.md shows the
+/// all known and equal, and a file's leaf that is larger than a chunk, are stored as one value. README.md shows the
 /// levels.
 class BrickStore {
  public:
@@ -29,14 +29,14 @@ class BrickStore {
   /// equal), or the index of a brick.
   struct Chunk {
     std::array<std::uint32_t, 512> bricks;
-    std::uint64_t last_use = 0;  ///< ChunkSpill::clock then
-    bool is_saved = false;       ///< the spill file has the chunk as it is now
+    std::uint64_t last_use = 0;  ///< value of ChunkSpill::clock at its last use
+    bool is_saved = false;       ///< whether the spill file holds the chunk in its present state
   };
   static constexpr std::uint32_t kUniform = 0x80000000;
   static constexpr std::uint32_t kUniformAtMin = kUniform;  ///< the first value is always clamping_min
 
   /// A chunk's code, which is the Morton code of its first voxel without the lowest 18 bits, and the chunk; null if it
-  /// is in the spill file only.
+  /// is only in the spill file.
   using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
 
   /// A cube of 2^levels voxels that are all known and equal.
@@ -50,22 +50,22 @@ class BrickStore {
   ~BrickStore();
 
   const OccupancyLogOdds& model() const { return model_; }
-  /// For later scans: the voxels stay as they are.
+  /// Applies to later scans: existing voxels keep their values.
   void set_model(const OccupancyLogOdds& model);
 
   // Memory, defined in chunk_spill.cpp.
 
   /// Keeps the memory of the chunks near `bytes`: the least recently used go to a file in `folder` (empty: the
-  /// system's) and come back when they are used. Throws FileError.
+  /// system's) and come back when they are needed. Throws FileError.
   void limit_memory(std::size_t bytes, const std::string& folder);
   bool is_limited() const { return spill_ != nullptr; }
   /// Evicts chunks if there are too many: pointers from find_chunk() and writable_chunk() become invalid. Chunks stay
-  /// if the file cannot be written.
+  /// in memory if the file cannot be written.
   void evict_excess();
-  /// The same; throws FileError if the file cannot be written and there are too many chunks.
+  /// Like evict_excess(), but throws FileError if the file cannot be written and there are too many chunks.
   void evict_excess_or_throw();
   std::uint64_t evictions() const;
-  /// A chunk for reading, loaded from the spill file for the life of this object if it is not in memory.
+  /// A chunk for reading, loaded from the spill file for the lifetime of this object if it is not in memory.
   class LoadedChunk {
    public:
     LoadedChunk(const BrickStore& store, const ChunkRef& chunk);
@@ -80,24 +80,24 @@ class BrickStore {
     const Chunk* chunk_;
     const bool is_temporary_;
   };
-  /// The memory of the map, with its reserves.
+  /// The memory of the map, including its reserves.
   std::size_t memory_bytes() const;
 
   // Chunks.
 
   /// Null if the map has no such chunk. The pointer is valid until the next call.
   const Chunk* find_chunk(std::uint32_t code) const;
-  /// A chunk for writing; made if there is none, filled from the large leaf over it if there is one. For one thread at
-  /// a time.
+  /// A chunk for writing; created if there is none, filled from the large leaf over it if there is one. For one thread
+  /// at a time.
   Chunk& writable_chunk(std::uint32_t code);
   /// In Morton order.
   std::vector<ChunkRef> sorted_chunks() const;
   std::vector<ChunkRef> sorted_chunks(const KeyBox& box) const;
-  /// Chunks that may have changed since the last call; `all` at the first call, from which on changes are recorded.
+  /// Chunks that may have changed since the last call; `all` on the first call, after which changes are recorded.
   ChangedChunks take_changed();
   ChangedChunks& changed() { return changed_; }
 
-  /// In the order of their codes, none within another. Where there is a chunk inside a large leaf, the chunk counts.
+  /// Sorted by code, none inside another. Where there is a chunk inside a large leaf, the chunk counts.
   const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
   void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
   void set_large_leaves(std::vector<LargeLeaf> leaves) { large_leaves_ = std::move(leaves); }
@@ -132,9 +132,9 @@ class BrickStore {
   std::unordered_map<float, std::uint32_t> uniform_indices_;
   Arena bricks_, blocks_;
   std::vector<std::uint32_t> spare_bricks_, spare_blocks_;  ///< allocated but not used
-  std::mutex mutex_;                                        ///< of the arenas and the spares
+  std::mutex mutex_;                                        ///< guards the arenas and the spares
   ChangedChunks changed_{true, {}};
-  std::unique_ptr<ChunkSpill> spill_;  ///< null: no limit of memory
+  std::unique_ptr<ChunkSpill> spill_;  ///< null: no memory limit
 };
 
 /// Log-odds of a voxel of a brick, unless it is unknown; `index` in Morton order.

@@ -7,12 +7,12 @@
 #include "uwsim/mapping/bricks/brick_allocator.h"
 #include "uwsim/mapping/bricks/brick_store.h"
 
-/// The members of BrickStore that keep its memory within a limit: whole chunks are evicted to the spill file, the least
-/// recently used first, and restored when they are used.
+/// The members of BrickStore that limit its memory: whole chunks are evicted to the spill file, the least recently used
+/// first, and restored when they are needed.
 namespace uwsim::bricks {
 namespace {
 
-/// Memory that a chunk takes in the hash table, besides itself.
+/// Memory that a chunk takes in the hash table in addition to its own.
 constexpr std::size_t kHashBytes = 64;
 
 void put(std::vector<std::byte>& out, const void* from, std::size_t bytes) {
@@ -46,7 +46,8 @@ std::size_t BrickStore::used_bytes() const {
          chunks_.size() * (sizeof(Chunk) + kHashBytes);
 }
 
-/// The chunk's slots, then for each of its bricks: known, at_min, one byte that tells which blocks it has, and these.
+/// The chunk's slots, then for each of its bricks: known, at_min, one byte that marks which blocks it has, and these
+/// blocks.
 std::vector<std::byte> BrickStore::packed(const Chunk& chunk) const {
   std::vector<std::byte> out;
   put(out, chunk.bricks.data(), sizeof chunk.bricks);
@@ -97,7 +98,7 @@ BrickStore::Chunk* BrickStore::restore(std::uint32_t code) {
   return (chunks_[code] = std::move(chunk)).get();
 }
 
-/// Frees a chunk that the file has.
+/// Frees a chunk that is saved in the file.
 void BrickStore::drop(std::uint32_t code) {
   const auto found = chunks_.find(code);
   for (const std::uint32_t slot : found->second->bricks) {
@@ -129,7 +130,7 @@ void BrickStore::evict_excess() {
   oldest.reserve(chunks_.size());
   for (const auto& [code, chunk] : chunks_) oldest.emplace_back(chunk->last_use, code);
   std::sort(oldest.begin(), oldest.end());
-  const std::size_t enough = spill_->limit_bytes - spill_->limit_bytes / 4;  // so that not every call must evict
+  const std::size_t enough = spill_->limit_bytes - spill_->limit_bytes / 4;  // so that not every call has to evict
   try {
     for (const auto& [last_use, code] : oldest) {
       if (used_bytes() <= enough) break;
@@ -149,7 +150,7 @@ void BrickStore::evict_excess_or_throw() {
 }
 
 BrickStore::LoadedChunk::LoadedChunk(const BrickStore& store, const ChunkRef& chunk)
-    // A chunk that is loaded and dropped again leaves the store as it was.
+    // A chunk that is loaded and dropped again leaves the store unchanged.
     : store_(const_cast<BrickStore&>(store)), code_(chunk.first), chunk_(chunk.second), is_temporary_(!chunk_) {
   if (is_temporary_) chunk_ = store_.restore(code_);
 }

@@ -9,14 +9,14 @@
 
 namespace uwsim::bricks {
 
-/// Adds log-odds to cubes of voxels by the rule of log_odds.h: this is how maps are merged. Nothing else may change the
-/// store in the meantime.
+/// Adds log-odds to cubes of voxels by the rule of log_odds.h, which is how maps are merged. Nothing else may change
+/// the store in the meantime.
 class CubeAdder {
  public:
   /// Throws FileError if there are too many chunks in memory and they cannot be evicted.
   explicit CubeAdder(BrickStore& store);
 
-  /// `code`: the Morton code of the lowest voxel of a cube of 2^levels voxels, on its own lattice.
+  /// `code`: the Morton code of the lowest voxel of a cube of 2^levels voxels, aligned to its size.
   void add(std::uint64_t code, int levels, float log_odds);
 
  private:
@@ -30,7 +30,7 @@ class CubeAdder {
 
   BrickStore& store_;
   BrickAllocator allocator_;
-  std::uint32_t code_ = kNone;  ///< of chunk_, which was used last
+  std::uint32_t code_ = kNone;  ///< of chunk_, the last one used
   BrickStore::Chunk* chunk_ = nullptr;
   std::vector<std::uint32_t> all_chunks_;  ///< codes of all chunks in order, while a large cube is added
 };

@@ -6,20 +6,20 @@ namespace uwsim {
 
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-/// Zeroed memory straight from the operating system. A page takes memory only when it is first written to.
+/// Zeroed memory straight from the operating system. A page takes up memory only once it is written to.
 class MappedMemory {
  public:
   MappedMemory() = default;
-  /// Memory of a huge page or more is aligned so that the first huge page begins `before_huge` bytes after its start.
-  /// Throws std::bad_alloc.
+  /// Memory of at least one huge page is aligned so that the first huge page begins `before_huge` bytes after its
+  /// start. Throws std::bad_alloc.
   explicit MappedMemory(std::size_t bytes, std::size_t before_huge = 0);
   ~MappedMemory();
   MappedMemory(MappedMemory&& other) noexcept;
   MappedMemory& operator=(MappedMemory&& other) noexcept;
 
-  /// Asks the system for huge pages where they fit.
+  /// Asks the system for huge pages where possible.
   void request_huge_pages();
-  /// Takes memory for the pages of a range now, so that writing to them causes no page faults. A hint: failures are
+  /// Commits the pages of a range now, so that writing to them causes no page faults. This is a hint: failures are
   /// ignored.
   void prefault(std::size_t first_byte, std::size_t bytes);
 

@@ -10,7 +10,7 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr std::size_t kKeptBitmaps = 4;
-/// Larger tables are not kept. This is address space, of which rays touch a small part.
+/// Larger tables are not kept. The limit is address space, of which rays touch only a small part.
 constexpr std::size_t kKeptBytes = std::size_t{32} << 20;
 
 struct KeptBitmaps {

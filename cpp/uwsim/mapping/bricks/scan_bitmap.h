@@ -7,9 +7,9 @@
 
 namespace uwsim::bricks {
 
-/// One scan's marks: a bit for each voxel of the box around the scan, by its address (address_layout.h). All zero
-/// between scans. Rays touch few pages of it. When a bitmap is destroyed its memory is kept for the next ones, a few of
-/// them, because those pages are present already.
+/// One scan's marks: a bit for each voxel of the box around the scan, by its address (address_layout.h). All bits are
+/// zero between scans. Rays touch few of its pages. When a bitmap is destroyed, its memory is kept for later ones, up
+/// to a few bitmaps, because those pages are already present.
 class ScanBitmap {
  public:
   ScanBitmap() = default;
@@ -17,14 +17,15 @@ class ScanBitmap {
   ScanBitmap(ScanBitmap&& other) noexcept;
   ScanBitmap& operator=(ScanBitmap&& other) noexcept;
 
-  /// Makes it large enough for addresses of so many bits. Until end() is called the bitmap counts as not zero.
+  /// Makes it large enough for addresses of this many bits. Until end() is called, the bitmap counts as not zero.
   void begin(int address_bits);
-  /// The caller has zeroed the bitmap.
+  /// To be called when the bitmap has been zeroed.
   void end() { is_in_use_ = false; }
 
-  std::uint64_t* missed() const { return missed_.as<std::uint64_t>(); }  ///< voxels that rays passed, one bit each
+  /// voxels that rays passed through, one bit each
+  std::uint64_t* missed() const { return missed_.as<std::uint64_t>(); }
   std::uint64_t* hit() const { return hit_.as<std::uint64_t>(); }        ///< voxels that hold points, one bit each
-  std::uint8_t* touched() const { return touched_.as<std::uint8_t>(); }  ///< one byte a brick: 1 missed, 2 hit
+  std::uint8_t* touched() const { return touched_.as<std::uint8_t>(); }  ///< one byte per brick: 1 missed, 2 hit
 
  private:
   explicit ScanBitmap(int address_bits);

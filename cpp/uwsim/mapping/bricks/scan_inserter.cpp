@@ -7,10 +7,11 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Masks of a batch for each thread: a core's own cache can hold twice as much, with the bricks that they change.
+/// Mask bytes of a batch per thread: a core's own cache holds twice as much, leaving room for the bricks that they
+/// change.
 constexpr std::size_t kMaskBytesTogether = 768 << 10;
 constexpr std::size_t kMostTogether = 64;
-/// Scans a thread: with fewer, each batch would fetch the same bricks from memory again.
+/// Scans per thread: with fewer, each batch would fetch the same bricks from memory again.
 constexpr std::size_t kFewestTogether = 6;
 
 }  // namespace
@@ -23,8 +24,8 @@ struct ScanInserter::Scratch {
 
 ScanInserter::ScanInserter(BrickStore& store, const Kernels& kernels) : store_(store), kernels_(kernels) {}
 
-/// In one phase the threads trace a batch and update the chunks of the batch before. The updates come last, because
-/// they are many and small: so no thread waits for long.
+/// In each phase the threads trace one batch and update the chunks of the previous one. The updates come last, because
+/// they are many and small, so that no thread waits for long.
 void ScanInserter::insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads) {
   const std::size_t team_size = std::min(count, static_cast<std::size_t>(threads));
   if (team_size == 0) return;

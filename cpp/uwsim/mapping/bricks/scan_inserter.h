@@ -12,8 +12,8 @@
 namespace uwsim::bricks {
 
 /// Inserts scans into a store. Scans are traced in parallel, in batches. The traces of a batch are then grouped by
-/// chunk, and chunks are updated in parallel, each with its scans in their order. So the result depends neither on the
-/// number of threads nor on the batches.
+/// chunk, and chunks are updated in parallel, each with its scans in order. So the result depends on neither the number
+/// of threads nor the batches.
 class ScanInserter {
  public:
   ScanInserter(BrickStore& store, const Kernels& kernels);
@@ -22,16 +22,16 @@ class ScanInserter {
   void insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads);
 
  private:
-  /// Scans that are traced together. Their traces are traces_[traces] and following; those of the batch before are in
-  /// the other half of traces_.
+  /// Scans that are traced together. Their traces are in traces_, from index `traces` on; those of the previous batch
+  /// are in the other half of traces_.
   struct Batch {
     std::size_t first = 0, count = 0;
     std::size_t traces = 0;
   };
   /// The effect of one scan on one chunk.
   struct Part {
-    std::uint64_t order;  ///< the chunk's code, then the index of the trace: parts take effect in this order
-    std::size_t chunk;    ///< its index in the trace
+    std::uint64_t order;  ///< the chunk's code, then the index of the trace: parts are applied in this order
+    std::size_t chunk;    ///< index of the chunk in the trace
 
     std::uint32_t code() const { return static_cast<std::uint32_t>(order >> 32); }
     std::uint32_t trace() const { return static_cast<std::uint32_t>(order); }
@@ -39,7 +39,7 @@ class ScanInserter {
   /// All parts of one chunk.
   struct Group {
     BrickStore::Chunk* chunk;
-    std::size_t first, end;  ///< in parts_
+    std::size_t first, end;  ///< indices into parts_
   };
   struct Scratch;
 
@@ -50,12 +50,12 @@ class ScanInserter {
 
   BrickStore& store_;
   const Kernels& kernels_;
-  std::vector<ScanTracer> tracers_;  ///< one a thread
+  std::vector<ScanTracer> tracers_;  ///< one per thread
   std::vector<ScanTrace> traces_;
   Batch batch_;
   std::vector<Part> parts_;
   std::vector<Group> groups_;
-  std::size_t mask_bytes_a_scan_ = 0;  ///< of the last batch, from which the next one's size follows
+  std::size_t mask_bytes_a_scan_ = 0;  ///< of the last batch; determines the size of the next one
 };
 
 }  // namespace uwsim::bricks

@@ -11,7 +11,7 @@
 namespace uwsim::bricks {
 namespace {
 
-constexpr std::size_t kLanes = 32;  // the most rays that a kernel walks at a time
+constexpr std::size_t kLanes = 32;  // largest number of rays that a kernel walks at a time
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void ScanTrace::clear() {
 
 void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
   trace.clear();
-  wide_.clear();  // may be left over when a scan ran out of memory
+  wide_.clear();  // may be left over from a scan that ran out of memory
   if (scan.count == 0) return;
   reserve(scan.count);
   kernels_.start_rays(scan, rays_);
@@ -46,7 +46,7 @@ void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
 
 void ScanTracer::reserve(std::size_t rays) {
   if (rays <= capacity_) return;
-  capacity_ = 0;  // until all vectors have grown: an allocation may throw
+  capacity_ = 0;  // until all vectors have grown, since an allocation may throw
   columns_.resize(7 * rays);
   keys_.resize(3 * rays);
   bytes_.resize(2 * rays);
@@ -80,8 +80,8 @@ void ScanTracer::reserve_slabs(std::size_t rays) {
   }
 }
 
-/// Finds the rays that are walked by slabs, and sorts them by heading and then, in 16 classes, by their numbers of
-/// slabs. Neighbouring rays, many of which mark the same voxels, stay together.
+/// Finds the rays that are walked by slabs, and sorts them by heading and then, in 16 classes, by number of slabs.
+/// Neighbouring rays, many of which mark the same voxels, stay together.
 void ScanTracer::set_up_slabs(std::size_t count, const Key& origin) {
   constexpr std::size_t kClasses = 16, kBuckets = 4 * kClasses;
   slabs_ = {&rays_, count, {origin[0], origin[1], origin[2]}, &slab_rays_, slab_order_.data(), {}};
@@ -96,7 +96,7 @@ void ScanTracer::set_up_slabs(std::size_t count, const Key& origin) {
     if (heading_[i] == 0) continue;
     ++starts[bucket(i) + 1];
     ++slabs_.first[heading_[i]];
-    steps_[i] = 0;  // keeps the ray out of the other walk
+    steps_[i] = 0;  // excludes the ray from the other walk
   }
   for (std::size_t heading = 0; heading < 4; ++heading) slabs_.first[heading + 1] += slabs_.first[heading];
   for (std::size_t i = 0; i < kBuckets; ++i) starts[i + 1] += starts[i];
@@ -117,7 +117,7 @@ void ScanTracer::find_addresses(std::size_t count, const AddressLayout& layout) 
   }
 }
 
-/// Sorts the rays to walk by their number of steps, so that rays that are walked side by side end together.
+/// Sorts the rays to walk by number of steps, so that rays that are walked side by side end together.
 void ScanTracer::sort_walks(std::size_t count) {
   constexpr std::size_t kBuckets = 1024;
   std::array<std::uint32_t, kBuckets + 1> starts{};

@@ -14,7 +14,8 @@ namespace uwsim::bricks {
 /// The voxels that one scan misses and hits, sorted by chunks and bricks.
 struct ScanTrace {
   struct Chunk {
-    std::uint32_t code;  ///< Morton code of the chunk's key, which is a voxel's without its six lowest bits an axis
+    /// Morton code of the chunk's key, which is a voxel's key without the six lowest bits of each axis
+    std::uint32_t code;
     std::uint32_t first_entry;
     std::uint32_t entries;
     std::size_t first_mask;
@@ -26,14 +27,14 @@ struct ScanTrace {
   void clear();
 };
 
-/// Follows the rays of a scan: every voxel that a ray passes is missed, every voxel that holds a point is hit, and none
-/// is both. Voxels are marked in a bitmap of the box around the scan; in a hash table if the box is too large for that.
-/// Each thread needs a tracer of its own.
+/// Follows the rays of a scan: every voxel that a ray passes through is missed, every voxel that holds a point is hit,
+/// and none is both. Voxels are marked in a bitmap of the box around the scan, or in a hash table if the box is too
+/// large for that. Each thread needs its own tracer.
 class ScanTracer {
  public:
   explicit ScanTracer(const Kernels& kernels) : kernels_(kernels) {}
 
-  /// Overwrites `trace`. Points and origin must lie within OctoMap's cube, less its outermost voxels.
+  /// Overwrites `trace`. Points and origin must lie within OctoMap's cube, excluding its outermost voxels.
   void trace(const ScanInput& scan, ScanTrace& trace);
 
  private:
@@ -50,7 +51,7 @@ class ScanTracer {
   void collect_wide(ScanTrace& trace);
 
   const Kernels& kernels_;
-  std::size_t capacity_ = 0;  ///< rays that there is space for
+  std::size_t capacity_ = 0;  ///< number of rays that there is room for
   std::vector<double> columns_;
   std::vector<std::uint16_t> keys_;
   std::vector<std::uint8_t> bytes_;

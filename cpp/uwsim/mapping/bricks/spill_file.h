@@ -9,10 +9,10 @@
 
 namespace uwsim::bricks {
 
-/// A file without a name, for what leaves memory. It is gone with the process, however that ends.
+/// A nameless file for data that is evicted from memory. It vanishes with the process, however that ends.
 class SpillFile {
  public:
-  /// `folder`: where the file is made; empty for the system's folder for temporary files. Throws FileError.
+  /// `folder`: where the file is created; empty for the system's folder for temporary files. Throws FileError.
   explicit SpillFile(const std::string& folder);
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;
@@ -25,10 +25,10 @@ class SpillFile {
     std::uint32_t reserved;  ///< a power of two, at least `bytes`
   };
 
-  /// Throws FileError if the disk is full; what was written before is then still there.
+  /// Throws FileError if the disk is full; whatever was written before is still there.
   Extent write(std::span<const std::byte> bytes);
   void read(const Extent& extent, std::span<std::byte> bytes) const;
-  /// Lets later writes use the place again.
+  /// Makes the place available for later writes.
   void release(const Extent& extent);
 
  private:

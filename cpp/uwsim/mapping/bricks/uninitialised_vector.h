@@ -16,18 +16,18 @@ class UninitialisedVector {
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
 
-  /// Makes space for `more` elements after the last one, and returns where they go.
+  /// Makes room for `more` elements after the last one, and returns where they go.
   T* reserve(std::size_t more) {
     if (size_ + more > capacity_) {
       const std::size_t capacity = std::max(size_ + more, capacity_ + capacity_ / 2);
       auto larger = std::make_unique_for_overwrite<T[]>(capacity);
       std::copy_n(data_.get(), size_, larger.get());
       data_ = std::move(larger);
-      capacity_ = capacity;  // not before: the allocation may throw
+      capacity_ = capacity;  // set last, since the allocation may throw
     }
     return data_.get() + size_;
   }
-  /// Counts the first `by` reserved elements as elements of the vector.
+  /// Adds the first `by` reserved elements to the vector.
   void extend(std::size_t by) { size_ += by; }
 
  private:

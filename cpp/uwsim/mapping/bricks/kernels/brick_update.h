@@ -2,13 +2,13 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// Entries and masks to log-odds: the update rule of log_odds.h for the voxels of bricks. Compiled into each
+/// From entries and masks to log-odds: the update rule of log_odds.h for the voxels of bricks. Compiled into each
 /// scan_kernels_*.cpp with internal linkage; only they include this file.
 namespace uwsim::bricks {
 namespace {
 
-/// The block of a word that is about to change; made if the word has none.
-/// Ops::fill(block, bits, value): sets `value` where there are bits, else 0.
+/// The block of a word that is about to change; created if the word has none. Ops::fill(block, bits, value): sets
+/// `value` where there are bits, else 0.
 template <typename Ops>
 inline float* block_of(Brick& brick, int word, const UpdateInput& in) {
   if (brick.block[word] == kNone) {
@@ -34,7 +34,7 @@ inline void add_hits(Brick& brick, int word, std::uint64_t hits, const UpdateInp
 }
 
 /// Ops::add_misses(block, todo, model): clamped_sum() with the miss for the voxels of `todo`; returns one bit for each
-/// of them that is at or below clamping_min now.
+/// of them that is now at or below clamping_min.
 /// Ops::all_equal(block, bits, value): whether all voxels of `bits` have this value.
 template <typename Ops>
 inline void update_bricks(const UpdateInput& in) {

@@ -6,8 +6,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Marks that wait to be written to the table: half words (4 x 4 x 2 voxels) by index, each with its bits. The caller
-/// keeps their number, so that it stays in a register.
+/// Marks waiting to be written to the table: half words (4 x 4 x 2 voxels) by index, each with its bits. The caller
+/// keeps their count, so that it stays in a register.
 class MarkBuffer {
  public:
   using HalfWord __attribute__((may_alias)) = std::uint32_t;
@@ -16,15 +16,15 @@ class MarkBuffer {
   explicit MarkBuffer(const WalkInput& walk)
       : table_(reinterpret_cast<HalfWord*>(walk.table)), touched_(walk.touched) {}
 
-  /// Appends those of sixteen marks after the first `count`; returns the new number of marks.
+  /// Appends the selected ones of sixteen marks after the first `count`; returns the new number of marks.
   std::size_t append(std::size_t count, __mmask16 which, __m512i half, __m512i mask) {
     _mm512_storeu_si512(halves_ + count, _mm512_maskz_compress_epi32(which, half));
     _mm512_storeu_si512(masks_ + count, _mm512_maskz_compress_epi32(which, mask));
     return count + static_cast<std::size_t>(__builtin_popcount(which));
   }
 
-  /// Writes the first `count` marks. Successive marks often fall in one word, and each would have to wait for the one
-  /// before it; so the buffer is written from eight places in turn.
+  /// Writes the first `count` marks. Successive marks often fall into one word, and each would have to wait for the
+  /// previous one; so the buffer is written from eight places in turn.
   void write(std::size_t count) {
     constexpr std::size_t kPlaces = 8;
     const std::size_t stride = count / kPlaces;

@@ -8,7 +8,7 @@
 namespace uwsim::bricks {
 namespace {
 
-constexpr double kNeverCrosses = 1.7976931348623157e308;  ///< the greatest double, which OctoMap uses, too
+constexpr double kNeverCrosses = 1.7976931348623157e308;  ///< the largest double, as in OctoMap
 constexpr float kGreatestFloat = 3.402823466e+38f;
 
 struct RayEnd {
@@ -17,7 +17,7 @@ struct RayEnd {
   float length_m;
 };
 
-/// The ray from `origin_m` to a point, or to max_range_m on the line to a point beyond.
+/// The ray from `origin_m` to a point, or to max_range_m along the line to a more distant point.
 inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], double max_range_m, RayEnd& ray) {
   const float dx = point_m[0] - origin_m[0], dy = point_m[1] - origin_m[1], dz = point_m[2] - origin_m[2];
   const float square = dx * dx + dy * dy + dz * dz;
@@ -46,7 +46,7 @@ inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], doubl
   for (int axis = 0; axis < 3; ++axis) {
     origin_key[axis] = static_cast<int>(__builtin_floor(factor * static_cast<double>(scan.origin_m[axis]))) + 32768;
   }
-  const float half = static_cast<float>(resolution * 0.5);  // OctoMap rounds it, too
+  const float half = static_cast<float>(resolution * 0.5);  // rounded as in OctoMap
   for (std::size_t i = 0; i < scan.count; ++i) {
     float point_m[3];
     bool finite = true;

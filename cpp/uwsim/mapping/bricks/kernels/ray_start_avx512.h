@@ -117,7 +117,7 @@ class EightStarts {
   std::size_t first_ = 0;
   __mmask8 lanes_ = 0;
   int origin_key_[3];
-  double border_down_[3], border_up_[3];  ///< faces of the origin's voxel, from the origin [m]
+  double border_down_[3], border_up_[3];  ///< faces of the origin's voxel, relative to the origin [m]
 };
 
 inline void start_eight_at_a_time(const ScanInput& scan, const Rays& rays) {

@@ -28,7 +28,7 @@ struct EightCrossings {
     __mmask8 x, y;
   };
 
-  /// Crosses the face that comes first; returns which rays did so along x and along y.
+  /// Crosses the nearest face; returns which rays did so along x and along y.
   Axes step() {
     const __mmask8 not_z = _mm512_cmp_pd_mask(_mm512_min_pd(tx, ty), tz, _CMP_LT_OQ);
     const __mmask8 along_x = _mm512_mask_cmp_pd_mask(not_z, tx, ty, _CMP_LT_OQ);
@@ -43,7 +43,7 @@ struct EightCrossings {
   __mmask8 past() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
 };
 
-/// Sixteen rays. Each gathers the bits of the half word that it is in, and appends them to the buffer when it leaves.
+/// Sixteen rays. Each collects the bits of the half word that it is in, and appends them to the buffer on leaving it.
 struct SixteenRays {
   EightCrossings low, high;
   __m512i mirror, end, address;
@@ -99,7 +99,7 @@ struct SixteenRays {
     return count;
   }
 
-  /// Stops the rays that have come to their end; returns whether any is still walking.
+  /// Stops the rays that have reached their end; returns whether any is still walking.
   bool stop_ended() {
     const __mmask16 past = _mm512_kunpackb(high.past(), low.past());
     walking &= static_cast<__mmask16>(~(past | _mm512_cmpeq_epi32_mask(address, end)));
@@ -125,7 +125,7 @@ std::size_t walk_to_the_end(SixteenRays rays, __m512i axis_x, __m512i axis_y, __
   return rays.append(buffer, count, 0xffff);
 }
 
-/// Two times sixteen rays: while one half waits for the result of a comparison, the other goes on.
+/// Two times sixteen rays: while one half waits for the result of a comparison, the other proceeds.
 void walk_thirty_two(const WalkInput& in, const std::uint32_t* rays, MarkBuffer& buffer) {
   const __m512i axis_x = all_lanes(static_cast<std::uint32_t>(in.axis_mask[0])),
                 axis_y = all_lanes(static_cast<std::uint32_t>(in.axis_mask[1])),
@@ -140,7 +140,7 @@ void walk_thirty_two(const WalkInput& in, const std::uint32_t* rays, MarkBuffer&
   }
   std::size_t count = 0;
   for (--steps; steps > 0;) {
-    const std::uint32_t some = steps < 64 ? steps : 64;  // their marks fill half the buffer at most
+    const std::uint32_t some = steps < 64 ? steps : 64;  // their marks fill at most half the buffer
     steps -= some;
     for (std::uint32_t k = 0; k < some; ++k) {
       a.step(axis_x, axis_y, axis_z);

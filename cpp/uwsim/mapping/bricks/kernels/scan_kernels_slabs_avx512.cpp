@@ -50,8 +50,8 @@ class SixteenSlabRays {
     before_ = _mm512_load_si512(before);
   }
 
-  /// Marks the voxels of the rays. False if the course of one of them is not certain: then the marks that were written
-  /// are right, but not all were.
+  /// Marks the voxels of the rays. Returns false if the course of one of them is uncertain; the marks written so far
+  /// are then correct but incomplete.
   bool walk(TileMarks& marks, MarkBuffer& buffer) {
     marks.clear();
     const int longest = _mm512_reduce_max_epi32(slabs_);
@@ -74,7 +74,7 @@ class SixteenSlabRays {
   }
 
  private:
-  /// Goes on to the next slab; returns which rays cross a face across b in it.
+  /// Proceeds to the next slab; returns which rays cross a face across b in it.
   __mmask16 next_slab() {
     fraction_ = _mm512_add_epi32(fraction_, slope_);
     least_fraction_ = _mm512_min_epu32(least_fraction_, fraction_);
@@ -88,8 +88,8 @@ class SixteenSlabRays {
     bit_ = heading_.down ? _mm512_ror_epi32(next, 1) : _mm512_rol_epi32(next, 1);
   }
 
-  /// Four slabs, from slab `first` on, are marked in `mask`: gives their marks to the tiles at the right level of z and
-  /// moves on to the next tile.
+  /// Called when four slabs, from slab `first` on, are marked in `mask`: adds their marks to the tiles at the right
+  /// level of z and proceeds to the next tile.
   void finish_tile(int first, __m512i mask, TileMarks& marks) {
     bit_ = heading_.down ? _mm512_rol_epi32(bit_, 4) : _mm512_ror_epi32(bit_, 4);
     const __m512i start = _mm512_set1_epi32(first);
@@ -117,12 +117,12 @@ class SixteenSlabRays {
     bit_ = _mm512_mask_rol_epi32(bit_, in_next_b, bit_, 16);
   }
 
-  /// The address of a tile without its mirroring.
+  /// The unmirrored address of a tile.
   __m512i real(__m512i tile) const { return _mm512_ternarylogic_epi32(tile, mirror_, tile_bits_, 0x28); }
 
-  /// Splits the marks of rays that cross a face across z in slab `at` of the tile into those before the crossing and
-  /// those after it. The voxel where the ray crosses is in both. Its slab may hold one more voxel, before or after it
-  /// along b.
+  /// Splits the marks of rays that cross a face across z in slab `at` of the tile into those before and those after the
+  /// crossing. The voxel where the ray crosses is in both. Its slab may hold one more voxel, before or after it along
+  /// b.
   void split(__m512i mask, __m512i at, __mmask16 climbs, __m512i& before, __m512i& after) const {
     const __m512i until = _mm512_permutexvar_epi32(at, before_);
     const __m512i through = _mm512_permutexvar_epi32(_mm512_add_epi32(at, all_lanes(1)), before_);
@@ -136,7 +136,7 @@ class SixteenSlabRays {
     after = _mm512_mask_or_epi32(after, static_cast<__mmask16>(climbs & ~early), after, other);
   }
 
-  /// Goes on to the next face across z.
+  /// Proceeds to the next face across z.
   void cross_minor(__mmask16 climbs) {
     least_middle_ = _mm512_mask_min_epu32(least_middle_, climbs, least_middle_, _mm512_slli_epi32(minor_middle_, 1));
     minor_middle_ = _mm512_mask_add_epi32(minor_middle_, climbs, minor_middle_, minor_middles_);
@@ -147,7 +147,7 @@ class SixteenSlabRays {
     minor_slab_ = _mm512_mask_add_epi32(minor_slab_, carry, minor_slab_, all_lanes(1));
   }
 
-  /// Whether no crossing so far was within the tolerance of another.
+  /// Whether no two crossings so far were within the tolerance of each other.
   bool is_certain() const {
     const __m512i twice = _mm512_slli_epi32(tolerance_of(slabs_), 1);
     const __mmask16 doubts = _mm512_cmplt_epu32_mask(least_fraction_, twice) |
@@ -178,14 +178,14 @@ class SixteenSlabRays {
 
   const SlabHeading& heading_;
   const __mmask16 lanes_;
-  __mmask16 down_b_;          ///< rays that run down b
+  __mmask16 down_b_;          ///< rays that run in the negative direction of b
   __m512i mirror_, end_;      ///< as in WalkInput
-  __m512i tile_, tile_bits_;  ///< the tile that the ray is in, mirrored; the bits of an address that are a tile's
-  __m512i bit_, step_b_;      ///< the voxel that the ray is in; how far its bit is rotated to cross a face across b
+  __m512i tile_, tile_bits_;  ///< the tile that the ray is in, mirrored; the bits of an address that select a tile
+  __m512i bit_, step_b_;      ///< the voxel that the ray is in; how far its bit is rotated on crossing a face across b
   __m512i before_;            ///< [n]: bits of the first n slabs of a tile
-  __m512i slabs_, flags_, slope_, fraction_;  ///< as in SlabRays, and the next ones
+  __m512i slabs_, flags_, slope_, fraction_;  ///< as in SlabRays, followed by the next ones
   __m512i minor_slab_, minor_fraction_, minor_slabs_, minor_slabs_fraction_, minor_middle_, minor_middles_;
-  __m512i least_fraction_ = _mm512_set1_epi32(-1), least_middle_ = _mm512_set1_epi32(-1);  ///< so far
+  __m512i least_fraction_ = _mm512_set1_epi32(-1), least_middle_ = _mm512_set1_epi32(-1);  ///< smallest so far
 };
 
 void walk_slabs(const SlabInput& in, const WalkInput& walk) {

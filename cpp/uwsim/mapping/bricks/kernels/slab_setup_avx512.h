@@ -2,25 +2,25 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// A faster walk for most rays of a survey: those that run along x or y more than along anything else, and along z
-/// little. Main axis a: the one of x and y that the ray runs along most; middle axis b: the other; minor axis: z. A
-/// slab is the part of a ray between two faces across a. In a slab such a ray crosses at most one face across b, and in
-/// four slabs at most one across z.
+/// A faster walk for most rays of a survey: those that run mostly along x or y, and little along z. Main axis a: x or
+/// y, whichever the ray runs along more; middle axis b: the other; minor axis: z. A slab is the part of a ray between
+/// two faces across a. In one slab such a ray crosses at most one face across b, and in four slabs at most one across
+/// z.
 ///
-/// The crossings are computed in fixed point, 2^32 units to a voxel and to a slab. OctoMap adds up t + k d in doubles,
-/// whose error of less than k 2^-53 t is negligible here. The fixed-point numbers are off by at most one unit a step.
-/// So two crossings that are more than tolerance_of(slabs) units apart come in the order in which OctoMap has them.
-/// Rays with two that are closer are walked as OctoMap walks (ray_walk.h).
+/// The crossings are computed in fixed point, with 2^32 units to a voxel and to a slab. OctoMap adds up t + k d in
+/// doubles, whose error of less than k 2^-53 t is negligible here. The fixed-point numbers are off by at most one unit
+/// per step. So two crossings that are more than tolerance_of(slabs) units apart come in the same order as in OctoMap.
+/// Rays with two crossings closer than that are walked as OctoMap walks (ray_walk.h).
 ///
-/// This file finds the rays and their numbers; scan_kernels_slabs_avx512.cpp walks them. Only the files named
-/// scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// This file selects the rays and computes their parameters; scan_kernels_slabs_avx512.cpp walks them. Only the files
+/// named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
 constexpr double kUnits = 4294967296.0;
-constexpr double kNever = 1e300;  // more than any length: the stride along an axis that the ray does not move along
+constexpr double kNever = 1e300;  // longer than any ray: the stride along an axis that the ray does not move along
 constexpr double kMostSlabs = 16384, kFewestSlabs = 8;
-/// Faces across z to a slab: in four slabs at most one is crossed.
+/// Faces across z per slab: in four slabs at most one is crossed.
 constexpr double kSteepest = 0.2499;
 constexpr std::uint32_t kNoSlab = 0x40000000;
 
@@ -31,7 +31,7 @@ enum SlabFlag : std::uint32_t {
   kMiddleBeforeMinor = 8,  ///< the last face across b is crossed before the last one across z
 };
 
-/// In units; for numbers that up to `slabs` steps have been added to.
+/// In units; for numbers to which up to `slabs` steps have been added.
 __m512d tolerance_of(__m512d slabs) { return _mm512_add_pd(_mm512_add_pd(slabs, slabs), _mm512_set1_pd(64)); }
 __m512i tolerance_of(__m512i slabs) { return _mm512_add_epi32(_mm512_slli_epi32(slabs, 1), _mm512_set1_epi32(64)); }
 
@@ -90,7 +90,7 @@ class EightSlabSetups {
   }
 
   /// The fraction of `x` [voxels, slabs] in units. A ray of `asked` whose fraction is within the tolerance of a whole
-  /// number is not suited.
+  /// number is unsuitable.
   __m512d certain_fraction(__m512d x, __mmask8 asked) {
     const __m512d fraction = units(_mm512_sub_pd(x, floor(x)));
     const __m512d most = _mm512_sub_pd(_mm512_set1_pd(kUnits), _mm512_add_pd(tolerance_, tolerance_));
@@ -100,8 +100,8 @@ class EightSlabSetups {
     return fraction;
   }
 
-  /// A suited ray comes to the end's voxel and ends there: its last crossings are at most its length, its next ones
-  /// beyond them, and the order of the last ones along the three axes is certain.
+  /// A suitable ray reaches the end's voxel and ends there: its last crossings are at most at its length, its next ones
+  /// beyond it, and the order of the last ones along the three axes is certain.
   void check_end() {
     const __m512d one = _mm512_set1_pd(1), none = _mm512_set1_pd(-kNever);
     const auto last = [&](__m512d t, __m512d d, __m512d n) {

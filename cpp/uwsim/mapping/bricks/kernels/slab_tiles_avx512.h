@@ -7,15 +7,15 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Rays of one main axis a and direction along it. A tile is 4 x 4 voxels of one level in z, on its own lattice.
+/// Rays of one main axis a and direction along it. A tile is 4 x 4 voxels of one level in z, aligned to its size.
 struct SlabHeading {
-  std::uint32_t mask_a, mask_b, mask_z;  ///< bits of an address that are the coordinate along the axis
+  std::uint32_t mask_a, mask_b, mask_z;  ///< bits of an address that hold the coordinate along the axis
   std::uint32_t tile_a, tile_b;          ///< the same without the two lowest bits of the coordinate
-  std::uint32_t origin;                  ///< address
+  std::uint32_t origin;                  ///< address of the origin
   int a, b;                              ///< 0 for x, 1 for y
-  bool down;                             ///< the rays run down the main axis
-  int passed_slabs;                      ///< slabs of the origin's tile that lie before the origin
-  int at_a, at_b;                        ///< the origin within its tile
+  bool down;                             ///< the rays run in the negative direction of the main axis
+  int passed_slabs;                      ///< slabs of the origin's tile that come before the origin
+  int at_a, at_b;                        ///< position of the origin within its tile
 
   SlabHeading(const WalkInput& in, unsigned heading) {
     a = heading > 2 ? 1 : 0;
@@ -35,7 +35,7 @@ struct SlabHeading {
 };
 
 /// Marked tiles that wait until their rays are known to be certain: the address of a tile, and bits b2 b1 b0 a1 a0 for
-/// the voxels of this tile and of the next one up b.
+/// the voxels of this tile and of the next one along b.
 class TileMarks {
  public:
   static constexpr std::size_t kCapacity = 1024;
