@@ -83,7 +83,7 @@ void BroadPhase::set_grid(const World& world) {
   levels_.push_back(std::move(finest));
 }
 
-/// The first and last block along x, then along y. First > last when the box is outside the grid.
+/// The first and last block along x, then along y. First > last if the box is outside the grid.
 std::array<std::ptrdiff_t, 4> BroadPhase::blocks_in(const Level& level, const Eigen::Vector2d& low_m,
                                                     const Eigen::Vector2d& high_m) const {
   const auto index = [&](double along_m, std::ptrdiff_t count) {

@@ -11,15 +11,15 @@ namespace uwsim {
 
 /// Excludes contacts with terrain and solids quickly, so that a step in open water costs no work on contacts.
 ///
-/// A pyramid of maxima over a horizontal grid: level 0 holds for each square block the height of the highest terrain or
-/// solid in it, each further level the highest of 2 x 2 blocks. A box is compared at the level whose blocks are at
-/// least as wide as the box, so that at most four numbers are read. Conservative: water under a bridge counts as
+/// A pyramid of maxima over a horizontal grid: level 0 holds, for each square block, the height of the highest terrain
+/// or solid in it; each higher level holds the maxima of 2 x 2 blocks. A box is compared at the level whose blocks are
+/// at least as wide as the box, so that at most four numbers are read. Conservative: water under a bridge counts as
 /// occupied.
 class BroadPhase {
  public:
   explicit BroadPhase(const World& world);
 
-  /// False only when neither terrain nor a solid reaches into the box.
+  /// False only if neither terrain nor a solid reaches into the box.
   bool may_touch(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
 
  private:
@@ -35,7 +35,7 @@ class BroadPhase {
                                           const Eigen::Vector2d& high_m) const;
 
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
-  std::vector<Level> levels_;  // empty when the world is
+  std::vector<Level> levels_;  // empty if the world is empty
 };
 
 }  // namespace uwsim

@@ -2,11 +2,11 @@
 
 namespace uwsim {
 
-/// Makes Bullet throw std::bad_alloc where there is no memory. It writes into what its allocator returns without a
-/// look, so that the process would end by a segmentation fault. Returns true.
+/// Makes Bullet throw std::bad_alloc when memory runs out. Bullet does not check what its allocator returns, so that
+/// the process would otherwise end with a segmentation fault. Returns true.
 bool let_bullet_throw();
 
-/// Before any of Bullet runs, for whoever includes this.
+/// Runs before any of Bullet in every file that includes this.
 inline const bool kBulletThrows = let_bullet_throw();
 
 }  // namespace uwsim

@@ -18,29 +18,29 @@ struct Contact {
   double friction = 0;
   double restitution = 0;
 
-  /// The velocity along the normal that the contact demands at least: none, Newton's restitution above a threshold
-  /// speed, or what closes the gap in this step. `start_m_s` and `end_m_s` are those at the start of the step and at
-  /// its end without contacts.
+  /// The least velocity along the normal that the contact demands: none, Newton's restitution above a threshold speed,
+  /// or the velocity that closes the gap in this step. `start_m_s` and `end_m_s` are the velocities at the start of the
+  /// step and at its end without contacts.
   double least_speed_m_s(double start_m_s, double end_m_s, double step_s) const;
-  /// The push along the normal that is due in this step. It removes a fraction of the present overlap and all of what
-  /// this step would add to it: impulses act throughout the step, so a body that is stopped still moves at the mean of
-  /// its old and its new speed along the normal.
+  /// The push along the normal that is due in this step. It removes a fraction of the present overlap and all of the
+  /// overlap that this step would add: impulses act throughout the step, so a body that is stopped still moves at the
+  /// mean of its old and its new speed along the normal.
   double push_m_s(double start_m_s, double end_m_s, double step_s) const;
 };
 
-/// A body, for the contact solver.
+/// A body as seen by the contact solver.
 struct ContactBody {
   Pose world_from_body;
-  /// In: at the end of the step without contacts. Out: what the contacts allow.
+  /// In: at the end of the step without contacts. Out: as allowed by the contacts.
   Vector6d velocity_body = Vector6d::Zero();
   Vector6d start_velocity_body = Vector6d::Zero();  ///< at the start of the step
   Matrix6d inverse_mass = Matrix6d::Zero();         ///< full (M_RB + M_A)^-1
-  /// Out: impulse of all its contacts about its origin [N s, N m s].
+  /// Out: total impulse of its contacts about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
   /// Out: a velocity that changes this step's pose only, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
   /// Out: the least share of Coulomb's limit that friction has left at any contact that presses; 0 where one slides or
-  /// hardly presses, -1 if the body touches others than the fixed world.
+  /// hardly presses, -1 if the body touches anything but the fixed world.
   double grip = -1;
 };
 

@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kHuge_m = 50;  // few vehicles are larger; more is likely in another unit
+constexpr double kHuge_m = 50;  // few vehicles are larger; the unit is probably wrong
 
 }  // namespace
 

@@ -15,10 +15,12 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSamePlace_m = 0.01;             // contacts closer together than this, with normals alike, are merged
-constexpr double kSameNormal = 0.99;              // cosine
-constexpr double kDeeper_m = 1e-9;                // of two merged contacts the deeper one is kept, beyond rounding
-constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; with more, a step allocates
+// contacts closer together than this, with similar normals, are merged
+constexpr double kSamePlace_m = 0.01;
+constexpr double kSameNormal = 0.99;  // cosine
+// difference beyond rounding by which the deeper of two merged contacts is kept
+constexpr double kDeeper_m = 1e-9;
+constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; beyond it, a step allocates
 
 struct Box {
   Eigen::Vector3d low_m, high_m;
@@ -53,7 +55,7 @@ struct Piece {
 };
 
 struct Body {
-  std::vector<ConvexPiece> points_m;  // as they were given
+  std::vector<ConvexPiece> points_m;  // in their original order
   std::vector<Piece> pieces;
   BodyBox box;
   double radius_m = 0;
@@ -83,7 +85,7 @@ std::shared_ptr<const Body> body_of(std::span<const ConvexPiece> pieces_body_m) 
       [&] { return std::make_shared<const Body>(made_body(pieces_body_m)); });
 }
 
-/// The part of terrain and solids that contacts need; it never changes.
+/// The part of terrain and solids that contacts need; immutable.
 struct FixedSurfaces {
   World world;  // without water
   BroadPhase broad_phase;
@@ -92,7 +94,7 @@ struct FixedSurfaces {
   explicit FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) { world.water = {}; }
 };
 
-/// Shared by all finders in worlds with the same surfaces: those of the lake take 16 MB and 0.1 s.
+/// Shared by all finders in worlds with the same surfaces: those of the lake take 16 MB and 0.1 s to build.
 std::shared_ptr<const FixedSurfaces> surfaces_of(const World& world) {
   static RecentlyMade<FixedSurfaces> known;
   return known.find_or_make(
@@ -176,7 +178,7 @@ struct ContactFinder::Impl {
     }
   }
 
-  /// Adds a contact. Of several of one pair of bodies at one place, the deepest is kept.
+  /// Adds a contact. Among contacts of one pair of bodies at one place, only the deepest is kept.
   void add(int a, int b, const ContactPoint& found) {
     const double gap_m = found.distance_m - kRestGap_m;
     const auto same = [&](const Contact& known) {

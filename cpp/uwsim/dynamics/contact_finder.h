@@ -15,7 +15,7 @@ namespace uwsim {
 /// hold without an overlap of the shapes.
 inline constexpr double kRestGap_m = 1e-3;
 
-/// A body, for the contact finder.
+/// A body as seen by the contact finder.
 struct MovingBody {
   Pose world_from_body;
   double reach_m = 0;  ///< find contacts whose gap is at most this
@@ -25,8 +25,8 @@ struct MovingBody {
 /// Finds where bodies, made of convex pieces, come near each other, the terrain and the solids.
 ///
 /// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states have equal
-/// futures. Shapes have no margin: a contact's gap is the distance of the surfaces minus kRestGap_m. The terrain is
-/// solid downward without end: a body under it overlaps it.
+/// futures. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain
+/// is solid all the way down: a body under it overlaps it.
 class ContactFinder {
  public:
   explicit ContactFinder(const World& world);
@@ -37,11 +37,11 @@ class ContactFinder {
   void add_body(std::span<const ConvexPiece> pieces_body_m);
   void set_body(std::size_t body, std::span<const ConvexPiece> pieces_body_m);
 
-  /// Radius of a sphere about the body's origin that holds all its pieces [m].
+  /// Radius of a sphere about the body's origin that encloses all its pieces [m].
   double radius_m(std::size_t body) const;
 
-  /// Replaces `contacts`. Bodies come in order, each with its contacts with terrain and solids, then with the bodies
-  /// before it. The caller sets friction and restitution. Throws ContactBudgetExceeded (contact_budget.h).
+  /// Replaces `contacts`. They are listed body by body, each body's with terrain and solids first, then those with the
+  /// bodies before it. The caller sets friction and restitution. Throws ContactBudgetExceeded (contact_budget.h).
   void find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts);
 
  private:

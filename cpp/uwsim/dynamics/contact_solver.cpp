@@ -7,9 +7,9 @@ namespace uwsim {
 namespace {
 
 constexpr int kSweeps = 20;
-constexpr double kSettled = 1e-15;  // sweeps end when one changes impulses by less than this share of them
+constexpr double kSettled = 1e-15;  // stop when a sweep changes impulses by less than this share of them
 
-/// In two sums side by side, which is faster.
+/// Computed as two sums side by side, which is faster.
 inline Eigen::Array4d product(const Eigen::Matrix<double, 4, 6>& matrix, const Vector6d& v) {
   const auto column = [&](Eigen::Index k) { return matrix.col(k).array(); };
   const Eigen::Array4d even = column(0) * v(0) + column(2) * v(2) + column(4) * v(4);
@@ -90,7 +90,7 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
   solve_overlaps(bodies, contacts, step_s);
 }
 
-/// Solves the bodies that touch the fixed world alone, and begins rows for the other contacts.
+/// Solves the bodies that touch only the fixed world, and starts rows for the other contacts.
 void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   meets_body_.assign(bodies.size(), 0);
   for (const Contact& contact : contacts) {
@@ -107,8 +107,8 @@ void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<con
   }
 }
 
-/// The impulse after one step of Gauss-Seidel, where it may meet a limit: the normal's never pulls, and the tangents'
-/// stay in Coulomb's cone.
+/// The impulse after one step of Gauss-Seidel, limited: the normal's never pulls, and the tangents' stay within
+/// Coulomb's cone.
 Eigen::Array3d ContactSolver::limited_impulse(std::span<const ContactBody> bodies, const Rows& rows) {
   const Four speed = velocity(bodies, rows, &ContactBody::velocity_body);
   const Eigen::Array3d& before = rows.impulse;
@@ -126,8 +126,8 @@ Eigen::Array3d ContactSolver::limited_impulse(std::span<const ContactBody> bodie
   return after;
 }
 
-/// One step of Gauss-Seidel on the three impulses of a contact, in turn. Returns whether this changed its speeds by
-/// more than rounding.
+/// One step of Gauss-Seidel on the three impulses of a contact in turn. Returns whether this changed its speeds by more
+/// than rounding.
 bool ContactSolver::solve_contact(std::span<ContactBody> bodies, Rows& rows) {
   Vector6d& velocity_a = bodies[static_cast<std::size_t>(rows.a.body)].velocity_body;
   Four step = product(rows.a.to_impulse, velocity_a);

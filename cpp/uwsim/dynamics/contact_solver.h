@@ -16,11 +16,11 @@ namespace uwsim {
 /// speed, Coulomb friction. Overlaps beyond a slop are relaxed through `push_body`.
 ///
 /// A body that touches nothing but the fixed world is solved by GroundContactSolver. Bodies that touch each other, and
-/// where that does not converge, are solved by projected Gauss-Seidel on impulses, the two tangents in turn (Catto
-/// 2005; Erleben 2007). Contacts come body by body.
+/// those for which it does not converge, are solved by projected Gauss-Seidel on impulses, the two tangents in turn
+/// (Catto 2005; Erleben 2007). Contacts are listed body by body.
 class ContactSolver {
  public:
-  /// Allocates beforehand, so that solve() allocates nothing for as many contacts.
+  /// Allocates in advance, so that solve() allocates nothing for this many contacts.
   void reserve(std::size_t bodies, std::size_t contacts);
   /// Changes velocity_body, impulse_body and push_body of `bodies`.
   void solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
@@ -28,25 +28,25 @@ class ContactSolver {
   double normal_impulse(std::size_t contact) const { return normal_impulses_[contact]; }
 
  private:
-  using Four = Eigen::Array4d;  // along the normal, two tangents, and nothing
+  using Four = Eigen::Array4d;  // along the normal and two tangents; the fourth is unused
 
   /// One end of a contact. The velocity along the three directions is `along` times the body's velocity; column k of
-  /// `response` is the change of the body's velocity by a unit impulse along direction k.
+  /// `response` is the change of the body's velocity due to a unit impulse along direction k.
   struct End {
     int body;
     Eigen::Matrix<double, 4, 6> along, to_impulse;  ///< `to_impulse` is Rows::to_impulse times `along`
     Eigen::Matrix<double, 6, 3> response;
   };
-  /// Gauss-Seidel takes the three directions in turn. Without limits that is one linear map from speeds to changes of
+  /// Gauss-Seidel updates the three directions in turn. Without limits that is one linear map from speeds to changes of
   /// impulses, `to_impulse`, the inverse of the lower triangle of `response`.
   struct Rows {
     std::size_t contact;
     End a, b;
-    Eigen::Matrix3d response;  ///< of the velocities along the three directions to impulses along them
+    Eigen::Matrix3d response;  ///< maps velocities along the three directions to impulses along them
     Eigen::Matrix3d to_impulse;
     Eigen::Array3d impulse = Eigen::Array3d::Zero();
     double friction;
-    double target;    ///< velocity to reach along the normal; later the push to reach
+    double target;    ///< velocity to reach along the normal; later, the push to reach
     double push = 0;  ///< along the normal, applied against overlaps so far
   };
 
@@ -60,7 +60,7 @@ class ContactSolver {
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
   // Kept so that steps allocate nothing.
-  std::vector<Rows> rows_;  // of the contacts for Gauss-Seidel
+  std::vector<Rows> rows_;  // of the contacts solved by Gauss-Seidel
   std::vector<double> normal_impulses_;
   std::vector<std::uint8_t> meets_body_;
   GroundContactSolver ground_;

@@ -17,8 +17,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFlush = 0.98;        // least cosine between a face's normal and the contact's for a face contact
-constexpr int kReservedCorners = 256;  // of a clipped face; with more, a step allocates
+// least cosine between a face's normal and the contact's normal for a face contact
+constexpr double kFlush = 0.98;
+constexpr int kReservedCorners = 256;  // of a clipped face; beyond it, a step allocates
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -39,7 +40,8 @@ struct ContactPointList : btDiscreteCollisionDetectorInterface::Result {
 /// The largest cosine between the normal of a face and `direction_world`.
 double best_face_cosine(const btConvexPolyhedron& hull, const btTransform& transform,
                         const btVector3& direction_world) {
-  const btVector3 direction = direction_world * transform.getBasis();  // the transpose times the direction
+  // the transpose of the rotation times the direction
+  const btVector3 direction = direction_world * transform.getBasis();
   double best = -1;
   for (int k = 0; k < hull.m_faces.size(); ++k) {
     const btScalar* plane = hull.m_faces[k].m_plane;
@@ -79,7 +81,7 @@ struct ConvexContact::Impl {
     points.all.reserve(kReservedCorners);
   }
 
-  /// Fills `points` with the nearest point. Returns false when the shapes are farther apart than `reach_m`.
+  /// Fills `points` with the nearest point. Returns false if the shapes are farther apart than `reach_m`.
   bool find_nearest(const btConvexShape& a, const btTransform& world_from_a, const btConvexShape& b,
                     const btTransform& world_from_b, double reach_m) {
     points.all.clear();

@@ -29,14 +29,14 @@ class ConvexShape {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A point of contact or near contact: on the second shape, with the unit normal from there towards the first.
+/// A point of contact or near contact: on the second shape, with the unit normal pointing to the first.
 struct ContactPoint {
   Eigen::Vector3d point_world_m, normal_world;
   double distance_m;  ///< negative where they overlap
 };
 
-/// Finds where two convex shapes are nearest and, where two faces of bodies meet, the corners of the area that they
-/// share. By Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A
+/// Finds where two convex shapes are nearest and, where two faces of bodies meet, the corners of their common area.
+/// Uses Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A
 /// result is valid until the next call.
 class ConvexContact {
  public:
@@ -45,7 +45,7 @@ class ConvexContact {
   ConvexContact(ConvexContact&&) noexcept;
   ConvexContact& operator=(ConvexContact&&) noexcept;
 
-  /// The nearest points. Empty when the shapes are farther apart than `reach_m`.
+  /// The nearest points; empty if the shapes are farther apart than `reach_m`.
   std::span<const ContactPoint> with_triangle(const ConvexShape& shape, const Pose& world_from_shape,
                                               const std::array<Eigen::Vector3d, 3>& corners_world_m, double reach_m);
   std::span<const ContactPoint> with_shape(const ConvexShape& shape, const Pose& world_from_shape,

@@ -10,14 +10,14 @@
 namespace uwsim {
 namespace {
 
-constexpr int kMostSteps = 12;  // of Newton's method; more than 9 were not seen to help
+constexpr int kMostSteps = 12;  // of Newton's method; more than 9 never helped
 constexpr int kPushSweeps = 20;
-constexpr double kWeights[] = {1, 0.5};  // r; the second is tried where the first does not converge
-constexpr double kCompliance = 1e-5;     // of a contact, as a part of 1 / mass
-// Least impulse of a contact that takes a part in holding a body.
-constexpr double kPresses = 1e-5;  // of the largest
-// Largest error of an impulse, as a part of the largest impulse: what is aimed for, and what is good enough when a step
-// no longer gains a digit.
+constexpr double kWeights[] = {1, 0.5};  // r; the second is tried if the first does not converge
+constexpr double kCompliance = 1e-5;     // of a contact, as a fraction of 1 / mass
+// Least impulse of a contact that helps to hold a body.
+constexpr double kPresses = 1e-5;  // relative to the largest
+// Largest error of an impulse relative to the largest impulse: the target, and the value that is good enough when a
+// step no longer gains a digit.
 constexpr double kAim = 1e-13, kGoodEnough = 1e-9;
 
 }  // namespace
@@ -48,7 +48,7 @@ bool GroundContactSolver::solve(ContactBody& body, std::span<const Contact> cont
   for (const Contact& contact : contacts) add_point(frame, body, contact, step_s);
   const auto found = [&](double weight) { return find_impulses(frame, body, contacts, weight); };
   if (std::ranges::none_of(kWeights, found)) return false;
-  for (std::size_t k = 0; k < points_.size(); ++k) {  // what an open contact has left is rounding
+  for (std::size_t k = 0; k < points_.size(); ++k) {  // what remains of an open contact's impulse is rounding
     normal_impulses[k] = points_[k].slope(0, 0) > 0 ? points_[k].impulse[0] : 0;
   }
   body.velocity_body += frame.factor * change_;
@@ -94,9 +94,9 @@ void GroundContactSolver::add_tangents(const Frame& frame, const ContactBody& bo
   point.has_tangents = true;
 }
 
-/// Sets `shift` and `slope`, and returns by how much the impulse differs from its projection. The slope is that of the
-/// projection P, with r m v = `force`: (1 - P' + compliance P')^-1 r m P'. It follows from P' = 0 for a contact that
-/// opens, 1 for one that sticks, and (1, 0; friction d, c Q) for one that slides along d, with Q = 1 - d d^T.
+/// Sets `shift` and `slope`, and returns by how much the impulse differs from its projection P. With r m v = `force`,
+/// the slope is (1 - P' + compliance P')^-1 r m P', where P' = 0 for a contact that opens, 1 for one that sticks, and
+/// (1, 0; friction d, c Q) for one that slides along d, with Q = 1 - d d^T.
 double GroundContactSolver::linearize(const Frame& frame, const ContactBody& body, const Contact& contact,
                                       double weight, Point& point) const {
   const double mass = weight * point.mass_kg;
@@ -128,7 +128,7 @@ double GroundContactSolver::linearize(const Frame& frame, const ContactBody& bod
   return std::max(std::abs(normal_force), error.cwiseAbs().maxCoeff());
 }
 
-/// A step of Newton's method. Contacts that are open before and after it cost nothing.
+/// One step of Newton's method. Contacts that are open before and after it cost nothing.
 void GroundContactSolver::improve() {
   Matrix6d slope = Matrix6d::Identity();
   Vector6d shift = Vector6d::Zero();

@@ -5,11 +5,11 @@
 
 namespace uwsim {
 
-/// The pose after moving with a constant body-frame velocity for a time: the rotation is exact, the translation to
+/// The pose after moving at a constant body-frame velocity for a time: the rotation is exact, the translation is of
 /// first order in the rotation.
 Pose displaced(const Pose& pose, const Vector6d& velocity_body, double duration_s);
 
-/// Loads on a body besides gravity and water, constant over a step: force and torque about its origin [N, N m].
+/// Loads on a body other than gravity and water, constant over a step: force and torque about its origin [N, N m].
 struct Loads {
   Vector6d body = Vector6d::Zero();   ///< constant in the body frame: its actuators
   Vector6d world = Vector6d::Zero();  ///< constant in the world frame: its contacts

@@ -49,7 +49,7 @@ Bend bend_towards(const SurfaceTriangle& triangle, std::size_t k, const Eigen::V
   return below_m <= flat_m && out_m > 0 ? Bend::kFlat : Bend::kConvex;
 }
 
-/// Whether all directions lie in an open half-space, by the perceptron's rule.
+/// Whether all directions lie in an open half-space, decided by the perceptron rule.
 bool points_away(const std::vector<Eigen::Vector3d>& directions) {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& d : directions) axis -= d;
@@ -96,7 +96,8 @@ void MeshEdges::find_bends(const std::vector<std::uint32_t>& first) {
   for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
     const Side &a = sides[k], &b = sides[k + 1];
     if (!a.same_edge(b)) continue;
-    // Where more than two meet, pairs are taken in order, as good as any: corners still touch each triangle.
+    // Where more than two triangles meet, pairs are formed in order, which is as good as any other choice: corners
+    // still touch each triangle.
     const std::uint32_t after = mesh_.triangles[b.triangle][(b.edge + 2) % 3];
     const std::uint32_t before = mesh_.triangles[a.triangle][(a.edge + 2) % 3];
     bends_[a.triangle][a.edge] = bend_towards(SurfaceTriangle(corners(a.triangle)), a.edge, mesh_.vertices_m[after]);

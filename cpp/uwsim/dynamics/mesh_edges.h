@@ -10,14 +10,14 @@
 
 namespace uwsim {
 
-/// How a mesh bends at the edges of its triangles, and its peaks. Vertices at the same place count as one.
+/// How a mesh bends at the edges of its triangles, and where it has peaks. Vertices at the same place count as one.
 class MeshEdges {
  public:
   /// Keeps a reference to `mesh`.
   explicit MeshEdges(const TriangleMesh& mesh);
 
   /// Adds triangle `index` to `patch`, with those of its edges and peaks that no earlier triangle of the mesh has.
-  /// Leaves out a triangle without area.
+  /// Skips a triangle without area.
   void add_triangle(std::uint32_t index, SurfacePatch& patch) const;
 
  private:
@@ -34,8 +34,9 @@ class MeshEdges {
 
   const TriangleMesh& mesh_;
   std::vector<std::array<Bend, 3>> bends_;
-  std::vector<Triangle> beyond_;  // third vertex of the triangle across edge k; kNone for edges that another one adds
-  std::vector<Peak> peaks_;       // in the order of their first triangles
+  // third vertex of the triangle across edge k; kNone for edges that another triangle adds
+  std::vector<Triangle> beyond_;
+  std::vector<Peak> peaks_;  // in the order of the first triangles that have them
 };
 
 }  // namespace uwsim

@@ -9,9 +9,10 @@
 namespace uwsim {
 namespace {
 
-constexpr double kShortest_m = 1e-9;  // shorter edges have no direction
+constexpr double kShortest_m = 1e-9;  // shorter edges have no reliable direction
 
-/// A face from its corners in order (Newell's method), outward because Bullet winds faces counter-clockwise.
+/// Makes a face from its corners in order (Newell's method); it faces outward because Bullet winds faces
+/// counter-clockwise.
 Polytope::Face face_of(const std::vector<int>& loop, const ConvexPiece& corners_m) {
   Eigen::Vector3d area = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
   const auto corner = [&](std::size_t k) { return corners_m[static_cast<std::size_t>(loop[k % loop.size()])]; };

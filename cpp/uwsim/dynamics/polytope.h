@@ -10,12 +10,12 @@ namespace uwsim {
 
 /// The corners, faces and edges of the convex hull of some points.
 struct Polytope {
-  /// The inside is where normal . r <= offset_m.
+  /// The inside satisfies normal . r <= offset_m.
   struct Face {
     Eigen::Vector3d normal;
     double offset_m;
   };
-  /// An edge between two faces. `into` are unit vectors in the planes of these, perpendicular to the edge.
+  /// An edge between two faces. `into` are unit vectors in the planes of the faces, perpendicular to the edge.
   struct Edge {
     std::uint32_t from, to;
     double length_m;

@@ -5,20 +5,20 @@
 
 namespace uwsim {
 
-/// Lets a body that its contacts hold be at rest: its velocity is zero and its pose stays the same to the last bit.
+/// Brings a body that is held by its contacts to rest: its velocity is zero and its pose stays the same to the last
+/// bit.
 ///
-/// Without this, what a contact's constant force leaves over a step of Runge-Kutta, some 1e-5 m/s, lets a vehicle creep
-/// over the bed by millimetres an hour. A body rests while terrain and solids allow no motion. So a body on a slope
-/// that would slide or roll from rest at less than 2e-4 m/s^2 does not begin to.
+/// Without this, the residual of a contact's constant force over a Runge-Kutta step, some 1e-5 m/s, lets a vehicle
+/// creep over the bed by millimetres per hour. A body rests while terrain and solids allow no motion. So a body on a
+/// slope that would start to slide or roll at less than 2e-4 m/s^2 stays where it is.
 ///
-/// While a body rests and the loads on it stay the same, so do its contacts, and they need not be found again. That is
-/// remembered here, but changes no result: a body that has just been restored goes on in the same way.
+/// While a body rests and the loads on it stay the same, so do its contacts, and they need not be found again. This is
+/// only a cache and changes no result: a body that has just been restored continues in the same way.
 class Resting {
  public:
-  /// Whether the contacts that `solved` has been through hold the body, and remembers it. `radius_m` is that of the
-  /// body.
+  /// Returns whether the contacts that gave `solved` hold the body, and remembers it. `radius_m` is the body's radius.
   bool begins(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m);
-  /// Whether a body in this state, which would move like this without contacts, is known to be held by the fixed world.
+  /// Whether the fixed world is known to hold a body in this state, which would move at this velocity without contacts.
   bool lasts(const BodyState& state, const Vector6d& free_velocity_body) const;
   void forget() { is_known_ = false; }
 

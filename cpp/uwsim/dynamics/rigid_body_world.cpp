@@ -12,13 +12,14 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDiverged = 1e7;              // m, m/s and rad/s: only a diverging body gets there
-constexpr double kTouch_m = 1e-3;              // a smaller gap is a touch, and so is every contact with an impulse
-constexpr double kReachPerMotion = 1.5;        // contacts are searched this much farther than a step moves
+constexpr double kDiverged = 1e7;  // m, m/s and rad/s: only a diverging body gets this far
+// a smaller gap counts as touching, and so does every contact with an impulse
+constexpr double kTouch_m = 1e-3;
+constexpr double kReachPerMotion = 1.5;        // contacts are searched this many times as far as a step moves
 constexpr double kLeastReach_m = 0.0015;       // more than kTouch_m
-constexpr std::size_t kContactsPerBody = 128;  // with more, a step allocates
+constexpr std::size_t kContactsPerBody = 128;  // beyond it, a step allocates
 
-/// With the pieces of its shape. Throws InvalidValue.
+/// Returns the spec with the pieces of its shape. Throws InvalidValue.
 BodySpec checked(BodySpec spec) {
   spec.check();
   spec.collision_pieces_body_m =
@@ -26,9 +27,10 @@ BodySpec checked(BodySpec spec) {
   return spec;
 }
 
-/// nu' over a step, from the change of both velocities along the axes of the world. The plain difference of nu is along
-/// axes that turn: it belongs to the middle of the step, and added to w x v of its end it makes an acceleration that is
-/// not there, dt/2 w x (w x v) for a body that turns on a straight way, which whoever integrates it takes for motion.
+/// nu' over a step, from the change of both velocities along the axes of the world. The plain difference of nu is taken
+/// along axes that turn: it belongs to the middle of the step. Added to w x v at its end, it would give an acceleration
+/// that does not exist, dt/2 w x (w x v) for a body that turns while moving straight, and integrating it would give
+/// motion.
 Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s) {
   const Eigen::Quaterniond now_from_before =
       now.world_from_body.orientation.conjugate() * before.world_from_body.orientation;
@@ -91,7 +93,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   find_contacts();
   if (!contacts_.empty()) solve_contacts(water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) require_plausible(bodies_[k], next_states_[k], time_s);
-  // All bodies move, or none when the step fails.
+  // Either all bodies move, or none if the step fails.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& body = bodies_[k];
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
@@ -99,7 +101,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
 }
 
-/// Whether a body is known to stay where it is, held by terrain and solids, with no other body near.
+/// Whether a body is known to stay where it is, held by terrain and solids, with no other body nearby.
 bool RigidBodyWorld::stays_at_rest(std::size_t body) const {
   const Body& it = bodies_[body];
   if (it.held || !it.resting.lasts(it.state, next_states_[body].velocity_body)) return false;
@@ -133,7 +135,7 @@ double RigidBodyWorld::reach_m(std::size_t body) const {
     return state.linear_body_m_s().norm() + finder_.radius_m(body) * state.angular_body_rad_s().norm();
   };
   const double fastest_m_s = std::max(speed(bodies_[body].state), speed(next_states_[body]));
-  // A diverged state is refused before; its reach must not be infinite.
+  // A diverged state is rejected later; its reach must not be infinite.
   if (!std::isfinite(fastest_m_s)) return 0;
   return std::max(kLeastReach_m, kReachPerMotion * fastest_m_s * step_s_);
 }
@@ -146,8 +148,8 @@ void RigidBodyWorld::combine_materials(Contact& contact) const {
 }
 
 /// Impulses are found for the velocities at the end of a step without contacts, and then act as constant forces over
-/// the step. So a body at rest stays at rest, the momentum of two bodies is conserved, and the work is that of the
-/// impulses.
+/// the step. Thus a body at rest stays at rest, the momentum of two bodies is conserved, and the work done equals that
+/// of the impulses.
 void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     contact_bodies_[k] = {.world_from_body = bodies_[k].state.world_from_body,
@@ -199,7 +201,7 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
 void RigidBodyWorld::require_plausible(const Body& body, const BodyState& next, double time_s) const {
   const bool plausible = next.velocity_body.cwiseAbs().maxCoeff() < kDiverged &&
                          next.world_from_body.position_m.cwiseAbs().maxCoeff() < kDiverged &&
-                         next.world_from_body.orientation.coeffs().allFinite();  // false for NaN too
+                         next.world_from_body.orientation.coeffs().allFinite();  // false for NaN as well
   if (!plausible) {
     std::ostringstream last;
     last << "[" << body.state.world_from_body.position_m.transpose() << " m; " << body.state.velocity_body.transpose()

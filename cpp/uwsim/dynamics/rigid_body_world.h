@@ -15,13 +15,15 @@
 
 namespace uwsim {
 
-/// A craft with its properties in collisions.
+/// A craft and its collision properties.
 struct BodySpec {
   std::string name;
   std::shared_ptr<const Craft> craft;
   CollisionShape shape = CollisionShape::kHull;
-  double friction = 0.5;                                  ///< Coulomb's coefficient; a pair's is the geometric mean
-  double restitution = 0.1;                               ///< 0 inelastic .. 1 elastic; a pair's is the larger one
+  /// Coulomb's coefficient; for a pair of bodies, the geometric mean of both
+  double friction = 0.5;
+  /// 0 inelastic .. 1 elastic; for a pair of bodies, the larger of both
+  double restitution = 0.1;
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
 
   /// Throws InvalidValue that names the field.
@@ -31,17 +33,16 @@ struct BodySpec {
 /// Bodies with six degrees of freedom among terrain and solids.
 ///
 /// The state is pose and velocity, and a step depends on nothing else. It is integrated by Runge-Kutta with the full
-/// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces, ContactSolver the impulses with the same
-/// mass. The integrator and solver of a physics engine know one scalar mass for each body, which cannot represent added
-/// mass. Terrain and solids have the material of the body that touches them.
+/// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces; ContactSolver finds the impulses, with the
+/// same mass. The integrators and solvers of physics engines use a scalar mass for each body, which cannot represent
+/// added mass. Terrain and solids take on the material of the body that touches them.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s);
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
-  /// Gives the bodies other properties, one spec for each; they keep their states. Throws InvalidValue, changing
-  /// nothing.
+  /// Replaces the bodies' properties, one spec for each; they keep their states. Throws InvalidValue, changing nothing.
   void change_bodies(std::vector<BodySpec> specs);
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
@@ -58,7 +59,8 @@ class RigidBodyWorld {
   const Vector6d& acceleration_body(std::size_t body) const { return bodies_.at(body).acceleration_body; }
 
   /// One fixed step from `time_s`. Throws InvalidValue that names step, body and its last finite state when the motion
-  /// diverges, and one that names body and counts when its search for contacts costs too much; no body has moved then.
+  /// diverges, and one that names body and counts if its search for contacts costs too much; in both cases no body has
+  /// moved.
   void step(const WaterField& water, double time_s);
 
   /// Saves or restores the state of all bodies. Throws InvalidValue.
@@ -88,7 +90,7 @@ class RigidBodyWorld {
   std::vector<Body> bodies_;
   // Kept so that steps allocate nothing.
   std::vector<BodyState> next_states_;
-  std::vector<std::uint8_t> rests_;  // of each body, whether it is known to stay where it is
+  std::vector<std::uint8_t> rests_;  // for each body, whether it is known to stay where it is
   std::vector<MovingBody> moving_;
   std::vector<ContactBody> contact_bodies_;
   std::vector<Contact> contacts_;

@@ -13,7 +13,7 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; with more, a step allocates
+constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; beyond it, a step allocates
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -38,13 +38,13 @@ struct Tree {
   }
 };
 
-/// Visits the solids whose boxes overlap, and of each the triangles whose boxes overlap.
+/// Visits the solids whose boxes overlap the box, and the triangles of each whose boxes overlap it.
 struct Search final : btDbvt::ICollide, btTriangleCallback {
   btVector3 low, high;
   const MeshEdges* edges = nullptr;
   std::vector<SurfacePatch>* patches = nullptr;
   std::size_t count = 0;
-  std::size_t triangles = 0, most_triangles = 0;  // beyond the most they are only counted
+  std::size_t triangles = 0, most_triangles = 0;  // beyond the maximum they are only counted
 
   void Process(const btDbvtNode* leaf) override {
     const auto& tree = *static_cast<const Tree*>(leaf->data);

@@ -10,11 +10,11 @@
 
 namespace uwsim {
 
-/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). It never changes, so that
-/// several threads may search it, each with memory of its own.
+/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). It is immutable, so that
+/// several threads may search it, each with its own memory.
 class SolidTriangles {
  public:
-  /// The working memory of a search besides the index; kept so that steps allocate nothing.
+  /// The working memory of a search; kept so that steps allocate nothing.
   class Stack {
    public:
     Stack();
@@ -34,7 +34,7 @@ class SolidTriangles {
   SolidTriangles& operator=(SolidTriangles&&) noexcept;
 
   /// Writes one patch for each solid that has triangles whose bounding boxes overlap the box, in a fixed order, and
-  /// returns how many these are. `patches` only grows, so that its memory is used again. Throws ContactBudgetExceeded.
+  /// returns the number of patches. `patches` only grows, so that its memory is reused. Throws ContactBudgetExceeded.
   std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
                    std::vector<SurfacePatch>& patches, ContactBudget& budget) const;
 

@@ -9,18 +9,18 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; with more, a step allocates
-constexpr double kTolerance_m = 1e-9;    // rounding of places
+constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; beyond it, a step allocates
+constexpr double kTolerance_m = 1e-9;    // rounding of positions
 constexpr double kCone = 1e-3;           // sine of the angle by which a normal may leave its cone
-constexpr double kFacesUp = 0.3;         // least cosine between the normal of a deep overlap and the terrain's
+constexpr double kFacesUp = 0.3;         // least cosine between the normal of a deep overlap and that of the terrain
 
 bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& other_low,
            const Eigen::Vector3d& other_high) {
   return (low.array() <= other_high.array()).all() && (other_low.array() <= high.array()).all();
 }
 
-/// Whether the triangle's plane holds at a point `gap_m` above it: over the triangle, or beyond a hollow edge, where
-/// both planes hold. Over a flat edge, the planes' normals may leave a wedge between them.
+/// Whether the triangle's plane counts at a point `gap_m` above it: over the triangle, or beyond a concave edge, where
+/// both planes count. Over a flat edge, the planes' normals may leave a wedge between them.
 bool holds_at(const SurfaceTriangle& triangle, const Eigen::Vector3d& point_m, double gap_m, double beyond_hollow_m) {
   for (std::size_t k = 0; k < 3; ++k) {
     const double inside_m = triangle.into[k].dot(point_m - triangle.corners_m[k]);
@@ -32,7 +32,7 @@ bool holds_at(const SurfaceTriangle& triangle, const Eigen::Vector3d& point_m, d
   return true;
 }
 
-/// The point of a polytope's surface that is nearest to a point outside it.
+/// The point on a polytope's surface that is nearest to a point outside it.
 Eigen::Vector3d nearest_on_edges(const Polytope& polytope, const Eigen::Vector3d& point_m) {
   double least = std::numeric_limits<double>::infinity();
   Eigen::Vector3d nearest = point_m;
@@ -125,7 +125,7 @@ void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
   }
 }
 
-/// A corner inside a solid is pushed out of the nearest triangle; one outside touches all that it is near.
+/// A corner inside a solid is pushed out of the nearest triangle; one outside touches all triangles that it is near.
 void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
   const SurfaceTriangle* nearest = nullptr;
   double nearest_gap_m = 0;
@@ -144,7 +144,7 @@ void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
   }
 }
 
-/// A peak touches the face, edge or corner of the piece that is nearest.
+/// A peak touches the nearest face, edge or corner of the piece.
 void SurfaceContact::add_peak(const SurfacePatch& patch, const SurfacePeak& peak) {
   if (!meets(placed_->low_m, placed_->high_m, peak.point_m, peak.point_m)) return;
   const Polytope& polytope = placed_->shape.polytope_body();
@@ -185,7 +185,7 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   const Eigen::Vector3d to = edge.from_m + edge.length_m * edge.along;
   if (!meets(placed_->low_m, placed_->high_m, edge.from_m.cwiseMin(to), edge.from_m.cwiseMax(to))) return;
   budget_->spend(corners_world_m_.size());
-  // Nothing of the piece is near when its support along the edge's middle normal is not.
+  // No part of the piece is near unless its support along the edge's middle normal is.
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& corner : corners_world_m_)
     lowest_m = std::min(lowest_m, edge.middle_normal.dot(corner - edge.from_m));
@@ -209,9 +209,10 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   for (const Polytope::Edge& other : polytope.edges) {
     Eigen::Vector3d across = along.cross(other.along);
     const double side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
-    if (std::min(side[0], side[1]) < -kCone && std::max(side[0], side[1]) > kCone) continue;  // most, at little cost
+    // rejects most edges at little cost
+    if (std::min(side[0], side[1]) < -kCone && std::max(side[0], side[1]) > kCone) continue;
     const double sine = across.norm();
-    if (sine < kCone) continue;  // parallel: corners touch
+    if (sine < kCone) continue;  // parallel edges: their corners touch instead
     const double tolerance = kCone * sine;
     if (side[0] <= tolerance && side[1] <= tolerance) {
       across = -across;
@@ -223,7 +224,8 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
     const Eigen::Vector3d between = polytope.corners_m[other.from] - from;
     const double gap_m = normal.dot(between);
     if (std::abs(gap_m) > placed_->reach_m) continue;
-    // Both lines in the plane perpendicular to the normal: they cross at `at_m` along ours and `other_at_m` along its.
+    // Both lines lie in the plane perpendicular to the normal: they cross at `at_m` along ours and `other_at_m` along
+    // the other.
     const Eigen::Vector3d cross = along.cross(other.along);
     const double at_m = between.cross(other.along).dot(cross) / (sine * sine);
     const double other_at_m = between.cross(along).dot(cross) / (sine * sine);

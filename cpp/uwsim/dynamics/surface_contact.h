@@ -11,12 +11,12 @@
 
 namespace uwsim {
 
-/// A convex piece at its place, for SurfaceContact.
+/// A convex piece at its pose, for SurfaceContact.
 struct PlacedShape {
   const ConvexShape& shape;
   const Pose& world_from_body;
-  const Eigen::Matrix3d& rotation;        ///< of the pose
-  Eigen::Vector3d middle_m, half_size_m;  ///< of its box along the body's axes, body frame
+  const Eigen::Matrix3d& rotation;        ///< rotation of the pose
+  Eigen::Vector3d middle_m, half_size_m;  ///< of its box along the body's axes, in the body frame
   Eigen::Vector3d low_m, high_m;          ///< its bounding box along the world's axes, enlarged by `reach_m`
   double reach_m;                         ///< find contacts whose distance is at most this
 };
@@ -24,13 +24,13 @@ struct PlacedShape {
 /// Finds where a convex shape touches a surface, feature by feature: its corners with triangles and edges, its edges
 /// with edges, its faces with peaks. Each normal lies in the normal cone of the surface's feature (Bouma and Vanecek
 /// 1993, "Modeling contacts in a physically based simulation"; cf. van den Bergen and Gregorius 2010, "Game Physics
-/// Pearls", ch. 3), and flat and hollow edges have none. An overlap deeper than `reach_m` that the features miss is
-/// found by ConvexContact. A pure function of the poses.
+/// Pearls", ch. 3), and flat and concave edges have none. ConvexContact finds overlaps deeper than `reach_m` that the
+/// features miss. A pure function of the poses.
 class SurfaceContact {
  public:
   enum class Under {
-    kSolid,   ///< everything under the surface is inside, as under a terrain
-    kClosed,  ///< the surface closes around what is inside
+    kSolid,   ///< everything under the surface is inside, as for terrain
+    kClosed,  ///< the surface encloses the inside
   };
 
   SurfaceContact();

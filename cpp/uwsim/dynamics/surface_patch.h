@@ -7,16 +7,16 @@
 
 namespace uwsim {
 
-/// How the surface goes on beyond an edge of a triangle.
+/// How the surface continues beyond an edge of a triangle.
 enum class Bend : std::uint8_t { kNone, kFlat, kConvex, kConcave };
 
-/// A triangle of a fixed surface, world frame; `into` are unit vectors in its plane, perpendicular to its edges, of
-/// which edge k goes from corner k to k + 1.
+/// A triangle of a fixed surface, world frame; `into` are unit vectors in its plane, perpendicular to its edges; edge k
+/// goes from corner k to k + 1.
 struct SurfaceTriangle {
   std::array<Eigen::Vector3d, 3> corners_m;
   std::array<Eigen::Vector3d, 3> into;
   Eigen::Vector3d normal, low_m, high_m;
-  double offset_m;  ///< normal . r on the plane
+  double offset_m;  ///< normal . r for points of the plane
   std::array<Bend, 3> bends{};
 
   explicit SurfaceTriangle(const std::array<Eigen::Vector3d, 3>& corners_m);
@@ -29,11 +29,11 @@ struct SurfaceEdge {
   std::array<Eigen::Vector3d, 2> into;
   double length_m;
 
-  /// The edge `k` of `triangle`, with the third corner of the triangle beyond.
+  /// Edge `k` of `triangle`, with the third corner of the triangle beyond it.
   SurfaceEdge(const SurfaceTriangle& triangle, std::size_t k, const Eigen::Vector3d& beyond_m);
 };
 
-/// A point that the surface falls away from on all sides, with the ends of the edges that meet there.
+/// A point from which the surface falls away on all sides, with the ends of the edges that meet there.
 struct SurfacePeak {
   Eigen::Vector3d point_m;
   std::uint32_t first_neighbour, neighbour_count;  ///< in SurfacePatch::neighbours_m
@@ -41,8 +41,8 @@ struct SurfacePeak {
 
 /// The part of a fixed surface near a body.
 ///
-/// On its flat or hollow edges and points nothing can touch but what touches a triangle, too: they are not features. So
-/// a body on a plane of many triangles meets one plane.
+/// Whatever touches its flat or concave edges and points also touches a triangle, so they are not features of their
+/// own: a body on a plane of many triangles touches one plane.
 struct SurfacePatch {
   std::vector<SurfaceTriangle> triangles;
   std::vector<SurfaceEdge> edges;
@@ -53,7 +53,7 @@ struct SurfacePatch {
   void clear();
 };
 
-/// Sine of the angle by which a flat surface may bend: 0.1 mm in a metre.
+/// Sine of the angle by which a surface may bend and still count as flat: 0.1 mm per metre.
 inline constexpr double kFlat = 1e-4;
 
 }  // namespace uwsim

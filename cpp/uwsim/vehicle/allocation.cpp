@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDependent = 1e-6;  // a row is dependent when less than this part of it is orthogonal to the others
+constexpr double kDependent = 1e-6;  // a row is dependent if less than this fraction of it is orthogonal to the others
 constexpr std::array<Eigen::Index, 6> kOrder = {0, 1, 2, 5, 3, 4};
 
 /// (x; -x), row by row.
@@ -64,7 +64,7 @@ Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const E
 }
 
 /// The largest multiple of a wrench within the limits, or within what is left of them, and the cancelling thrusts that
-/// go with it.
+/// this takes.
 struct Allocation::Limit {
   double multiple = 0;
   Eigen::VectorXd idle;

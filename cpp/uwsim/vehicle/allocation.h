@@ -9,12 +9,12 @@
 namespace uwsim {
 
 /// Which of the six axes (surge .. yaw) can be driven independently by actuators with these wrench columns. In the
-/// order surge, sway, heave, yaw, roll, pitch, an axis counts when its row of the configuration matrix is linearly
+/// order surge, sway, heave, yaw, roll, pitch, an axis counts if its row of the configuration matrix is linearly
 /// independent of the rows of the axes that count already. A moment about an axis that does not count (the pitch of an
 /// off-centre surge thruster) is left to the hull's own stability.
 std::array<bool, 6> independent_axes(const Eigen::Matrix<double, 6, Eigen::Dynamic>& columns);
 
-/// Control allocation: the thrusts f for a wrench, tau = T f over the axes that can be driven, T the configuration
+/// Control allocation: the thrusts f for a wrench, tau = T f for the axes that can be driven, with T the configuration
 /// matrix (Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion Control", sec. 12.3).
 ///
 /// The thrusts have the least sum of squares, each relative to its thruster's limit: the weighted pseudo-inverse or,
@@ -30,8 +30,8 @@ class Allocation {
   const std::array<bool, 6>& driven() const { return driven_; }
   /// Thrusts (n,) [N] for a wrench [N, N m]. Components about axes that are not driven are ignored.
   Eigen::VectorXd thrusts_n(const Vector6d& wrench_body) const;
-  /// The wrench that the limits allow when this one is wanted: the torque or the largest multiple of it, and with it
-  /// the force or the largest multiple of that. Components about axes that are not driven are 0.
+  /// The part of a wanted wrench that the limits allow: the torque or the largest multiple of it, and with it the force
+  /// or the largest multiple of that. Components about axes that are not driven are 0.
   Vector6d reachable(const Vector6d& wrench_body) const;
   /// The largest multiple of a wrench within the limits; 0 for a wrench about axes that are not driven.
   double largest_multiple(const Vector6d& wrench_body) const;

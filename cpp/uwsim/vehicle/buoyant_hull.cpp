@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kEdgePerRadius = 0.25;  // longest edge of a triangle under waves
 
-/// 0 for x <= 0, 1 for x >= 1, and a cubic with horizontal ends between.
+/// 0 for x <= 0, 1 for x >= 1, and a cubic with horizontal ends in between.
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
@@ -19,13 +19,13 @@ double smooth_step(double x) {
 
 }  // namespace
 
-/// A pose with what follows from it: the world's up in the body frame and the height of the hull's middle.
+/// A pose with derived values: the world's up in the body frame and the height of the hull's middle.
 struct BuoyantHull::Placed {
   const Eigen::Vector3d& position_world_m;
   const Eigen::Matrix3d& world_from_body;
   Eigen::Vector3d up_body;
   double middle_z_m;
-  double half_height_m;  // conservative bound of the hull above and below its middle
+  double half_height_m;  // conservative bound on the hull's extent above and below its middle
 
   Placed(const BuoyantHull& hull, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
       : position_world_m(position),
@@ -95,7 +95,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   return sum;
 }
 
-/// Under a flat surface at z = `surface_m`, the density being that of still water.
+/// Under a flat surface at z = `surface_m`, with the density of still water.
 Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
   const double top_m = at.middle_z_m + at.half_height_m;
   const DensityLayer layer = water.density_layer_at(std::min(top_m, surface_m));
@@ -124,8 +124,8 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   return wet;
 }
 
-/// A hull in several layers of density: the top layer's density for all of the wet volume and then, for each layer
-/// below, the difference to the one above it for the volume under their boundary.
+/// A hull in several layers of density: the top layer's density for the whole wet volume, plus, for each layer below,
+/// the difference to the one above it for the volume under their boundary.
 Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, double surface_m,
                                 const VolumeMoments& wet) const {
   if (wet.volume_m3 <= 0) return {};
@@ -154,7 +154,7 @@ Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, doubl
   return sum;
 }
 
-/// A hull that the surface, `surface_m` high over the hull's middle, may cut: pressure integrated over the wetted
+/// A hull that the surface, `surface_m` above the hull's middle, may cut: pressure integrated over the wetted
 /// triangles.
 Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const {
   const HullPressure::Load load = pressure_.load(at.position_world_m, at.world_from_body, water, time_s);
@@ -168,7 +168,7 @@ Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, d
   return sum;
 }
 
-/// A hull wholly submerged: as in still water, with the layers displaced by the waves, plus the load of the waves.
+/// A fully submerged hull: as in still water, with the layers displaced by the waves, plus the load of the waves.
 Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s) const {
   const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
   double head_m = 0;

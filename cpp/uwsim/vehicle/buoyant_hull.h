@@ -29,12 +29,12 @@ struct Buoyancy {
 ///
 /// Still water: the weight of the displaced water, the integral of rho(z) g dV, acts upward through its centroid
 /// (Archimedes). The volume is a sum of signed tetrahedra over the triangles, each cut at the surface, and rho is
-/// linear in layers: exact for any closed mesh, and continuous through the surface. A hull that is wholly submerged in
-/// one layer, or wholly dry, costs no work on triangles. Waves: the integral of the pressure p over the wetted
-/// triangles, each cut where p falls to that of the atmosphere, p linear over triangles whose edges are at most a
-/// quarter of the hull's radius. A hull deep enough under the waves is given the closed form of its second moments
-/// instead (relative error about (k r)^4 / 100 for wave number k and radius r). Between the two, over one radius of
-/// depth, they are blended smoothly.
+/// linear in layers: exact for any closed mesh, and continuous through the surface. A hull that is fully submerged in
+/// one layer, or completely dry, requires no work on triangles. Waves: the integral of the pressure p over the wetted
+/// triangles, each cut where p falls to atmospheric pressure, with p linear over triangles whose edges are at most a
+/// quarter of the hull's radius. A hull deep enough under the waves uses the closed form with its second moments
+/// instead (relative error about (k r)^4 / 100 for wave number k and radius r). The two are blended smoothly over one
+/// radius of depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -45,7 +45,7 @@ class BuoyantHull {
   const SolidProperties& solid() const { return solid_; }
   /// The part under the plane z = level_m.
   Displacement displacement(const Pose& world_from_body, double level_m = 0) const;
-  /// Height of the water's surface over the hull's middle. The volume under it is what `buoyancy` calls submerged.
+  /// Height of the water's surface over the hull's middle. `buoyancy` treats the volume under it as submerged.
   double level_m(const Pose& world_from_body, const WaterField& water, double time_s) const;
   /// `world_from_body` is the rotation of the body at `position_world_m`.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,

@@ -6,13 +6,13 @@
 namespace uwsim {
 namespace {
 
-/// The part of r r^T that one tetrahedron from the origin gives, without the factor volume / 20: a_i a_j + b_i b_j +
+/// The contribution of one tetrahedron from the origin to r r^T, without the factor volume / 20: a_i a_j + b_i b_j +
 /// c_i c_j + s_i s_j where s = a + b + c.
 inline double product_sum(double ai, double bi, double ci, double aj, double bj, double cj) {
   return ai * aj + bi * bj + ci * cj + (ai + bi + ci) * (aj + bj + cj);
 }
 
-/// A triangle with two wet corners counts as wholly wet, and the piece at its dry corner is taken away; the piece at a
+/// A triangle with two wet corners counts as fully wet, and the piece at its dry corner is subtracted; the piece at a
 /// single wet corner is added. The piece is the triangle's tetrahedron with the two edges at the odd corner o shortened
 /// to where they pierce the plane, p and q. Masks are numbers, 0 or 1, so that there are no branches.
 template <bool kWithSecond>

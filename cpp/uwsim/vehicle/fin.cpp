@@ -79,7 +79,7 @@ void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double
   if (speed < 1e-9) return;
   const Eigen::Vector3d direction = across / speed, lift_direction = direction.cross(span);
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitX();
-  // Angle of the flow to the hull's axis; the angle of attack is less by the deflection, which turns the chord.
+  // Angle of the flow to the hull's axis; the angle of attack is smaller by the deflection, which turns the chord.
   const double drift = std::atan2(-direction.dot(ahead.cross(span)), direction.dot(ahead));
   const Coefficients c = coefficients(drift - angle_rad_);
   const double pressure_area = 0.5 * density_kg_m3 * speed * speed * parameters_.area_m2 * submerged;

@@ -14,10 +14,10 @@ struct FinParameters {
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< centre of pressure
   Eigen::Vector3d span_body = Eigen::Vector3d::UnitY();       ///< unit, perpendicular to x; deflections turn about it
   double area_m2 = 0.01;
-  double aspect_ratio = 2;            ///< effective: span^2 / area, doubled where the hull acts as a mirror
+  double aspect_ratio = 2;            ///< effective: span^2 / area, doubled if the hull acts as a mirror
   double parasitic_drag = 0;          ///< C_D without lift, referred to area_m2
   double efficiency = 0.9;            ///< Oswald's efficiency factor of the induced drag
-  double stall_angle_rad = 0.35;      ///< where lift is midway between attached flow and a flat plate
+  double stall_angle_rad = 0.35;      ///< angle at which lift is midway between attached flow and a flat plate
   double stall_sharpness_rad = 0.04;  ///< e-folding angle of that transition
   bool stalls = true;                 ///< false: attached flow at every angle
   double deflection_max_rad = 0;      ///< 0: fixed
@@ -32,11 +32,11 @@ struct FinParameters {
 
 /// A fin that follows its commanded deflection at a limited rate.
 ///
-/// Lift and drag act at the centre of pressure, in the plane perpendicular to the span, in the flow at that point
+/// Lift and drag act at the centre of pressure, in the plane perpendicular to the span, for the flow at that point
 /// (Beard and McLain 2012, ch. 4). Below stall, C_L = C_La sin a cos a (within 2 % of C_La a up to 10 degrees, and
-/// bounded in flow from behind) and C_D = C_D0 + C_L^2 / (pi e A). Beyond stall, those of a flat plate: C_L = 2 sin^2 a
-/// cos a and C_D = C_D0 + 2 |sin^3 a|. A sigmoid blends the two. Quasi-steady: no wake, no added mass, no flow along
-/// the span.
+/// bounded in flow from behind) and C_D = C_D0 + C_L^2 / (pi e A). Beyond stall, the coefficients of a flat plate
+/// apply: C_L = 2 sin^2 a cos a and C_D = C_D0 + 2 |sin^3 a|. A sigmoid blends the two. Quasi-steady: no wake, no added
+/// mass, no flow along the span.
 class Fin {
  public:
   /// Throws InvalidValue: see FinParameters::check.

@@ -26,13 +26,13 @@ class HullPressure {
   HullPressure(TriangleMesh mesh_body, double longest_edge_m);
 
   /// The integrals of -p n and of r x -p n over the wetted part. Each triangle is cut where its pressure head, assumed
-  /// linear over it, is 0, and p is linear over the part that is wet. The load of a vertex' pressure on the triangles
-  /// around it is tabulated, so that only triangles that are cut are integrated one by one.
+  /// linear over it, is 0, and p is linear over the wet part. The load that a vertex's pressure exerts on the triangles
+  /// around it is tabulated, so that only triangles that are cut are integrated individually.
   Load load(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body, const WaterField& water,
             double time_s) const;
 
  private:
-  /// Triangles that are looked at one by one only where the surface cuts their patch.
+  /// Triangles that are examined individually only if the surface cuts their patch.
   struct Patch {
     std::size_t first_triangle, end_triangle, first_vertex, vertex_count;
   };

@@ -21,8 +21,8 @@ struct CraftParameters {
   Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
 
   /// Buoyancy as a share of rho(z) g V, with the density at atmospheric pressure and the volume at the surface: at
-  /// depth 0, `buoyancy_share_step_m`, twice that, and so on; linear in between, and as at the last one below. Empty: 1
-  /// at all depths, for a hull that shrinks with the water around it.
+  /// depth 0, `buoyancy_share_step_m`, twice that, and so on; linear in between, constant below the last. Empty: 1 at
+  /// all depths, for a hull that shrinks with the water around it.
   std::vector<double> buoyancy_share;
   double buoyancy_share_step_m = 0;  ///< [m]
 
@@ -40,16 +40,16 @@ struct CraftParameters {
 /// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, waves included
 /// (BuoyantHull). nu_c is the water's velocity (current and orbital motion of the waves) at the centre of the submerged
 /// volume; it is treated as uniform over the hull, which must be shorter than a quarter of the wave length and of the
-/// length over which the current varies. nu_c' is its rate in the body frame: the rotation of the body and the water's
-/// acceleration: of waves that of the particles, convective part included (Auton, Hunt and Prud'homme 1988, J. Fluid
-/// Mech. 197:241), so that a neutral body which moves with the water keeps doing so; of currents the local one, without
-/// the second-order part from drifting through a velocity that varies in space. F_c = rho V a_c is the pressure that
-/// drives an unsteady current; the pressure of waves is in g (Froude-Krylov). There is no radiation damping and no
-/// diffraction beyond M_A. Added mass and damping scale with the submerged fraction of the hull. Valid for constant
-/// coefficients, deeply submerged or slowly surfacing.
+/// length over which the current varies. nu_c' is its rate in the body frame, due to the rotation of the body and the
+/// water's acceleration: for waves that of the particles, including the convective part (Auton, Hunt and Prud'homme
+/// 1988, J. Fluid Mech. 197:241), so that a neutral body that moves with the water keeps doing so; for currents the
+/// local one, without the second-order part from drifting through a velocity that varies in space. F_c = rho V a_c is
+/// the pressure that drives an unsteady current; the pressure of waves is in g (Froude-Krylov). There is no radiation
+/// damping and no diffraction beyond M_A. Added mass and damping scale with the submerged fraction of the hull. Valid
+/// for constant coefficients, deeply submerged or slowly surfacing.
 class Craft {
  public:
-  /// Throws InvalidValue when the parameters are not valid or the centre of mass is outside the hull's bounding box.
+  /// Throws InvalidValue if the parameters are invalid or the centre of mass is outside the hull's bounding box.
   Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull);
   Craft(CraftParameters parameters, BuoyantHull hull);
 
@@ -62,7 +62,7 @@ class Craft {
                              double time_s) const;
   /// (M_RB + M_A)^-1 at this pose, for the contact solver.
   Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
-  /// From 0 (dry) to 1 (wholly under the water's height over the hull).
+  /// From 0 (dry) to 1 (entirely below the water's height over the hull).
   double submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const;
   /// Kinetic energy 1/2 nu^T (M_RB + M_A) nu of the body and of the still water around it with a surface at z = 0 [J].
   double kinetic_energy_j(const BodyState& state) const;

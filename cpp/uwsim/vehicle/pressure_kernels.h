@@ -7,8 +7,8 @@ namespace uwsim {
 
 inline constexpr std::size_t kPressureLanes = 8;
 
-/// Eight vertices of a hull, number by number: where they are in the body frame, and the force and the moment of 1 Pa
-/// at each. Unused places repeat a vertex, without force and moment.
+/// Eight vertices of a hull, one array per number: their positions in the body frame, and the force and the moment of 1
+/// Pa at each. Unused places repeat a vertex, with zero force and moment.
 struct alignas(64) VertexBlock {
   double arm_m[3][kPressureLanes];
   double per_pascal[6][kPressureLanes];
@@ -16,7 +16,7 @@ struct alignas(64) VertexBlock {
 
 /// The loops over a hull's vertices, compiled for each instruction set. All give the same bits.
 struct PressureKernels {
-  /// Where the vertices are in the world, x y z each. `rotation` is in row-major order.
+  /// Computes the vertices' world positions, x y z each. `rotation` is in row-major order.
   void (*place)(const VertexBlock* blocks, std::size_t count, const double* position_m, const double* rotation,
                 double* points_m);
   /// Pressures in water of uniform density; 0 where the head is negative.
@@ -30,7 +30,7 @@ struct PressureKernels {
 const PressureKernels& baseline_pressure_kernels();
 const PressureKernels& avx2_pressure_kernels();
 const PressureKernels& avx512_pressure_kernels();
-/// The widest of these that this processor runs.
+/// The kernels for the widest instruction set of this processor.
 const PressureKernels& pressure_kernels();
 
 }  // namespace uwsim

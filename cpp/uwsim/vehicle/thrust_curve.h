@@ -11,11 +11,11 @@ class ThrustCurve {
  public:
   /// thrust = command [N].
   ThrustCurve() : ThrustCurve({-1, 1}, {-1, 1}) {}
-  /// Throws InvalidValue unless commands increase within [-1, 1], thrusts [N] never fall, and command 0 gives 0 N.
+  /// Throws InvalidValue unless commands increase within [-1, 1], thrusts [N] never decrease, and command 0 gives 0 N.
   ThrustCurve(std::vector<double> commands, std::vector<double> thrusts_n, std::string_view path = "thrust_curve");
 
   double thrust_n(double command) const;
-  /// The inverse: a command that gives this thrust. 0 for 0 N; the table's end for a thrust beyond it.
+  /// The inverse: a command that gives this thrust. 0 for 0 N; the end of the table for a thrust beyond it.
   double command(double thrust_n) const;
   double lowest_n() const { return thrusts_n_.front(); }
   double highest_n() const { return thrusts_n_.back(); }

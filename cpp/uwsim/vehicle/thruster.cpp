@@ -42,7 +42,7 @@ void Thruster::set_command(double command) {
 
 void Thruster::advance(double step_s, bool powered) {
   if (step_s != step_s_) {
-    const double steps = step_s / parameters_.time_constant_s;  // infinite without lag
+    const double steps = step_s / parameters_.time_constant_s;  // infinite if there is no lag
     step_s_ = step_s;
     decay_ = std::exp(-steps);
     mean_decay_ = -std::expm1(-steps) / steps;

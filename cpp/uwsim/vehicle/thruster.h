@@ -13,18 +13,18 @@ namespace uwsim {
 /// A propeller and its motor, in the body frame.
 struct ThrusterParameters {
   std::string name;
-  Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< hub
+  Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< position of the hub
   Eigen::Vector3d axis_body = Eigen::Vector3d::UnitX();       ///< unit, direction of a positive thrust
   ThrustCurve curve;                                          ///< in still water
   double time_constant_s = 0;                                 ///< of the thrust; 0: no lag
   double diameter_m = 0.1;
-  /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), which gives the revolutions [-].
+  /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), which determines the revolutions [-].
   double bollard_coefficient = 0.45;
   /// Advance ratio u_a / (n D) at which the thrust vanishes; infinity: it never does [-].
   double zero_thrust_advance_ratio = std::numeric_limits<double>::infinity();
   double torque_per_thrust_m = 0;  ///< k_q = D K_Q / K_T
-  int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when it thrusts ahead
-  double health = 1;               ///< share of the thrust that is left; the allocation does not know of it
+  int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when thrusting ahead
+  double health = 1;               ///< share of the thrust that remains after a fault; the allocation does not know it
 
   /// Throws InvalidValue that names thruster and field.
   void check() const;
@@ -33,13 +33,14 @@ struct ThrusterParameters {
 /// A thruster that follows its commands.
 ///
 /// The still-water thrust T0 follows that of the curve with a first-order lag, integrated exactly over a step. The
-/// vehicle feels the bilinear model of Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion Control", sec.
-/// 9.1,
+/// force on the vehicle follows the bilinear model of Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion
+/// Control", sec. 9.1,
 ///
 ///   T = T_nn |n| n - T_nu |n| u_a = T0 - (D / J_0) sqrt(rho K_T0 |T0|) u_a,
 ///
-/// u_a the hub's speed through the water along the axis, and the propeller's torque k_q T, against its spin. Valid for
-/// advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters have no effect.
+/// where u_a is the hub's speed through the water along the axis, and the propeller's torque is k_q T, against its
+/// spin. Valid for advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters
+/// have no effect.
 class Thruster {
  public:
   /// Throws InvalidValue: see ThrusterParameters::check.
@@ -70,13 +71,13 @@ class Thruster {
  private:
   ThrusterParameters parameters_;
   Vector6d column_;              // for 1 N of thrust
-  Vector6d column_with_torque_;  // for 1 N of thrust and the torque that goes with it
+  Vector6d column_with_torque_;  // for 1 N of thrust and the associated torque
   double loss_ = 0;              // D sqrt(K_T0) / J_0 [m]
   double command_ = 0;
   double target_n_ = 0;
   double thrust_n_ = 0;
   double mean_thrust_n_ = 0;  // over the last step
-  double step_s_ = 0;         // for which decay_ and mean_decay_ were computed
+  double step_s_ = 0;         // the step for which decay_ and mean_decay_ were computed
   double decay_ = 0;
   double mean_decay_ = 0;  // mean over the step, relative to its start
 };

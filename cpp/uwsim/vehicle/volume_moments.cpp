@@ -12,11 +12,11 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kClusterSize = 8;
-// A cell of planes: the pitch of each component of `up`, and of the level as a part of the mesh's radius. Small cells
-// list few triangles, large ones last for more steps of a body that moves.
+// A cell of planes: the pitch of each component of `up`, and of the level as a fraction of the mesh's radius. Small
+// cells list few triangles; large ones last for more steps of a moving body.
 constexpr double kTiltPitch = 1.0 / 256;
 constexpr double kLevelPitch = 1.0 / 128;
-constexpr double kRounding = 1e-9;  // relative; more than heights err by
+constexpr double kRounding = 1e-9;  // relative; more than the error of heights
 constexpr std::size_t kRemembered = 8;
 
 using Corners = std::array<Eigen::Vector3d, 3>;
@@ -30,7 +30,7 @@ VolumeMoments tetrahedron(const Corners& corners_m) {
           volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())};
 }
 
-/// Orders triangles so that neighbours in space are neighbours in the list, by repeated halving across the longest
+/// Orders triangles so that neighbours in space are neighbours in the list, by repeatedly halving along the longest
 /// side.
 void sort_spatially(std::span<Triangle> triangles, const TriangleMesh& mesh) {
   if (triangles.size() <= kClusterSize) return;
@@ -106,7 +106,8 @@ struct CutVolume::PlaneCell {
   }
 };
 
-/// A cell's triangles: those below all of its planes, as a sum, and those that some of its planes may cut.
+/// A cell's triangles: the sum over those below all of its planes, and the list of those that some of its planes may
+/// cut.
 struct CutVolume::Near {
   PlaneCell cell;
   VolumeMoments below;
@@ -163,7 +164,7 @@ const CutVolume::Near& CutVolume::near(const PlaneCell& cell) const {
 void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
   near.clear();
   near.cell = cell;
-  // How far heights over the cell's planes differ from those over its middle one.
+  // By how much heights over the cell's planes differ from those over its central one.
   const double margin_m =
       0.5 * (std::sqrt(3.0) * kTiltPitch + kLevelPitch) * radius_m_ * (1 + kRounding) + kRounding * radius_m_;
   for (const Cluster& cluster : clusters_) {

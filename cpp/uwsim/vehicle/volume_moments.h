@@ -22,10 +22,9 @@ struct VolumeMoments {
 ///
 /// They are the sum over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the cut
 /// face, a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are sorted into
-/// cells of nearly equal tilt and level. For a cell, the sum over the triangles that are below all of its planes and
-/// the list of those that some of its planes cut are made once; only the list is summed for each plane. A thread
-/// remembers the cells that it used last. What it remembers follows from the cell alone, so the result does not depend
-/// on it.
+/// cells of nearly equal tilt and level. For a cell, the sum over the triangles below all of its planes and the list of
+/// those that some of its planes cut are computed once; only the list is summed for each plane. A thread caches the
+/// cells that it used last. The cached data follow from the cell alone, so the result does not depend on them.
 class CutVolume {
  public:
   CutVolume() = default;
@@ -56,11 +55,11 @@ class CutVolume {
   void find_near(const PlaneCell& cell, Near& near) const;
   void add_cluster(std::size_t first, std::size_t last);
 
-  std::uint64_t number_ = 0;                                 // of this mesh among all; copies share it
-  std::vector<std::array<Eigen::Vector3d, 3>> triangles_m_;  // neighbours in space are neighbours here
+  std::uint64_t number_ = 0;                                 // identifies this mesh among all; copies share it
+  std::vector<std::array<Eigen::Vector3d, 3>> triangles_m_;  // neighbours in space are also neighbours in the list
   std::vector<Cluster> clusters_;
   VolumeMoments whole_;
-  double radius_m_ = 0;  // of a sphere about the origin that holds the mesh
+  double radius_m_ = 0;  // of a sphere about the origin that encloses the mesh
 };
 
 }  // namespace uwsim

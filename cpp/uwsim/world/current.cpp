@@ -41,8 +41,8 @@ void check_rising(const std::vector<double>& axis, const std::string& path) {
   }
 }
 
-/// The two of an axis' rising values that enclose a value, and how far it lies from the first to the second; beyond the
-/// ends, the end.
+/// The two of an axis's increasing values that enclose a value, and how far it lies from the first to the second;
+/// beyond the ends, the end value.
 struct Interval {
   std::size_t first = 0, second = 0;
   double fraction = 0;
@@ -106,7 +106,7 @@ class GustyCurrent : public Current {
     const auto index =
         static_cast<std::int64_t>(blocks) * static_cast<std::int64_t>(kIntervals) + static_cast<std::int64_t>(knot);
     const Ends ends = ends_of(index);
-    const Eigen::Vector3d slope = (ends.right - ends.left) * kIntervals;  // for each block
+    const Eigen::Vector3d slope = (ends.right - ends.left) * kIntervals;  // of each block
     const Eigen::Vector3d value = ends.left + slope * (fraction - knot / kIntervals);
     return {.velocity_m_s = sigma_m_s_.cwiseProduct(value), .rate_m_s2 = sigma_m_s_.cwiseProduct(slope) / block_s_};
   }
@@ -124,8 +124,8 @@ class GustyCurrent : public Current {
     Eigen::Vector3d left = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();
   };
 
-  /// The last interval is kept, since many steps in a row ask for it. A thread that finds another one looking draws
-  /// anew.
+  /// The last interval is cached, since many consecutive steps ask for it. If another thread is using the cache, the
+  /// interval is drawn again.
   Ends ends_of(std::int64_t index) const {
     if (looking_.test_and_set(std::memory_order_acquire)) return drawn(index);
     if (kept_.index != index) kept_ = drawn(index);
@@ -144,7 +144,7 @@ class GustyCurrent : public Current {
   }
 
   /// A process of unit variance at the ends of an interval. A draw is keyed by the block and an index: 0 for the
-  /// block's start, and for the midpoints their number in a binary heap, by which the interval is found.
+  /// block's start, and for the midpoints their number in a binary heap, which also locates the interval.
   std::pair<double, double> knots(const RandomStream& draw, std::int64_t index) const {
     const auto block = static_cast<std::uint64_t>(index >> kLevels);
     double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);

@@ -13,12 +13,13 @@ struct CurrentSample {
   Eigen::Vector3d rate_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// A current: a pure function of place and time. Several add up.
+/// A current: a pure function of place and time. Several currents add up.
 class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts have none: theirs is three standard deviations.
+  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts have none; three standard deviations are used for
+  /// them.
   virtual double bound_m_s() const = 0;
 };
 
@@ -31,16 +32,16 @@ std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_
 
 /// Gauss-Markov gusts with zero mean: each world axis is an Ornstein-Uhlenbeck process of standard deviation sigma and
 /// autocorrelation exp(-|dt| / correlation_time), drawn at knots 1/32 of that time apart and linear between them. The
-/// knots are found by halving: those 16 correlation times apart are drawn independently (their correlation is e^-16),
-/// and each midpoint from its two neighbours by the law of the bridge, which is exact. So the value at a time is a
-/// function of seed and time alone, costs ten draws, and does not depend on the steps before.
+/// knots are found by bisection: those 16 correlation times apart are drawn independently (their correlation is e^-16),
+/// and each midpoint from its two neighbours as a bridge, which is exact. So the value at a time is a function of seed
+/// and time alone, costs ten draws, and does not depend on earlier steps.
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed);
 
 /// A steady field on a grid: trilinear between grid points, constant beyond the edges.
 struct CurrentGrid {
-  std::vector<double> x_m, y_m, z_m;          ///< rising; z up
-  std::vector<Eigen::Vector3d> velocity_m_s;  ///< at (x[i], y[j], z[k]) under (k * ny + j) * nx + i
+  std::vector<double> x_m, y_m, z_m;          ///< increasing; z points up
+  std::vector<Eigen::Vector3d> velocity_m_s;  ///< at (x[i], y[j], z[k]) stored at index (k * ny + j) * nx + i
 };
 std::shared_ptr<const Current> gridded_current(CurrentGrid grid);
 

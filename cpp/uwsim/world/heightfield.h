@@ -8,8 +8,8 @@
 namespace uwsim {
 
 /// Terrain as heights over a regular grid: heights_m[j * nx + i] is z at (x0 + i spacing, y0 + j spacing), world ENU.
-/// Each cell is two triangles that share the diagonal from (i + 1, j) to (i, j + 1). Rays and contacts both use them,
-/// so they meet the same surface.
+/// Each cell is two triangles that share the diagonal from (i + 1, j) to (i, j + 1). Rays and contacts both use these
+/// triangles, so they hit the same surface.
 class Heightfield {
  public:
   /// Throws InvalidValue that names terrain and field.

@@ -14,7 +14,7 @@ namespace uwsim {
 namespace {
 
 /// Band of the components, in units of the peak frequency. It holds 99 % of a JONSWAP sea's energy; scaling to the
-/// significant height makes up for the rest.
+/// significant height compensates for the rest.
 constexpr double kLowest = 0.5, kHighest = 3.0;
 
 /// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), as wave length over height.
@@ -40,7 +40,7 @@ class Distribution {
     }
   }
 
-  /// The value that the share `u` of the distribution lies below; u in [0, 1).
+  /// The quantile of the distribution at probability `u`, in [0, 1).
   double quantile(double u) const {
     const double target = u * below_.back();
     const auto next = std::upper_bound(below_.begin() + 1, below_.end() - 1, target);
@@ -71,7 +71,7 @@ void check(const JonswapSea& sea, double gravity_m_s2) {
           sea.spreading_exponent, "must be in [0, 100]");
 }
 
-/// The frequency at which a wave would break: the tail of a steep sea is limited by it [rad/s].
+/// The frequency at which a wave would break, which limits the tail of a steep sea [rad/s].
 double steepest_frequency(double amplitude_m, double depth_m, double gravity_m_s2) {
   if (amplitude_m == 0) return std::numeric_limits<double>::infinity();
   const double k = 0.99 * Waves::kSteepest / amplitude_m;

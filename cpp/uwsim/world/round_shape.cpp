@@ -8,16 +8,17 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSeam_m = 1e-9;         // pieces overlap by this where they meet, so that no ray slips between them
+// pieces overlap by this much where they join, so that no ray slips between them
+constexpr double kSeam_m = 1e-9;
 constexpr double kSharpestCosine = 0.1;  // the cosine of half of the sharpest bend
-constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray never meets the wall
+constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray never hits the wall
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");
   require(std::isfinite(radius_m) && radius_m > 0, std::string(path) + ".radius_m", radius_m, "must be positive");
 }
 
-/// The nearest of the surfaces that a ray meets, between two distances.
+/// The nearest of the surfaces that a ray hits, between two distances.
 class Nearest {
  public:
   Nearest(double near_m, double far_m) : near_m_(near_m), far_m_(far_m) {}
@@ -53,7 +54,7 @@ bool within(const RoundShape::End& end, const Eigen::Vector3d& point) {
   return end.outward.dot(point - end.point_world_m) <= kSeam_m;
 }
 
-/// Returns false when the ray misses the endless cylinder and so the caps, which are within it.
+/// Returns false if the ray misses the infinite cylinder, and thus the caps, which are inside it.
 bool meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                Nearest& nearest) {
   const auto off_axis = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - shape.axis.dot(v) * shape.axis; };
@@ -135,7 +136,7 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
 }
 
 double depth_within(const RoundShape& shape, const Eigen::Vector3d& point_world_m) {
-  const Eigen::Vector3d from_end = point_world_m - shape.ends[0].point_world_m;  // of a sphere: from its centre
+  const Eigen::Vector3d from_end = point_world_m - shape.ends[0].point_world_m;  // for a sphere: from its centre
   double depth = shape.radius_m - (from_end - shape.axis.dot(from_end) * shape.axis).norm();
   if (shape.is_sphere()) return depth;
   for (const RoundShape::End& end : shape.ends) {
@@ -147,7 +148,7 @@ double depth_within(const RoundShape& shape, const Eigen::Vector3d& point_world_
 ShapeBounds bounds(const RoundShape& shape) {
   ShapeBounds box{shape.ends[0].point_world_m, shape.ends[0].point_world_m};
   for (const RoundShape::End& end : shape.ends) {
-    // A mitred end is an ellipse, whose tip lies radius / tilt from the end of the axis.
+    // A mitred end is an ellipse whose tip lies radius / tilt from the end of the axis.
     const double tilt = shape.is_sphere() ? 1 : std::abs(end.outward.dot(shape.axis));
     const Eigen::Vector3d extent = Eigen::Vector3d::Constant(shape.radius_m / tilt + kSeam_m);
     box.low_m = box.low_m.cwiseMin(end.point_world_m - extent);

@@ -6,14 +6,14 @@ namespace uwsim {
 namespace {
 
 constexpr std::int64_t kFlatRows = 4;  // a triangle with fewer is so flat that rounding dominates its slope
-constexpr int kMostCorners = 9;        // of a triangle that six planes have cut
+constexpr int kMostCorners = 9;        // of a triangle after cuts by six planes
 
-/// A convex polygon, which planes cut to what lies on one side of them.
+/// A convex polygon that planes reduce to its part on one side.
 struct Polygon {
   std::array<Eigen::Vector3d, kMostCorners> corners;
   int count;
 
-  /// Keeps what lies where sign * x[axis] <= sign * at (Sutherland and Hodgman 1974, Comm. ACM 17(1)).
+  /// Keeps the part where sign * x[axis] <= sign * at (Sutherland and Hodgman 1974, Comm. ACM 17(1)).
   void cut(int axis, double at, double sign) {
     const Polygon whole = *this;
     count = 0;

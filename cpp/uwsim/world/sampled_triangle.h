@@ -42,15 +42,15 @@ class SampledTriangle {
     std::int64_t first, last;
   };
 
-  /// The steps, of `count` from 0 to 1, in a range, and one more at either end for rounding.
+  /// The steps, of `count` from 0 to 1, in a range, plus one at either end for rounding.
   static Steps steps_within(const Range& range, std::int64_t count) {
     const auto steps = static_cast<double>(count);
     return {std::max(static_cast<std::int64_t>(std::floor(range.low * steps)) - 1, std::int64_t{0}),
             std::min(static_cast<std::int64_t>(std::ceil(range.high * steps)) + 1, count)};
   }
-  /// Bounds on how far the part in the box reaches from edge a-b (0) towards corner c (1).
+  /// Bounds on how far the part inside the box extends from edge a-b (0) towards corner c (1).
   Range heights_within(const Eigen::AlignedBox3d& box_m) const;
-  /// Where the row at this height enters and leaves the box, as shares of the row; low > high: never.
+  /// Where the row at this height enters and leaves the box, as fractions of the row; low > high: never.
   Range part_within(const Eigen::AlignedBox3d& box_m, double up) const;
 
   Eigen::Vector3d a_m_, b_m_, c_m_;

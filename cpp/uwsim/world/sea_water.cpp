@@ -27,7 +27,7 @@ double sea_water_density_kg_m3(double t, double s) {
 
 double sea_water_bulk_modulus_pa(double t, double s, double gauge_pressure_pa) {
   check(t, s, gauge_pressure_pa);
-  const double p = gauge_pressure_pa / 1e5;  // bar
+  const double p = gauge_pressure_pa / 1e5;  // in bar
   const double root = std::sqrt(s);
   const double water = 19652.21 + t * (148.4206 + t * (-2.327105 + t * (1.360477e-2 - t * 5.155288e-5)));
   const double salt = 54.6746 + t * (-0.603459 + t * (1.09987e-2 - t * 6.1670e-5));

@@ -46,7 +46,7 @@ double del_grosso(double t, double s, double p) {  // p in kg/cm^2
   return 1402.392 + apart + together;
 }
 
-double belogolskii(double t, double p) {  // p in MPa above the atmosphere's
+double belogolskii(double t, double p) {  // p in MPa above atmospheric
   return polynomial(p,
                     polynomial(t, 1402.38744, 5.03836171, -5.81172916e-2, 3.34638117e-4, -1.48259672e-6, 3.16585020e-9),
                     polynomial(t, 1.49043589, 1.077850609e-2, -2.232794656e-4, 2.718246452e-6),

@@ -12,30 +12,30 @@ namespace uwsim {
 /// A voxel of OctoMap's grid: floor(x / resolution) on each axis.
 using GridCell = std::array<std::int64_t, 3>;
 
-/// Points on the true surface, sorted by voxel, and the voxels that hold them, sorted.
+/// Points on the true surface, sorted by voxel, and the voxels that contain them, sorted.
 struct SurfaceSamples {
   std::vector<double> points_world_m;         ///< rows of x, y, z
-  std::vector<std::int64_t> voxel_of_sample;  ///< into the voxels
+  std::vector<std::int64_t> voxel_of_sample;  ///< index into the voxels
   std::vector<std::int64_t> voxels;           ///< rows of x, y, z
 };
 
-/// Samples the triangles of a world's terrain and solids, where they lie inside a polygon and a box, at half a voxel or
-/// closer. At most one point is kept for each octant of a voxel. Parts of solids under the terrain, such as the lower
-/// half of a buried pipe, are not surface. Safe to use from several threads at once.
+/// Samples the triangles of a world's terrain and solids inside a polygon and a box, at a spacing of at most half a
+/// voxel. At most one point is kept for each octant of a voxel. Parts of solids under the terrain, such as the lower
+/// half of a buried pipe, do not count as surface. Thread-safe.
 class SurfaceSampler {
  public:
   /// area_world_m: corners of a simple polygon. within_m: may be infinite.
   SurfaceSampler(const World& world, double resolution_m, std::vector<Eigen::Vector2d> area_world_m,
                  const Eigen::AlignedBox3d& within_m);
 
-  /// Holds all surface to be sampled, inside the polygon's bounds; empty if there is none.
+  /// Encloses all the surface to be sampled, inside the polygon's bounds; empty if there is none.
   const Eigen::AlignedBox3d& box_m() const { return box_m_; }
-  /// About how many voxels the triangles run through in that box: a plane of area A and unit normal n crosses
-  /// A |n|_1 / resolution^2.
+  /// Approximate number of voxels that the triangles pass through in that box: a plane of area A and unit normal n
+  /// crosses A |n|_1 / resolution^2.
   double voxels_in_box() const { return voxels_in_box_; }
 
-  /// The samples in the voxels from `first` to before `end` on each axis. A point is in the same voxel, and the same
-  /// point is kept, however the grid is cut.
+  /// The samples in the voxels from `first` up to, but excluding, `end` on each axis. However the grid is divided, a
+  /// point is in the same voxel, and the same point is kept.
   SurfaceSamples sample(const GridCell& first, const GridCell& end) const;
 
  private:

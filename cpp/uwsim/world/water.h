@@ -14,10 +14,10 @@ namespace uwsim {
 
 /// The water of a world. By default it is calm, of uniform density, with one steady current, and its temperature
 /// changes linearly from the surface to `bottom_depth_m` and is constant below. Waves, currents and a profile may be
-/// added. Copies are cheap: they share these, which never change.
+/// added. Copies are cheap: they share these, which are immutable.
 ///
-/// Densities are those at atmospheric pressure. Where the water is compressible, its pressure includes the compression
-/// by its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are taken to shrink with
+/// Densities are those at atmospheric pressure. If the water is compressible, its pressure includes the compression by
+/// its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are assumed to shrink with
 /// the water around them (assumed: syntactic foam and thin pressure hulls have about the bulk modulus of water; a rigid
 /// hull would gain 0.45 % of its displacement at 1000 m).
 class Water : public EvenWater {
@@ -39,17 +39,17 @@ class Water : public EvenWater {
   static double depth_m(double z_world_m) { return -z_world_m; }
   /// Absolute pressure of still water: p_atm + the integral of rho g, with compression; p_atm above the surface.
   double pressure_pa(double z_world_m) const;
-  /// Absolute pressure under the waves of the moment.
+  /// Absolute pressure under the waves at this time.
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
   double temperature_deg_c(double z_world_m) const;
   double salinity_at_psu(double z_world_m) const;
-  /// Speed of sound: the profile's, if it gives one, else by the equation from temperature, salinity and pressure.
+  /// Speed of sound: that of the profile, if it has one, else by the equation from temperature, salinity and pressure.
   double sound_speed_m_s(double z_world_m) const;
-  /// Whether the profile gives the speed of sound.
+  /// Whether the profile specifies the speed of sound.
   bool gives_sound_speed() const;
-  /// Selects the equation for the speed of sound by its name, or the best for this water by "automatic"
-  /// (best_sound_speed_equation). Throws InvalidValue where this water exceeds the named one's range, or its profile
-  /// gives the speed of sound.
+  /// Selects the equation for the speed of sound by name, or the best for this water with "automatic"
+  /// (best_sound_speed_equation). Throws InvalidValue if this water exceeds the range of the named equation, or if its
+  /// profile specifies the speed of sound.
   void select_sound_speed_equation(std::string_view name);
   /// Extremes down to the deeper of bottom_depth_m and the profile's last level.
   WaterRange range() const;
@@ -70,7 +70,7 @@ class Water : public EvenWater {
 
  private:
   double compressed_pa(double still_pa, double depth_m) const;
-  /// The currents alone.
+  /// The currents alone, without waves.
   WaterFlow current_at(const Eigen::Vector3d& point_world_m, double time_s) const;
 };
 

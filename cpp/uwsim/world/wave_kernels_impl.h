@@ -66,8 +66,7 @@ inline DoubleLanes volume_at(DoubleLanes x, DoubleLanes y, DoubleLanes z, Double
   }
 }
 
-/// Eight points at a time, places that are left over filled up. Waves::stretched says where linear theory is
-/// evaluated.
+/// Eight points at a time, with unused places filled. Waves::stretched defines where linear theory is evaluated.
 template <int kOrder>
 void heads(const WavePatch& patch, const double* points_m, std::size_t count, double* heads_m) {
   for (std::size_t n = 0; n < count; n += kWaveLanes) {

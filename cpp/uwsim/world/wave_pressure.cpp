@@ -8,8 +8,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kTolerance = 5e-4;     // of the sum of the amplitudes
-constexpr std::size_t kFewPoints = 16;  // up to these, summing the waves at each point is cheaper
+constexpr double kTolerance = 5e-4;     // as a fraction of the sum of the amplitudes
+constexpr std::size_t kFewPoints = 16;  // for up to this many, summing the waves at each point is cheaper
 
 void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double x, double y, double z) {
   WaveTerms& at = terms[k / kWaveLanes];
@@ -21,7 +21,7 @@ void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double 
   at.decay_rad_m[lane] = z;
 }
 
-/// Fills the last block up with waves of no height; returns the number of blocks.
+/// Fills up the last block with waves of zero height; returns the number of blocks.
 std::size_t blocks(WaveTerms* terms, std::size_t count) {
   while (count % kWaveLanes != 0) put(terms, count++, 0, 0, 0, 0, 0);
   return count / kWaveLanes;
@@ -29,7 +29,7 @@ std::size_t blocks(WaveTerms* terms, std::size_t count) {
 
 }  // namespace
 
-/// The lowest order of polynomial that keeps the tolerance within `radius_m`; 0 when none does.
+/// The lowest order of polynomial within the tolerance over `radius_m`; 0 if there is none.
 int Waves::polynomial_order(double radius_m) const {
   double scale = radius_m * radius_m / 2;
   for (std::size_t order = 2; order <= 9; ++order) {

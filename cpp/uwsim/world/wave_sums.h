@@ -24,10 +24,10 @@ struct WavesOnVolume {
 /// eight.
 struct WaveSumKernels {
   static constexpr std::size_t kNumbers = 8;
-  static constexpr double kMostPhase_rad = 1e6;  ///< up to which phases are reduced to rounding
+  static constexpr double kMostPhase_rad = 1e6;  ///< largest phase that is reduced to within rounding
 
-  /// Sets the crests, zero in unused places of the last block, and adds up the cosines. Returns false where a phase is
-  /// too large.
+  /// Sets the crests, zero in unused places of the last block, and adds up the cosines. Returns false if a phase is too
+  /// large.
   bool (*crests)(const double* waves, std::size_t count, double x_m, double y_m, double time_s, double* crests,
                  double& height_m);
   void (*motion)(const double* waves, std::size_t count, const double* crests, double z_m, double depth_m,
@@ -40,7 +40,7 @@ struct WaveSumKernels {
 const WaveSumKernels& baseline_wave_sum_kernels();
 const WaveSumKernels& avx2_wave_sum_kernels();
 const WaveSumKernels& avx512_wave_sum_kernels();
-/// The widest of these that this processor runs.
+/// The kernels for the widest instruction set of this processor.
 const WaveSumKernels& wave_sum_kernels();
 
 }  // namespace uwsim

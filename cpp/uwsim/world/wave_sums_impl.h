@@ -9,12 +9,12 @@ namespace {
 
 constexpr std::size_t kLanes = 8;
 
-/// Eight waves. Unused places have no amplitude.
+/// Eight waves. Unused places have zero amplitude.
 struct WaveBlock {
   DoubleLanes amplitude, omega, k, kx, ky, phase, deep, shallow;
-  bool is_deep = true;  ///< all of them are deep-water waves
+  bool is_deep = true;  ///< whether all of them are deep-water waves
 
-  /// From rows, transposed: halves of rows, then quarters, then numbers change places.
+  /// Transposes rows: halves of rows are swapped, then quarters, then numbers.
   WaveBlock(const double* waves, std::size_t count) {
     DoubleLanes rows[kLanes], halves[kLanes], quarters[kLanes];
     for (std::size_t lane = 0; lane < kLanes; ++lane) {

@@ -13,7 +13,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDepthOfMotion = 25;  // in units of 1 / k; deeper, less than 2e-11 of a wave's motion is left
+// in units of 1 / k; deeper than this, less than 2e-11 of a wave's motion remains
+constexpr double kDepthOfMotion = 25;
 
 }  // namespace
 
@@ -78,7 +79,7 @@ std::vector<WaveComponent> Waves::components() const {
 }
 
 std::size_t Waves::count_reaching(double z_m) const {
-  const double cover_m = -z_m - 2 * bound_m_;  // below the deepest trough, stretching included
+  const double cover_m = -z_m - 2 * bound_m_;  // below the deepest trough, including stretching
   if (cover_m <= 0) return waves_.size();
   const double limit = kDepthOfMotion / cover_m;
   const auto end =
@@ -86,8 +87,8 @@ std::size_t Waves::count_reaching(double z_m) const {
   return static_cast<std::size_t>(end - waves_.begin());
 }
 
-/// Fills in the crests of the first `count` waves, and zeros up to a whole block; returns the surface's height, which
-/// is the sum of their cosines.
+/// Fills in the crests of the first `count` waves, padded with zeros to a whole block; returns the surface's height,
+/// which is the sum of their cosines.
 double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
   double height = 0;
   if (wave_sum_kernels().crests(&waves_[0].amplitude_m, count, x, y, time_s, &crests[0].cosine, height)) return height;
@@ -111,7 +112,7 @@ Waves::Stretched Waves::stretched(double z_m, double height_m) const {
   const double layer = layer_m(height_m);
   if (z_m <= -layer) return {std::max(z_m, -depth_m_), 1, 0};
   const double under = layer + height_m, factor = layer / under;
-  // The layer deepens with its trough, or stays as it is.
+  // The layer gets deeper with its trough, or keeps its depth.
   const bool deepens = layer > stretched_m_ && layer < depth_m_;
   return {factor * (z_m - height_m), factor, deepens ? -factor : -factor * (layer + z_m) / under};
 }
@@ -143,9 +144,9 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
   return head;
 }
 
-/// With the surface eta and its derivatives, and the velocity's gradient, which is symmetric and without trace: linear
+/// With the surface eta and its derivatives, and the velocity's gradient, which is symmetric and trace-free: linear
 /// theory's flow has neither rotation nor divergence. A particle at z' has linear theory's velocity at z(z', eta), so
-/// that its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, Dz/Dt by the chain rule.
+/// that its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, with Dz/Dt from the chain rule.
 WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double height, double z_m,
                                const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;
@@ -187,7 +188,7 @@ double Waves::bernoulli_head_at(const Eigen::Vector3d& p, double time_s) const {
 
 /// Each wave is eta exp(kappa . r) with kappa = (i k_x, i k_y, +-k). Integrated over a volume about its centroid, to
 /// second order, the gradient of its pressure is kappa (V + kappa^T C kappa / 2) and its moment (C kappa) x kappa,
-/// where C is the second moment of the volume. The convective part is taken as uniform over the volume.
+/// where C is the second moment of the volume. The convective part is assumed uniform over the volume.
 WaveLoad Waves::load(const Eigen::Vector3d& c, double volume_m3, const Eigen::Matrix3d& second, double time_s,
                      const Eigen::Vector3d& current_m_s) const {
   WaveLoad sum;

@@ -15,7 +15,7 @@ namespace uwsim {
 struct WaveComponent {
   double amplitude_m = 0;
   double angular_frequency_rad_s = 1;
-  double heading_rad = 0;  ///< the direction it runs towards, counter-clockwise from east
+  double heading_rad = 0;  ///< direction of propagation, counter-clockwise from east
   double phase_rad = 0;
 };
 
@@ -24,8 +24,8 @@ struct WaveComponent {
 ///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b,   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
 ///
 /// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
-/// height (4 sqrt(m0)). Each component has the same energy and a random frequency in its share of the spectrum, drawn
-/// with the spectrum's own density: no two frequencies have a common measure, so that the sea does not recur (evenly
+/// height (4 sqrt(m0)). Each component has the same energy and a random frequency within its share of the spectrum,
+/// drawn with the spectrum's own density: no two frequencies are commensurable, so that the sea does not recur (evenly
 /// spaced frequencies recur after 2 pi / spacing; 64 of them after 26 peak periods). Directions spread about the
 /// heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
 struct JonswapSea {
@@ -41,7 +41,7 @@ struct JonswapSea {
 /// The solution k of omega^2 = g k tanh(k h) [rad/m]. `depth_m` may be infinite.
 double wave_number_rad_m(double angular_frequency_rad_s, double depth_m, double gravity_m_s2);
 
-/// Motion of the water by the waves alone, world frame.
+/// Motion of the water due to the waves alone, world frame.
 struct WaveMotion {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d local_m_s2 = Eigen::Vector3d::Zero();       ///< du/dt of linear theory, which its pressure drives
@@ -50,21 +50,21 @@ struct WaveMotion {
 };
 
 /// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4). Linear theory holds
-/// for z in [-h, 0]; near the surface it is stretched: between the surface eta and z = -D it is evaluated at
-/// z = D (z' - eta) / (D + eta) for a point at z', so that the pressure at the wave's own surface is that of the
-/// atmosphere; below -D it is evaluated at z' itself. This is delta stretching (Rodenbusch and Forristall 1986, OTC
-/// 5246) with Delta = 0, which is Wheeler's (1970) confined to a layer, and their D of half the significant height, but
-/// at least twice as deep as the trough of the moment. Wheeler's own, down to the bed, has a mean velocity against the
-/// waves of a^2 omega k exp(k z) / 2, which exceeds the Stokes drift below k z = -0.7.
+/// for z in [-h, 0]; near the surface it is stretched: between the surface eta and z = -D it is evaluated at z = D (z'
+/// - eta) / (D + eta) for a point at z', so that the pressure at the wave's own surface is atmospheric; below -D it is
+/// evaluated at z' itself. This is delta stretching (Rodenbusch and Forristall 1986, OTC 5246) with Delta = 0, which is
+/// Wheeler's (1970) confined to a layer, and their D of half the significant height, but at least twice as deep as the
+/// present trough. Wheeler's original, down to the bed, has a mean velocity against the waves of a^2 omega k exp(k z) /
+/// 2, which exceeds the Stokes drift below k z = -0.7.
 ///
 /// To second order, particles drift with the waves at a^2 omega k exp(2 k z) in deep water (Stokes 1847) and do not
-/// drift vertically. So that a body which moves with the water keeps doing so, the acceleration is that of the
+/// drift vertically. So that a body that moves with the water keeps doing so, the acceleration is that of the
 /// particles, with the convective part (u . grad) u; its pressure is Bernoulli's -rho u^2 / 2. A current carries the
 /// particles through the waves, but does not shift the waves' frequencies: valid for currents that are slow compared
 /// with the phase speed. There are no second-order waves at sums and differences of frequencies, and no return flow.
 ///
-/// Valid for small steepness, which the sum of the slopes bounds: a wave higher than 0.142 wave lengths (k a = 0.45)
-/// would break. Valid above the bed at z = -depth_m only.
+/// Valid for small steepness, which is bounded by the sum of the slopes: a wave higher than 0.142 wave lengths (k a =
+/// 0.45) would break. Valid above the bed at z = -depth_m only.
 class Waves {
  public:
   static constexpr std::size_t kMaxComponents = 512;
@@ -74,7 +74,7 @@ class Waves {
   Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2 = 9.80665);
   static Waves jonswap(const JonswapSea& sea, double depth_m, double gravity_m_s2 = 9.80665);
 
-  /// Sum of the amplitudes: no crest is higher, no trough deeper.
+  /// Sum of the amplitudes: no crest is higher and no trough deeper.
   double bound_m() const { return bound_m_; }
   double depth_m() const { return depth_m_; }
   /// 4 sqrt(m0) of the components [m].
@@ -83,18 +83,18 @@ class Waves {
 
   double height_at(double x_world_m, double y_world_m, double time_s) const;
   SurfaceSpan span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const;
-  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, K the decay of the waves' pressure with depth; above the
-  /// surface eta - z. To first order: see bernoulli_head_at.
+  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, with K the decay of the waves' pressure with depth;
+  /// above the surface eta - z. Of first order: see bernoulli_head_at.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Pressure heads of many points. Where these are close together compared with the wave lengths, one polynomial
-  /// serves all of them, within 5e-4 of the sum of the amplitudes.
+  /// Pressure heads of many points. If these are close together compared with the wave lengths, one polynomial covers
+  /// all of them, within 5e-4 of the sum of the amplitudes.
   void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
   /// The second-order part of the pressure head, -u^2 / (2 g). It fades out towards the surface, where stretching
-  /// lowers the mean pressure by as much.
+  /// lowers the mean pressure by the same amount.
   double bernoulli_head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Adds velocity and acceleration of the orbital motion to a flow that holds the current.
+  /// Adds velocity and acceleration of the orbital motion to a flow that contains the current.
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
-  /// The motion of a particle that a current carries along.
+  /// The motion of a particle carried along by a current.
   WaveMotion motion_at(const Eigen::Vector3d& point_world_m, double time_s, const Eigen::Vector3d& current_m_s) const;
   /// See WaterField::wave_load.
   WaveLoad load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
@@ -115,7 +115,7 @@ class Waves {
   struct Stretched {
     double z_m, by_point, by_surface;
   };
-  /// Number of waves, the longest first, whose motion reaches down to `z_m`.
+  /// Number of waves, counted from the longest, whose motion reaches down to `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
   WaveMotion motion_under(const Crest* crests, std::size_t count, double height_m, double z_m,
@@ -132,7 +132,7 @@ class Waves {
   double depth_m_;
   double gravity_m_s2_;
   double bound_m_ = 0;
-  double stretched_m_ = 0;            // D where no trough is deep
+  double stretched_m_ = 0;            // D unless a trough is deep
   double slope_ = 0;                  // upper bound of the surface's slope: sum of a k
   std::array<double, 11> moments_{};  // sum of a k^n, n = 0 .. 10
 };

@@ -28,7 +28,8 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
 }
 
 const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
-  constexpr double kEnclosed = 1 - 1e-6;  // the winding number is 1 within rounding; less for an open mesh
+  // the winding number is 1 within rounding inside a closed mesh; less for an open mesh
+  constexpr double kEnclosed = 1 - 1e-6;
   for (const auto& solid : solids_) {
     const bool in_box = (point_world_m.array() >= solid->low_world_m.array()).all() &&
                         (point_world_m.array() <= solid->high_world_m.array()).all();

@@ -12,13 +12,13 @@
 
 namespace uwsim {
 
-/// Tells surfaces apart: 0 nothing, 1 the terrain, 2 and up the solids in the order in which they were added.
+/// Identifies surfaces: 0 nothing, 1 the terrain, 2 and up the solids in the order in which they were added.
 using Label = std::uint16_t;
 inline constexpr Label kNothing = 0;
 inline constexpr Label kTerrain = 1;
 
-/// A fixed solid. Rays meet its `shapes` if it has any, and its mesh otherwise. Contacts and the true surface of scores
-/// are those of the mesh, which approximates the shapes as closely as its maker chose.
+/// A fixed solid. Rays hit its `shapes` if it has any, and its mesh otherwise. Contacts, and the true surface for
+/// scores, use the mesh, which approximates the shapes as closely as its maker chose.
 struct Solid {
   std::string name;
   TriangleMesh mesh_world;
@@ -27,7 +27,7 @@ struct Solid {
 };
 
 /// The world that dynamics and rays share: the sonar sees what the vehicle hits. Copies are cheap: they share terrain
-/// and solids, which never change.
+/// and solids, which are immutable.
 class World {
  public:
   Water water;
