@@ -16,7 +16,7 @@ class AbsorptionColumn {
   double at_db_m(double depth_m) const;
   /// Mean along a straight path between two depths [dB/m].
   double mean_db_m(double from_depth_m, double to_depth_m) const;
-  /// The same, given down_to_db(from_depth_m): saves a look-up for several paths from one depth.
+  /// The same, with down_to_db(from_depth_m) given, which saves a look-up when several paths start at one depth.
   double mean_db_m(double from_depth_m, double down_to_from_db, double to_depth_m) const;
 
   /// Integral from the surface down to a depth [dB].

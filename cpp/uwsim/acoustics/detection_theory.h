@@ -8,41 +8,41 @@
 /// mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Intensities are ratios to the noise's mean.
 namespace uwsim {
 
-/// The looks that the detector averages: those of the echo, at most 100 (assumed; without this limit the coverage in
-/// the manufacturer's table of the EM 2040 is exceeded below 600 kHz, see `uwsim validate sonar`).
+/// The looks that the detector averages: those of the echo, at most 100 (assumed; without this limit the coverage
+/// exceeds the manufacturer's table of the EM 2040 below 600 kHz, see `uwsim validate sonar`).
 double averaged_looks(double extent_m, double cell_m);
 
-/// The draw of an echo's speckle: its intensity over the mean.
+/// Draws an echo's speckle: its intensity over the mean.
 double speckle_intensity(double looks, double normal_draw);
 
-/// The draw of the received intensity, noise included, of an echo of `echo` times the noise's mean: noncentral
-/// chi-squared with 2 L degrees of freedom, by Abdel-Aty's cube root (1954, Biometrika 41:538).
+/// Draws the received intensity, noise included, of an echo of `echo` times the noise's mean: noncentral chi-squared
+/// with 2 L degrees of freedom, by Abdel-Aty's cube root (1954, Biometrika 41:538).
 double received_intensity(double echo, double looks, double normal_draw);
 
-/// Decides whether there is an echo, with the same probability of a false alarm for any number of looks: averaging
-/// steadies the noise, so that the threshold falls towards the noise's mean (noncoherent integration: Marcum 1960, IRE
-/// Trans. Inf. Theory 6:59).
+/// Decides whether there is an echo, with the same false-alarm probability for any number of looks: averaging steadies
+/// the noise, so the threshold falls towards the noise's mean (noncoherent integration: Marcum 1960, IRE Trans. Inf.
+/// Theory 6:59).
 class DetectionThreshold {
  public:
-  /// The signal-to-noise ratio of a single look that is detected half of the time.
+  /// `detection_threshold_db`: signal-to-noise ratio at which a single look is detected half of the time.
   explicit DetectionThreshold(double detection_threshold_db);
 
-  /// The intensity above which an average of `looks` is an echo.
+  /// The intensity above which an average of `looks` counts as an echo.
   double intensity(double looks) const;
-  /// The probability that noise alone passes it.
+  /// The probability that noise alone exceeds the threshold.
   double false_alarm() const { return false_alarm_; }
-  /// The mean signal-to-noise ratio of echoes of which one half are detected, as a ratio.
+  /// The mean signal-to-noise ratio at which half of the echoes are detected, as a ratio.
   double needed_snr(double looks) const;
-  /// The probability that an echo of that mean signal-to-noise ratio is detected.
+  /// The probability of detecting an echo of this mean signal-to-noise ratio.
   double detection_probability(double snr, double looks) const;
 
  private:
-  double normal_draw_;  // of noise at the threshold
+  double normal_draw_;  // draw of the noise at the threshold
   double false_alarm_;
 };
 
-/// The deviation of a measured range [m]: of the part that the bottom's speckle causes, which a ping from the same
-/// place repeats, and of that which noise causes.
+/// The standard deviation of a measured range [m]: the part caused by the bottom's speckle, which a ping from the same
+/// place repeats, and the part caused by noise.
 struct RangeDeviation {
   double speckle_m, noise_m;
 

@@ -3,18 +3,19 @@
 /// Textbook relations are cited from memory; chapters and pages were not checked against the books.
 namespace uwsim {
 
-/// The figures of an active sonar: transmitter, receiver and detector. Levels in dB: source re 1 uPa at 1 m, noise re
-/// 1 uPa within the receiver's band.
+/// The parameters of an active sonar: transmitter, receiver and detector. Levels in dB: source re 1 uPa at 1 m, noise
+/// re 1 uPa within the receiver's band.
 struct SonarFigures {
   double frequency_hz = 400e3;
-  double beam_width_along_rad = 0.007;   ///< -3 dB, one way: the transmitter's, across the fan's plane
-  double beam_width_across_rad = 0.012;  ///< -3 dB, one way: an unsteered receiving beam's, within the fan's plane
+  double beam_width_along_rad = 0.007;  ///< -3 dB, one way: the transmitter's width, across the fan's plane
+  /// -3 dB, one way: the width of an unsteered receiving beam, within the fan's plane
+  double beam_width_across_rad = 0.012;
   double pulse_length_s = 1e-4;
-  double bandwidth_hz = 1e4;  ///< of the pulse, which is compressed to 1 / bandwidth
+  double bandwidth_hz = 1e4;  ///< bandwidth of the pulse, which is compressed to 1 / bandwidth
   double source_level_db = 200;
-  double directivity_index_db = 20;  ///< of a receiving beam, steered or not: a line array's does not change
+  double directivity_index_db = 20;  ///< of a receiving beam, steered or not: that of a line array does not change
   double noise_level_db = 45;
-  double detection_threshold_db = 13;  ///< signal-to-noise ratio of one look with a detection probability of one half
+  double detection_threshold_db = 13;  ///< signal-to-noise ratio at which one look is detected half of the time
 
   /// Throws InvalidValue that names sonar.<field>.
   void check() const;
@@ -29,13 +30,14 @@ struct SonarFigures {
   double beam_solid_angle_sr() const;
 };
 
-/// By how much a beam is wider if a flat array is steered: 1 / cos, as its projected length is shorter (van Trees 2002,
-/// "Optimum Array Processing", ch. 2). Steering beyond 80 degrees widens no further (assumed: no array is used so).
+/// The factor by which steering widens the beam of a flat array: 1 / cos, since its projected length is shorter (van
+/// Trees 2002, "Optimum Array Processing", ch. 2). Steering beyond 80 degrees widens it no further (assumed: no array
+/// is used that way).
 double steered_widening(double steering_rad);
 
 /// How a bottom scatters sound back.
 struct BottomMaterial {
-  double strength_db = -30;  ///< backscatter of a square metre at normal incidence; Lambert's law at others
+  double strength_db = -30;  ///< backscatter of a square metre at normal incidence; other angles follow Lambert's law
   double relief = 0.1;       ///< rms slope of the relief across a footprint, which spreads the echo in range
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// For smaller arguments, a series that is exact to the last digit: a bent cast spends most of its time here.
+/// Smaller arguments use a series that is exact to the last digit: casting bent rays spends most of its time here.
 constexpr double kSmall = 0.02;
 
 double sinc(double x) {
@@ -36,7 +36,7 @@ SoundPath::SoundPath(const SoundSpeedProfile& profile, double depth_m, double di
   state_.dip_rad = dip_rad;
   snell_s_m_ = cosine_ / profile.at(depth_m);
   const std::size_t layer = profile.layer_at(depth_m);
-  // On a boundary, the layer ahead counts.
+  // On a boundary, use the layer ahead.
   enter(dip_rad < 0 && layer > 0 && depth_m == profile.layers()[layer].top_m ? layer - 1 : layer);
 }
 
@@ -45,7 +45,7 @@ void SoundPath::enter(std::size_t layer) {
   curvature_1_m_ = -snell_s_m_ * profile_->layers()[layer].gradient_1_s;
 }
 
-/// With half the turn, q = curvature s / 2, and the mean dip m: x = s cos m sinc q, z = s sin m sinc q, and, from the
+/// With q = curvature s / 2, half the turn, and the mean dip m: x = s cos m sinc q, z = s sin m sinc q, and, from the
 /// difference of ln tan(dip/2 + pi/4) between the ends, t = 2/g atanh(g s sinc(2q) / (c1 + c2)).
 SoundState SoundPath::ahead(double length_m) const {
   const SoundLayer& here = layer();
@@ -66,12 +66,12 @@ double SoundPath::to_boundary_m() const {
   const SoundLayer& in = layer();
   const double top_m = std::max(in.top_m, 0.0);
   const double here = speed_m_s();
-  // The length to the arc's crossing of a depth, downwards (+1) or upwards (-1).
+  // The length to where the arc crosses a depth, downwards (+1) or upwards (-1).
   const auto crossing = [&](double depth_m, int sense) {
     const double down_m = depth_m - state_.depth_m;
     const double faster = in.gradient_1_s * down_m;
     const double sine_2 = sine_ * sine_ - cosine_ * cosine_ * faster * (2 * here + faster) / (here * here);
-    if (sine_2 < 0) return kInfinity;  // turns before
+    if (sine_2 < 0) return kInfinity;  // turns before it gets there
     const double dip = sense * std::atan2(std::sqrt(sine_2), snell_s_m_ * (here + faster));
     const double half_turn = 0.5 * (dip - state_.dip_rad);
     const double rise = std::sin(state_.dip_rad + half_turn);
@@ -127,7 +127,7 @@ SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_r
   SoundPath path(profile, depth_m, dip_rad);
   if (depth_m <= 0 && dip_rad <= 0) return path.state();
   for (;;) {
-    // To the end of the layer; a bound on the length for layers that do not end.
+    // To the end of the layer; bounded for layers that do not end.
     const SoundPath::Step whole = path.step(2000 * (time_s - path.state().time_s) + 1);
     if (whole.end.time_s >= time_s || !whole.leaves) return path.ahead(path.length_after(time_s - path.state().time_s));
     if (path.advance(whole)) return path.state();

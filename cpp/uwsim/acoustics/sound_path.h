@@ -31,15 +31,15 @@ class SoundPath {
   /// Speed of sound at the present point [m/s].
   double speed_m_s() const { return layer().at(state_.depth_m); }
 
-  /// A part of the arc within one layer.
+  /// A piece of the arc within one layer.
   struct Step {
     SoundState end;
-    bool leaves = false;  ///< ends on the layer's boundary or at the surface
+    bool leaves = false;  ///< whether it ends on the layer's boundary or at the surface
   };
-  /// The next step, at most `length_max_m` long; shorter if the layer or the water ends before. Infinity requests the
+  /// The next step, at most `length_max_m` long; shorter if the layer or the water ends sooner. Infinity requests the
   /// whole layer; the step is then infinitely long if the ray never leaves the layer.
   Step step(double length_max_m) const;
-  /// Moves to the end of the step. Returns whether it is the surface, where the path ends.
+  /// Moves to the end of the step. Returns whether that is the surface, where the path ends.
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;
@@ -59,7 +59,7 @@ class SoundPath {
   SoundState state_;
 };
 
-/// The end of a ray after `time_s`, or where it meets the surface before.
+/// The end of a ray after `time_s`, or where it meets the surface before then.
 SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double time_s);
 
 }  // namespace uwsim

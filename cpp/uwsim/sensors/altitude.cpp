@@ -5,8 +5,8 @@
 namespace uwsim {
 namespace {
 
-/// Vertical distance (as of a stabilised altimeter) to the first surface below, seabed or not. Beyond the maximum range
-/// it reads infinity, below the minimum range the minimum; both are invalid.
+/// Vertical distance (like that of a stabilised altimeter) to the first surface below, seabed or not. Beyond the
+/// maximum range it reads infinity, below the minimum range the minimum; both are invalid.
 class Altitude final : public MountedSensor {
  public:
   explicit Altitude(const SensorSpec& spec)

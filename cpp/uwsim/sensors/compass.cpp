@@ -11,9 +11,8 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The earth's field (strength,
 /// inclination below the horizon, declination east of the world's north, +y) plus the vehicle's own field in sensor
-/// axes
-/// ("hard iron") is levelled with the true roll and pitch; heading = atan2 of the level components. Hard iron h
-/// therefore turns it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
+/// axes ("hard iron") is levelled with the true roll and pitch; heading = atan2 of the level components. Hard iron h
+/// therefore rotates it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
 class Compass final : public MountedSensor {
  public:
   explicit Compass(const SensorSpec& spec) : MountedSensor(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {
@@ -28,7 +27,7 @@ class Compass final : public MountedSensor {
     const Pose sensor = world_from_sensor(input);
     const Eigen::Vector3d ahead = sensor.direction(Eigen::Vector3d::UnitX());
     const Eigen::Vector3d measured_world_ut = field_world_ut_ + sensor.direction(hard_iron_ut_);
-    // The horizontal angle from the sensor's x axis counter-clockwise to the field.
+    // The horizontal angle from the sensor's x axis to the field, counter-clockwise.
     raw[0] = std::atan2(ahead.x() * measured_world_ut.y() - ahead.y() * measured_world_ut.x(),
                         ahead.x() * measured_world_ut.x() + ahead.y() * measured_world_ut.y());
   }

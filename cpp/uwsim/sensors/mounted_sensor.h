@@ -4,12 +4,12 @@
 
 namespace uwsim {
 
-/// A sensor at a fixed pose on the body, with the motion at that place.
+/// A sensor at a fixed pose on the body, with the motion of that point.
 class MountedSensor : public Sensor {
  protected:
   explicit MountedSensor(const SensorSpec& spec) : body_from_sensor_(spec.body_from_sensor) {}
 
-  /// The reach from the vehicle's origin of a ray that ends `range_m` from the sensor.
+  /// The distance from the vehicle's origin that a ray of length `range_m` from the sensor may reach.
   double reach_m(double range_m) const { return body_from_sensor_.position_m.norm() + range_m; }
   Pose world_from_sensor(const SensorInput& input) const {
     return input.vehicle.state.world_from_body * body_from_sensor_;

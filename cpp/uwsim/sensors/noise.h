@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on seed, sensor and k: not on
+/// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on seed, sensor and k, not on
 /// which samples are read, how often, or on other sensors.
 class Noise {
  public:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMaxHeldSamples = 1e5;
 
-/// Whether a sample may be of another time than its reading.
+/// Whether a sample's time may differ from that of its reading.
 bool has_history(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   return !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 || sensor.longest_travel_time_s() > 0;
 }
@@ -64,7 +64,7 @@ SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundin
 
 bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now,
                           const Surroundings& around) const {
-  if (uses_link_) return true;  // what has not is not in the history yet
+  if (uses_link_) return true;  // a sample that has not arrived is not in the history yet
   const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(measured, around));
   return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
          clock_.time_ns(now.tick);
@@ -78,7 +78,7 @@ void NoisySensor::measure(const VehicleSnapshot& snapshot, const Surroundings& a
 void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surroundings& around) {
   if (entry.observed) {
     raw_ = entry.raw;
-  } else {  // no body was in reach
+  } else {  // no other body was within reach
     const Surroundings then{around.scene.with(nullptr), around.water, around.sound, around.station_world_m};
     sensor_->observe(input(entry.snapshot, then), raw_);
   }
@@ -98,7 +98,7 @@ void NoisySensor::exchange_state(StateArchive& archive, std::uint64_t tick) {
   archive.same("sensor kind", std::string(kind_->name));
   history_.exchange_state(archive, tick);
   if (!archive.restoring()) return;
-  measured_tick_ = kNever;  // sample_ belongs to another time
+  measured_tick_ = kNever;  // sample_ belongs to a different time
   if (records_) next_due_ = clock_.samples_at(tick) ? tick : clock_.tick_of(clock_.sample_at(tick) + 1);
 }
 
@@ -109,7 +109,7 @@ const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundi
 
 const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& around) {
   bool newest_dropped = false, found = false;
-  // Whether this measurement gives the sample: it has arrived and was not dropped.
+  // Whether this measurement provides the sample: it has arrived and was not dropped.
   const auto gives_sample = [&](const VehicleSnapshot& measured, bool is_dropped) {
     if (!arrived(measured, now, around)) return false;
     newest_dropped |= is_dropped;
@@ -156,7 +156,7 @@ void NoisySensor::collect(const VehicleSnapshot& now, const Surroundings& around
     watch_->add(sample_.stamp_ns, clock_.time_ns(now.tick), sample_.values, measured_valid_);
   }
   if (uses_link_) {
-    watch_->next_tick = kNever;  // until an answer comes
+    watch_->next_tick = kNever;  // until an answer arrives
     return;
   }
   const std::uint64_t newest = clock_.sample_at(now.tick), measured = clock_.tick_of(newest);

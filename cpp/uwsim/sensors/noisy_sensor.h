@@ -16,14 +16,15 @@
 namespace uwsim {
 
 struct Sample {
-  std::vector<double> values;  ///< the kind's fields, one after the other
+  std::vector<double> values;  ///< the fields of the kind, one after the other
   std::uint64_t stamp_ns = 0;  ///< the time of the measurement
   bool valid = false;
 };
 
 /// A sensor with its errors, rate, latency and drop-outs. A read returns the newest sample that has arrived, with the
 /// time of its measurement. If that one was dropped, it returns the last one that was not, marked invalid; before the
-/// first has arrived, the present one, marked invalid. Samples depend on seed, names and time, not on reads.
+/// first has arrived, it returns the present value, marked invalid. Samples depend on seed, names and time, not on
+/// reads.
 class NoisySensor {
  public:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
@@ -36,36 +37,36 @@ class NoisySensor {
 
   /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
-  /// A sensor that another body is in reach of observes at once, since bodies move; the others observe when they are
+  /// A sensor within reach of another body observes immediately, since bodies move; the others observe when they are
   /// read.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around);
 
-  /// The reference holds until the next read.
+  /// The reference is valid until the next read.
   const Sample& read(const VehicleSnapshot& now, const Surroundings& around);
-  /// Whether its samples come over the link: whoever carries its questions calls take_question and answer.
+  /// Sets whether its samples come over the link: the code that carries its pings then calls take_question and answer.
   void use_link(bool has_modems);
   bool uses_link() const { return uses_link_; }
-  /// The number of the sample that it asks for since the last call, if it does.
+  /// The number of the sample that it has asked for since the last call, if any.
   std::optional<std::uint64_t> take_question() { return std::exchange(question_, std::nullopt); }
-  /// The longest time from question to answer that its range allows [s].
+  /// The longest time from ping to answer that its range allows [s].
   double longest_travel_time_s() const { return sensor_->longest_travel_time_s(); }
-  /// The answer to a question that was asked at `asked` has arrived at tick `now`; or it has been given up.
+  /// Reports at tick `now` that the answer to a ping sent at `asked` has arrived, or that the ping has been given up.
   void answer(const VehicleSnapshot& asked, bool given_up, std::uint64_t now);
 
-  /// The present without errors, rate, latency and drop-outs.
+  /// The present value without errors, rate, latency and drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
-  /// Watches for samples that are measured from `from_ns` on; nothing: watches no longer.
+  /// Collects samples that are measured from `from_ns` on; nothing: stops collecting.
   void watch(std::optional<std::uint64_t> from_ns);
-  /// The tick at whose beginning `collect` is due; kNever for a sensor that nobody watches.
+  /// The tick at whose beginning `collect` is due; kNever for a sensor that is not watched.
   std::uint64_t next_collection() const { return watch_ ? watch_->next_tick : kNever; }
-  /// Adds the sample that has arrived by now, if it is new, to those that are taken next.
+  /// Adds the sample that has arrived by now, if it is new, to those returned next.
   void collect(const VehicleSnapshot& now, const Surroundings& around);
-  /// The samples since the last call. Throws InvalidValue for a sensor that nobody watches.
+  /// The samples since the last call. Throws InvalidValue for a sensor that is not watched.
   SampleBatch take_samples();
   void watch_like(const NoisySensor& other) { watch_ = other.watch_; }
 
-  /// Saves or restores the history, as of `tick`; errors follow from seed, names and time. Throws InvalidValue.
+  /// Saves or restores the history at `tick`; errors follow from seed, names and time. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick);
 
  private:
@@ -89,9 +90,9 @@ class NoisySensor {
   SampleHistory history_;
   std::vector<double> raw_;
   Sample sample_;
-  std::uint64_t measured_tick_ = kNever;  ///< of the recorded snapshot that sample_ was measured from
+  std::uint64_t measured_tick_ = kNever;  ///< tick of the recorded snapshot from which sample_ was measured
   bool measured_valid_ = false;
-  bool has_arrived_ = false;  ///< sample_ is one that has arrived, not the present in its place
+  bool has_arrived_ = false;  ///< whether sample_ has arrived, as opposed to being the present value in its place
   std::optional<SampleWatch> watch_;
 };
 

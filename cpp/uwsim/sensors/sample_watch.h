@@ -6,16 +6,16 @@
 
 namespace uwsim {
 
-/// Samples in the order of their arrival. values: one row of the reading's width for each.
+/// Samples in order of arrival. values: one row of the reading's width for each sample.
 struct SampleBatch {
   std::vector<std::uint64_t> stamps_ns, arrivals_ns;
   std::vector<double> values;
   std::vector<std::uint8_t> valid;
 };
 
-/// Who watches a sensor gets each sample once, as it arrives: every one that was not dropped.
+/// The state of a watched sensor: each sample that was not dropped is delivered once, when it arrives.
 struct SampleWatch {
-  std::uint64_t from_ns = 0;    ///< earlier stamps are not new
+  std::uint64_t from_ns = 0;    ///< samples with earlier stamps are ignored
   std::uint64_t next_tick = 0;  ///< when a sample may arrive next
   SampleBatch arrived;
 

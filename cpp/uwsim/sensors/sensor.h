@@ -23,11 +23,11 @@ struct VehicleSnapshot {
   bool touching = false;
 };
 
-/// The surroundings of a vehicle; `scene` has the other vehicles where they are now.
+/// The surroundings of a vehicle; `scene` has the other vehicles at their present poses.
 struct Surroundings {
   RayScene scene;
   const Water& water;
-  const SoundSpeedProfile& sound;  ///< the water's
+  const SoundSpeedProfile& sound;  ///< sound speed of the water
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
 };
 
@@ -53,12 +53,12 @@ struct Channel {
 };
 
 /// A sensor without noise, rate and latency: observe() measures the raw values, report() converts them to a reading.
-/// Raw values are the channels in their order, to which noise is added, then values that stay free of noise.
+/// Raw values are the channels in order, to which noise is added, followed by noise-free values.
 class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
-  /// How far from the vehicle's origin the sensor meets surfaces [m]; 0 for one that casts no rays.
+  /// How far from the vehicle's origin the sensor can detect surfaces [m]; 0 if it casts no rays.
   virtual double reach_m() const { return 0; }
   /// Converts raw values to a reading; returns whether it is valid. By default the reading is the raw values.
   virtual bool report(std::span<const double> raw, std::span<double> reading) const {
@@ -68,11 +68,11 @@ class Sensor {
   /// The delay until a measurement arrives [s], and its upper limit.
   virtual double travel_time_s(const SensorInput&) const { return 0; }
   virtual double longest_travel_time_s() const { return 0; }
-  /// Whether it asks by a packet of the link's modem, where there is one, and has a sample when the answer arrives.
+  /// Whether it asks with a packet of the link's modem, if there is one, and has a sample when the answer arrives.
   virtual bool shares_modem() const { return false; }
 };
 
-/// A kind of sensor: its name in YAML, its quantities and its parameters beside the common ones.
+/// A kind of sensor: its name in YAML, its quantities, and its parameters in addition to the common ones.
 struct SensorKind {
   std::string_view name;
   std::string_view meaning;

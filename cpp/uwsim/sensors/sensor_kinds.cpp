@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// A new sensor is one new file and its kind's name in both of these lists.
+/// A new sensor needs one new file, and its kind's name in both of these lists.
 extern const SensorKind kImu, kVelocity, kAcceleration, kDepth, kPressure, kTemperature, kAltitude, kProximity, kDvl,
     kUsbl, kCompass, kContact;
 

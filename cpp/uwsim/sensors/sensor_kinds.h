@@ -6,10 +6,10 @@
 
 namespace uwsim {
 
-/// The kinds that are built in, one file each in this folder.
+/// The built-in kinds, one file each in this folder.
 std::span<const SensorKind* const> sensor_kinds();
 
-/// Throws InvalidValue with the known names; `path`: of the key in the message.
+/// Throws InvalidValue that lists the known names; `path`: the key in the message.
 const SensorKind& sensor_kind(std::string_view name, const std::string& path = "kind");
 
 /// The spec with the defaults of its kind filled in. Throws InvalidValue for an unknown parameter or channel, or a

@@ -50,7 +50,7 @@ class SensorRack {
     sensors_.at(index).watch(from_ns);
     find_next_collection();
   }
-  /// Watches what another rack of the same sensors does.
+  /// Watches the same sensors as another rack.
   void watch_like(const SensorRack& other) {
     for (std::size_t k = 0; k < sensors_.size(); ++k) sensors_[k].watch_like(other.sensors_.at(k));
     find_next_collection();
@@ -65,7 +65,7 @@ class SensorRack {
     find_next_collection();
   }
 
-  /// Saves or restores every sensor, as of `tick`. Throws InvalidValue.
+  /// Saves or restores every sensor at `tick`. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive.same("sensors", sensors_.size());
     next_due_ = NoisySensor::kNever;

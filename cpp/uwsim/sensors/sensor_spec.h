@@ -12,14 +12,14 @@
 
 namespace uwsim {
 
-/// Errors of one channel of a sensor: the same figures for each component, drawn independently. [u]: the channel's
-/// unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero means no such
-/// error. Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in
+/// Errors of one channel of a sensor: the same parameters for each component, drawn independently. [u]: the channel's
+/// unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero means no error of
+/// that kind. Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in
 /// tests/cpp/test_sensor_noise.cpp.
 struct NoiseSpec {
-  double std = 0;          ///< white, of each sample [u]
+  double std = 0;          ///< white noise of each sample [u]
   double density = 0;      ///< white, N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
-  double turn_on_std = 0;  ///< constant bias, drawn once for each run [u]
+  double turn_on_std = 0;  ///< constant bias, drawn once per run [u]
   double bias_std = 0;     ///< stationary Gauss-Markov bias [u] ...
   double bias_time_s = 0;  ///< ... and its correlation time
   double walk = 0;         ///< random walk from 0 at time 0, K (rate random walk) [u/sqrt(s)]: std(t) = K sqrt(t)
@@ -36,10 +36,10 @@ struct SensorSpec {
   std::string name;  ///< such as "proximity_port"
   std::string kind;  ///< one of sensor_kinds()
   Pose body_from_sensor;
-  ParameterValues parameters;                           ///< of the kind, such as range_max_m
+  ParameterValues parameters;                           ///< parameters of the kind, such as range_max_m
   std::map<std::string, NoiseSpec, std::less<>> noise;  ///< by channel
-  double rate_hz = 0;                                   ///< of samples, see SampleClock; 0: every step
-  double latency_s = 0;                                 ///< from the measurement to its arrival
+  double rate_hz = 0;                                   ///< sample rate, see SampleClock; 0: every step
+  double latency_s = 0;                                 ///< time from a measurement to its arrival
   double drop_out = 0;                                  ///< probability that a sample is lost
 
   double number(std::string_view parameter) const { return uwsim::number(parameters, parameter); }

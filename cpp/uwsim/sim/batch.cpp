@@ -13,8 +13,8 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSharesPerThread = 8;      // members cost unevenly: those near the bed find contacts
-constexpr std::size_t kStepsWorthThreads = 256;  // of all members together: fewer take less time than to start a thread
+constexpr std::size_t kSharesPerThread = 8;      // members have uneven costs: those near the bed find contacts
+constexpr std::size_t kStepsWorthThreads = 256;  // in all members together: fewer take less time than starting a thread
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
@@ -22,7 +22,7 @@ using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 }  // namespace
 
-/// Calls work(member, k) for the k-th of the chosen members; when all have ended, throws the error of the first.
+/// Calls work(member, k) for the k-th chosen member; when all have ended, throws the error of the first.
 template <typename Work>
 void Batch::each(std::span<const std::size_t> chosen, int threads, const Work& work) const {
   std::vector<std::exception_ptr> errors(chosen.size());
@@ -88,7 +88,7 @@ void Batch::set_states(std::size_t vehicle, std::span<const std::size_t> chosen,
 void Batch::set_efforts(std::size_t vehicle, std::span<const double> efforts) {
   require(efforts.size() == kAxes * size(), "efforts", efforts.size(), "must be six for each member");
   for (std::size_t k = 0; k < efforts.size(); ++k) {
-    if (std::abs(efforts[k]) <= 1) continue;  // false for one that is not a number
+    if (std::abs(efforts[k]) <= 1) continue;  // false for NaN
     const std::string path = "efforts[" + std::to_string(k / kAxes) + "]." + kAxisNames.at(k % kAxes);
     require(false, path, efforts[k], "must be in [-1, 1]");
   }

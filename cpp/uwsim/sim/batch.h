@@ -11,8 +11,8 @@
 
 namespace uwsim {
 
-/// Everything that one simulation of a batch is built from, apart from terrain and solids. Members of equal figures
-/// share their vehicles' specs.
+/// Everything that one simulation of a batch is built from, apart from terrain and solids. Members with equal
+/// parameters share their vehicles' specs.
 struct MemberSpec {
   Water water;
   SimulationSpec simulation;
@@ -20,7 +20,7 @@ struct MemberSpec {
   std::optional<LinkSpec> link;
 };
 
-/// Where one vehicle of each member is and how it moves; each points to one row for each member.
+/// Position and motion of one vehicle of each member; each pointer is to one row per member.
 struct MotionRows {
   std::uint64_t* times_ns;    ///< (n,)
   double* positions_world_m;  ///< (n, 3)
@@ -37,32 +37,32 @@ struct SampleRows {
   std::uint8_t* valid;
 };
 
-/// The pings of one sonar of each member in physics mode: (n, beams), with three columns for points. The names mean
-/// what they mean in AcousticPing.
+/// The pings of one sonar of each member in physics mode: (n, beams), with three columns for points. The names have the
+/// same meaning as in AcousticPing.
 struct AcousticRows {
   PingRows echoes;
   float *snr_db, *travel_time_s, *deviation_m;
   std::uint8_t* detections;
 };
 
-/// n simulations of one world that do not know of each other, advanced and asked together by several threads. They
-/// share terrain, solids and their indices; each has its own water, seed and vehicles, which are of the same names and
-/// instruments. A member is the Simulation of its spec: it gives the same results to the last bit, whatever the
-/// thread count. One thread at a time calls.
+/// n independent simulations of one world, advanced and read together by several threads. They share terrain, solids
+/// and their indices; each has its own water, seed and vehicles, whose names and instruments are the same in all. A
+/// member equals the Simulation of its spec: it gives the same results to the last bit, whatever the thread count. Only
+/// one thread at a time may call.
 ///
-/// Where a member throws, the others go on; then the error of the first is thrown, with its index: batch[3].
+/// If a member throws, the others continue; then the error of the first is thrown, with its index: batch[3].
 class Batch {
  public:
   /// Throws InvalidValue, as Simulation does.
   Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads);
 
   std::size_t size() const { return members_.size(); }
-  /// Shared, so that what looks at a member outlives its restart. Throws std::out_of_range.
+  /// Shared, so that observers of a member outlive its restart. Throws std::out_of_range.
   const std::shared_ptr<Simulation>& member(std::size_t index) { return members_.at(index); }
 
-  /// Begins members anew, each by its spec; `specs`: other ones for these members, or none. Throws, changing nothing.
+  /// Restarts members, each with its spec; `specs`: new ones for these members, or none. Throws, changing nothing.
   void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
-  /// See Simulation::release and set_state. Throws InvalidValue; what can be placed is placed.
+  /// See Simulation::release and set_state. Throws InvalidValue; all members that can be placed are placed.
   void release(std::size_t vehicle, std::span<const std::size_t> chosen);
   void set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states);
 
@@ -70,7 +70,7 @@ class Batch {
   /// none.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
   void step(std::uint64_t count);
-  /// Advances each member by a count of its own, (n,).
+  /// Advances each member by its own number of steps, (n,).
   void step_each(std::span<const std::uint64_t> counts);
 
   void motion(std::size_t vehicle, const MotionRows& rows) const;
@@ -79,7 +79,7 @@ class Batch {
   void read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows);
   /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), row by row.
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const;
-  /// Pings in physics mode, likewise. Throws InvalidValue for a member in geometry mode.
+  /// Pings in physics mode, in the same layout. Throws InvalidValue for a member in geometry mode.
   void acoustic_ping(std::size_t vehicle, std::size_t sonar, const AcousticRows& rows, double* world_from_sonar) const;
 
  private:

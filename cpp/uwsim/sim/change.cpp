@@ -10,7 +10,8 @@
 
 namespace uwsim {
 
-/// The vehicles are built anew, and their state goes over as a saved one does. All that may fail comes first.
+/// Builds new vehicles and transfers their state as if it had been saved and restored. Everything that may fail comes
+/// first.
 void Simulation::change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles) {
   spec.check();
   water.check();

@@ -16,9 +16,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDeepest_m = 12000;
-constexpr int kChords = 4;             // of a bent ray, to see what stands in its way
-constexpr double kOffTheBed = 0.05;    // of the water's depth: how far from the flat bottom a bouncing ray is looked at
-constexpr double kBesideHit_m = 0.01;  // to go on behind a solid
+constexpr int kChords = 4;  // per bent ray, to detect obstacles
+// fraction of the water's depth: how far above the flat bottom a reflected ray is checked
+constexpr double kOffTheBed = 0.05;
+constexpr double kBesideHit_m = 0.01;  // to continue behind a solid
 constexpr int kSolidsPassed = 8;
 
 double depth_of(const Transducer& transducer) { return std::max(0.0, -transducer.position_world_m.z()); }
@@ -27,7 +28,7 @@ Eigen::Vector3d along(const Eigen::Vector3d& level, double dip_rad) {
   return std::cos(dip_rad) * level - std::sin(dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
-/// The depth of the first surface under a point; infinite where there is none.
+/// The depth of the first surface under a point; infinite if there is none.
 double bed_under(const RayScene& scene, const Eigen::Vector3d& point_world_m) {
   const Eigen::Vector3d top(point_world_m.x(), point_world_m.y(), 0);
   return scene.cast({top, -Eigen::Vector3d::UnitZ()}, kDeepest_m).distance_m;
@@ -36,11 +37,11 @@ double bed_under(const RayScene& scene, const Eigen::Vector3d& point_world_m) {
 /// A straight piece of a ray's path.
 struct Segment {
   Eigen::Vector3d from, to;
-  std::size_t path;  // to which it belongs
+  std::size_t path;  // index of its path
 };
 
-/// The pieces of a ray: between its bounces, or chords of a bent one. Between its ends a bent ray is taken for the
-/// cubic that leaves and arrives as it does.
+/// The pieces of a ray: those between its reflections, or chords of a bent one. Between its ends a bent ray is
+/// approximated by the cubic that leaves and arrives in the same directions.
 void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const Transducer& to,
                   const Eigen::Vector3d& level, double bottom_m, std::size_t path, std::vector<Segment>& segments) {
   const double start_m = depth_of(from), end_m = depth_of(to);
@@ -73,7 +74,7 @@ void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const
   go(to.position_world_m);
 }
 
-/// Whether terrain lies on a segment behind a solid that it meets first.
+/// Whether terrain lies on a segment behind a solid that the segment hits first.
 bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond_m) {
   const Eigen::Vector3d line = (segment.to - segment.from).normalized();
   Eigen::Vector3d from = segment.from;
@@ -89,7 +90,7 @@ bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond
   return false;
 }
 
-/// Which paths terrain blocks. All segments are cast together, each only as far as it goes.
+/// Which paths are blocked by terrain. All segments are cast together, each only along its length.
 std::vector<bool> blocked_paths(const RayScene& scene, const std::vector<Segment>& segments, std::size_t paths) {
   std::vector<bool> blocked(paths, false);
   for (std::size_t first = 0; first < segments.size(); first += kPacketRays) {
@@ -164,20 +165,20 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
     heard.delay_s = line.norm() * slowness_s_m(depth_of(from), depth_of(to));
     return heard;
   }
-  if (from.position_world_m.z() > 0 || to.position_world_m.z() > 0) return {};  // a transducer is in the air
+  if (from.position_world_m.z() > 0 || to.position_world_m.z() > 0) return {};  // one of the transducers is in the air
   const double across_m = std::hypot(line.x(), line.y());
   const Eigen::Vector3d level =
       across_m > 0 ? Eigen::Vector3d(line.x() / across_m, line.y() / across_m, 0) : Eigen::Vector3d(1, 0, 0);
   const double deepest = std::max(depth_of(from), depth_of(to));
   double bottom_m = bed_under(scene, 0.5 * (from.position_world_m + to.position_world_m));
-  if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way stands above the ends: nothing bounces off it
+  if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way is above the ends: nothing is reflected by it
   const std::vector<Eigenray> rays = eigenrays(water_.profile, {depth_of(from), depth_of(to), across_m, bottom_m});
   std::vector<Segment> segments;
   const bool bends = water_.profile.steepest_1_s() > 0;
   for (std::size_t k = 0; k < rays.size(); ++k) add_segments(rays[k], bends, from, to, level, bottom_m, k, segments);
   const std::vector<bool> blocked = blocked_paths(scene, segments, rays.size());
   std::vector<HeardPath> paths;
-  for (std::size_t k = 0; k < rays.size(); ++k) {  // by travel time
+  for (std::size_t k = 0; k < rays.size(); ++k) {  // sorted by travel time
     if (blocked[k]) continue;
     const Eigenray& ray = rays[k];
     if (paths.empty()) {

@@ -12,7 +12,7 @@
 
 namespace uwsim {
 
-/// The figures of what joins the station and the vehicles.
+/// The parameters of the link between the station and the vehicles.
 struct LinkSpec {
   ModemSpec modem;
   Eigen::Vector3d station_transducer_world_m = Eigen::Vector3d::Zero();
@@ -25,21 +25,21 @@ struct LinkSpec {
   void check() const;
 };
 
-/// Where a modem's transducer is, and how fast it moves; world frame.
+/// Position and velocity of a modem's transducer; world frame.
 struct Transducer {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// How sound gets from one transducer to another in a world. Rays bend by the sound-speed profile and bounce off a flat
-/// surface and a flat bottom, which is as deep as the bed half-way between both; terrain that stands in a ray's way
+/// How sound travels from one transducer to another in a world. Rays are bent by the sound-speed profile and reflected
+/// by a flat surface and a flat bottom, which is as deep as the bed half-way between both; terrain in a ray's way
 /// blocks it (no diffraction), solids and hulls do not (they are small).
 class LinkWater {
  public:
   LinkWater(const LinkSpec& spec, const Water& water);
 
   Reception hear(const RayScene& scene, const Transducer& from, const Transducer& to) const;
-  /// Delay [s] and level [dB re 1 uPa] of the straight path, unobstructed.
+  /// Delay [s] and level [dB re 1 uPa] along the straight, unobstructed path.
   std::array<double, 2> overhear(const Transducer& from, const Transducer& to) const;
   /// Mean slowness between two depths [s/m] along a straight path.
   double slowness_s_m(double from_depth_m, double to_depth_m) const;
@@ -49,7 +49,7 @@ class LinkWater {
   ModemWater water_;
 };
 
-/// A simulation's link: its figures, its packets, the water they go through, and the instruments that use it.
+/// A simulation's link: its parameters, its packets, the water that they pass through, and the instruments that use it.
 struct Link {
   LinkSpec spec;
   PacketNetwork network;

@@ -12,7 +12,7 @@ constexpr double kSpeedMax = 100;  // m/s and rad/s
 
 }  // namespace
 
-/// Contacts push a body away from a surface on the side where it is, so they would keep one inside a solid there.
+/// Contacts push a body away from a surface towards the side where it is, so they would keep one inside a solid there.
 void Simulation::require_free(const std::string& path, const Eigen::Vector3d& position) const {
   const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
   require(!(position.z() <= bed_m), path, position.transpose(), "must be above the ground");

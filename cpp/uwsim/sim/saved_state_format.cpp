@@ -10,8 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::string_view kMagic = "uwsim state\n";
-/// The version of a state's bytes, in this file and in each `exchange_state`. To raise it makes the states that users
-/// have unreadable: do so only where what they hold cannot be read as what it is now.
+/// The version of a state's bytes, in this file and in each `exchange_state`. Raising it makes users' existing states
+/// unreadable: do so only if their content cannot be interpreted in the present form.
 constexpr std::uint64_t kVersion = 1;
 
 /// FNV-1a, 64 bits: detects damage, not forgery.
@@ -47,7 +47,7 @@ struct Content {
   std::string_view scenario, build, state;
 };
 
-/// The parts of a saved state that is complete, undamaged and of a version that this build reads.
+/// The parts of a saved state that is complete, undamaged and of a version that this build can read.
 Content content_of(std::string_view bytes) {
   require(bytes.substr(0, kMagic.size()) == kMagic, "state", "foreign", "must be bytes that save_state returned");
   bytes.remove_prefix(kMagic.size());

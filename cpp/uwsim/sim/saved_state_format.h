@@ -13,11 +13,11 @@ struct StateOrigin {
 /// A saved state: the bytes of `state` after a header with format, version, origin, length and checksum.
 std::string wrapped_state(std::string_view state, const StateOrigin& origin);
 /// The bytes of the state in a saved state. Throws InvalidValue unless the state is complete, undamaged and of this
-/// scenario. It may be of another build, whose steps may differ in the last bits.
+/// scenario. It may come from another build, whose steps may differ in the last bits.
 std::string_view unwrapped_state(std::string_view bytes, const StateOrigin& origin);
 /// The fingerprint of the build that saved a state. Throws InvalidValue for a damaged one.
 std::string saved_build(std::string_view bytes);
-/// The notes that were stored with a saved state. Throws as unwrapped_state.
+/// The notes that were stored with a saved state. Throws like unwrapped_state.
 std::string saved_notes(std::string_view bytes, const StateOrigin& origin);
 
 }  // namespace uwsim

@@ -65,7 +65,7 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   return vehicles_.size() - 1;
 }
 
-/// A vehicle as it is before it has a body.
+/// A vehicle before it has a body.
 Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec, const Water& water) const {
   require_unique_names(from.sensors, "vehicle.sensors.name");
   require_unique_names(from.sonars, "vehicle.sonars.name");

@@ -12,9 +12,9 @@ struct Telemetry {
   double pressure_pa = 0;
   double depth_m = 0;
   double distance_to_station_m = 0;
-  double distance_to_seabed_m = 0;  ///< straight down; infinity where there is nothing
+  double distance_to_seabed_m = 0;  ///< straight down; infinity if there is nothing
   double mission_time_s = 0;        ///< since the release
-  double battery_percent = 0;       ///< the part of the mission time that is left
+  double battery_percent = 0;       ///< remaining part of the mission time
   bool range_warning = false;       ///< too far from the station
   bool proximity_warning = false;   ///< too near the seabed
   bool collision_warning = false;   ///< touching something

@@ -14,7 +14,7 @@
 
 namespace uwsim {
 
-/// Everything that a vehicle is built from.
+/// The parameters from which a vehicle is built.
 struct VehicleSpec {
   std::string name;
   std::shared_ptr<const Craft> craft;
@@ -41,7 +41,7 @@ struct Vehicle {
   std::vector<SonarHead> sonars;
   Battery battery;
   bool touching = false;
-  std::uint64_t collisions = 0;  ///< how often it has begun to touch something
+  std::uint64_t collisions = 0;  ///< how often it has started to touch something
 
   /// The mission starts when the vehicle leaves its dock.
   bool released() const { return battery.mission_started(); }

@@ -18,8 +18,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; smaller turns are below a hundredth of a beam
-constexpr float kMinRange_m = 0.01f;   // echoes from closer are no louder
+constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; smaller rotations are below a hundredth of a beam
+constexpr float kMinRange_m = 0.01f;   // echoes from closer than this are no louder
 
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
@@ -52,18 +52,18 @@ struct AcousticMultibeam::Transmission {
   const RayScene& scene;
   Pose world_from_sonar;
   Eigen::Matrix3f rotation;
-  Eigen::Vector3f mach;         // velocity over the speed of sound, world
+  Eigen::Vector3f mach;         // velocity divided by the speed of sound, world frame
   double turn_rad_s;            // rate of the fan about its normal
   double depth_m, absorbed_db;  // of the head; absorption from the surface down to it
   double sound_speed_m_s;       // at the head
   float cell_m;
-  double false_alarm;  // probability that noise passes the threshold somewhere in a beam
+  double false_alarm;  // probability that noise exceeds the threshold somewhere in a beam
   SpeckleField::View speckle;
   std::uint64_t tick;
 };
 
 struct AcousticMultibeam::FanRays {
-  Eigen::Matrix3Xf directions_world;  // those of each beam together
+  Eigen::Matrix3Xf directions_world;  // one beam after the other
   std::size_t first_beam;
   float beams_per_ray;
 
@@ -104,7 +104,7 @@ RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, 
   const float lost = std::exp(kTwoWay * absorption_db_m * length);
   const float patch_m = length * footprint_.spacing_rad(beam), widening = footprint_.widening(beam);
   const float relief_m = reliefs_[material] * length * width_rad_ * footprint_.root_widening(beam);
-  // The patch of a ray extends over range by tan i; relief extends along the ray, by cos i.
+  // The extent of a ray's patch in range is due to tan i, that of the relief along the ray to cos i.
   const float square = cos_i * cos_i;
   RayEcho echo;
   echo.range_m = range_m;
@@ -221,7 +221,7 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
   }
 }
 
-/// The directions at reception: by then a rotating fan has turned further, in each beam according to its travel time.
+/// The directions at reception: by then a rotating fan has turned further, for each beam according to its travel time.
 Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sent, std::size_t first,
                                                          std::size_t last) const {
   const auto begin = static_cast<Eigen::Index>(first), beams = static_cast<Eigen::Index>(last - first);
@@ -232,7 +232,7 @@ Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sen
     directions.noalias() = sent.rotation * footprint_.directions().middleCols(begin * per_beam, beams * per_beam);
     return directions;
   }
-  // A ray along each beam's axis gives the travel time, and so the turn.
+  // A ray along each beam's axis gives the travel time, and thus the rotation.
   const FanRays axes{sent.rotation * footprint_.axes().middleCols(begin, beams), first, 1.0f};
   std::vector<RayEcho> ahead(last - first);
   cast_straight(sent, axes, ahead);

@@ -17,7 +17,7 @@
 
 namespace uwsim {
 
-/// The acoustic figures of a multibeam in physics mode.
+/// The acoustic parameters of a multibeam in physics mode.
 struct AcousticSpec {
   SonarFigures figures;
   int rays_per_beam = 8;
@@ -38,41 +38,42 @@ struct HeadMotion {
   Eigen::Vector3d rate_world_rad_s = Eigen::Vector3d::Zero();
 };
 
-/// One ping in physics mode, one value for each beam; names shared with MultibeamPing mean the same. In each array a
-/// beam without a detection has infinity, NaN, -infinity or 0, as stated.
+/// One ping in physics mode, one value for each beam; names shared with MultibeamPing have the same meaning. A beam
+/// without a detection has infinity, NaN, -infinity or 0 in each array, as stated.
 struct AcousticPing {
   std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
   std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
-  std::vector<float> incidence_rad;   ///< true value at the strongest ray; NaN, for false detections too
+  std::vector<float> incidence_rad;   ///< true value at the strongest ray; NaN, also for false detections
   std::vector<float> intensity_db;    ///< received level less source level, plus gain, with speckle; -infinity
   std::vector<float> snr_db;          ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;   ///< two-way; infinity
-  /// The standard deviation of the echo's place by the instrument's own figures: that of its range, and that of its
-  /// angle across the fan, which lies anywhere in the beam's width: range x width / sqrt(12), the deviation of a
-  /// uniform distribution (derived here; an error model of hydrography, such as Hare 1995's, has more terms). Infinity.
+  /// The standard deviation of the echo's position, derived from the instrument's own parameters: that of its range,
+  /// and that of its angle across the fan, which may lie anywhere in the beam's width: range x width / sqrt(12), the
+  /// deviation of a uniform distribution (derived here; an error model of hydrography, such as Hare 1995's, has more
+  /// terms). Infinity.
   std::vector<float> deviation_m;
-  std::vector<Label> labels;             ///< true value; kNothing, for false detections too
-  std::vector<std::uint8_t> valid;       ///< 1 for a detection, false ones included
+  std::vector<Label> labels;             ///< true value; kNothing, also for false detections
+  std::vector<std::uint8_t> valid;       ///< 1 for a detection, including false ones
   std::vector<std::uint8_t> detections;  ///< Detection
 
-  /// One without an echo.
+  /// A ping without any echo.
   static AcousticPing silent(std::size_t beams);
 };
 
-/// A multibeam in physics mode: its maximum range, range errors and gaps follow from its acoustic figures.
+/// A multibeam in physics mode: its maximum range, range errors and gaps follow from its acoustic parameters.
 ///
-/// Each beam is sampled by several rays (BeamFootprint). A ray returns the fraction Omega/n S cos(i) / R^2
-/// 10^(-2 alpha R / 10) of the source's intensity: spherical spreading out and back (40 log R), the area of bottom that
-/// the ray's share Omega/n of the beam covers (R^2 / cos i), Lambert's law S cos^2 i, and Francois-Garrison absorption,
-/// averaged along the path. The rays' echoes are summed over range to an envelope (echo.h). Spreading then comes out as
-/// 20 log R if one range cell contains the footprint, as 30 log R if slope or relief spreads the footprint over several
-/// cells, and as 40 log R for a small target. Speckle is that of scatterers fixed in the world (SpeckleField): beams
-/// that overlap, and pings from the same place, share it. The detector (BottomDetector) adds the receiver's noise,
-/// which is new with each ping, and compares with its threshold; it may also detect noise as an echo.
+/// Each beam is sampled by several rays (BeamFootprint). A ray returns the fraction Omega/n S cos(i) / R^2 10^(-2 alpha
+/// R / 10) of the source's intensity: spherical spreading out and back (40 log R), the area of bottom that the ray's
+/// share Omega/n of the beam covers (R^2 / cos i), Lambert's law S cos^2 i, and Francois-Garrison absorption, averaged
+/// along the path. The rays' echoes are summed over range to an envelope (echo.h). Spreading then comes out as 20 log R
+/// if one range cell contains the footprint, as 30 log R if slope or relief spreads the footprint over several cells,
+/// and as 40 log R for a small target. Speckle comes from scatterers fixed in the world (SpeckleField): beams that
+/// overlap, and pings from the same place, share it. The detector (BottomDetector) adds the receiver's noise, which
+/// differs from ping to ping, and applies its threshold; it may also detect noise as an echo.
 ///
 /// Motion: a ping is transmitted from one pose and received at another. The range is half of the path out and back to
-/// the moved head. The fan turns about its normal in between, so that a beam receives from where it points at
-/// reception. Results are those of a raw instrument: motion is not corrected.
+/// the moved head. The fan rotates about its normal in between, so that a beam receives from the direction in which it
+/// points at reception. Results are those of a raw instrument: motion is not corrected.
 ///
 /// A head above the water or under the terrain detects nothing, not even noise.
 ///
@@ -80,7 +81,8 @@ struct AcousticPing {
 /// length^2 / wavelength), focusing by refraction.
 class AcousticMultibeam {
  public:
-  /// Copies what it needs of `water`. `bottom_m`: depth down to which absorption is tabulated. Throws InvalidValue.
+  /// Copies the parts of `water` that it needs. `bottom_m`: depth down to which absorption is tabulated. Throws
+  /// InvalidValue.
   AcousticMultibeam(const MultibeamModel& fan, const AcousticSpec& spec, const Water& water, double bottom_m,
                     const RandomStream& stream);
 
@@ -88,7 +90,7 @@ class AcousticMultibeam {
   const AcousticSpec& spec() const { return spec_; }
   const SoundSpeedProfile& profile() const { return profile_; }
 
-  /// Draws are keyed by tick and beam; the same ping whatever the number of threads.
+  /// Draws are keyed by tick and beam; the result does not depend on the number of threads.
   AcousticPing ping(const RayScene& scene, const Pose& world_from_sonar, const HeadMotion& motion, std::uint64_t tick,
                     int threads = 1) const;
 
@@ -112,12 +114,13 @@ class AcousticMultibeam {
   BeamFootprint footprint_;
   SoundSpeedProfile profile_;
   AbsorptionColumn absorption_;
-  double figure_db_;  ///< signal-to-noise ratio of an echo without any loss, less the model's gain
+  double figure_db_;  ///< signal-to-noise ratio of an echo without any loss, minus the model's gain
   BottomDetector detector_;
   SpeckleField speckle_;
-  float share_sr_;                          ///< solid angle of one ray of an unsteered beam
-  float width_rad_;                         ///< of an unsteered beam: the geometric mean of both widths
-  std::vector<float> strengths_, reliefs_;  ///< by label, as ratios of intensity; the last for all further labels
+  float share_sr_;   ///< solid angle of one ray of an unsteered beam
+  float width_rad_;  ///< of an unsteered beam: the geometric mean of both widths
+  /// by label, as ratios of intensity; the last one applies to all further labels
+  std::vector<float> strengths_, reliefs_;
 };
 
 }  // namespace uwsim

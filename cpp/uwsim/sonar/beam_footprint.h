@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The rays that sample each beam of a fan: all carry the same energy and are distributed as the two-way pattern.
+/// The rays that sample each beam of a fan: all carry the same energy and are distributed like the two-way pattern.
 ///
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
 /// it; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is steered
@@ -29,11 +29,11 @@ class BeamFootprint {
   const Eigen::Matrix3Xf& directions() const { return directions_; }
   /// (3, beams) axes of the beams.
   const Eigen::Matrix3Xf& axes() const { return axes_; }
-  /// The rays of one beam; valid as long as this.
+  /// The rays of one beam; valid as long as this object.
   BeamRays beam(std::size_t beam) const;
   /// Approximate angle between a beam's neighbouring rays [rad]; 0 for a single ray.
   float spacing_rad(std::size_t beam) const { return spacing_rad_[beam]; }
-  /// By how much a beam is wider than an unsteered one.
+  /// The factor by which a beam is wider than an unsteered one.
   float widening(std::size_t beam) const { return widening_[beam]; }
   float root_widening(std::size_t beam) const { return root_widening_[beam]; }
 

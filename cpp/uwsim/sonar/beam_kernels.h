@@ -10,13 +10,13 @@ struct BeamHits {
   const double *distance_m, *normal_x, *normal_y, *normal_z;
   const double *direction_x, *direction_y, *direction_z;
   const std::uint32_t* label;
-  const float* strength_db;  ///< backscatter of what was hit, at normal incidence
+  const float* strength_db;  ///< backscatter of the surface that was hit, at normal incidence
 };
 
-/// Which hits are echoes, and their level.
+/// Which hits count as echoes, and their level.
 struct EchoRule {
   double head_z_m;
-  double range_max_m;      ///< hits at or beyond it are no echoes; 0 discards all
+  double range_max_m;      ///< hits at or beyond this are no echoes; 0 discards all
   double absorption_db_m;  ///< one way
 };
 
@@ -34,8 +34,8 @@ struct BeamKernels {
                      double* direction_x, double* direction_y, double* direction_z);
   /// Distances at which rays from a head at z <= 0 end: the maximum range, or the surface if it is nearer.
   void (*reach)(double head_z_m, double range_max_m, const double* direction_z, double* far_m);
-  /// Converts hits under water and within range to echoes. Logarithm and arc tangent are series in float, within 1e-6
-  /// (relative for the logarithm, radian for the angle), so that compilers vectorise the loop.
+  /// Converts hits under water and within range to echoes. Logarithm and arc tangent are series in float, accurate to
+  /// 1e-6 (relative for the logarithm, in radians for the angle), so that compilers vectorise the loop.
   void (*echoes)(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& echoes);
   /// Positions of the echoes in the sonar frame, (16, 3); NaN where the range is infinite.
   void (*points)(const double* distance_m, const double* cosine, const double* sine, const float* range_m,
@@ -45,7 +45,7 @@ struct BeamKernels {
 const BeamKernels& baseline_beam_kernels();
 const BeamKernels& avx2_beam_kernels();
 const BeamKernels& avx512_beam_kernels();
-/// The widest that this processor supports.
+/// The kernels for the widest instruction set that this processor supports.
 const BeamKernels& beam_kernels();
 
 }  // namespace uwsim

@@ -16,8 +16,8 @@ constexpr float kDecibel = 8.68588964f;  // 20 / ln 10
 constexpr double kMinCosine = 1e-6;
 constexpr float kMinRange_m = 0.01f;
 
-/// Natural logarithm of a positive, normal number: ln 2 times its exponent, and of its mantissa m in [0.7, 1.41] the
-/// series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
+/// Natural logarithm of a positive, normal number: ln 2 times its exponent, plus, for its mantissa m in [0.7, 1.41],
+/// the series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
 inline float log_series(float x) {
   std::int32_t bits;
   std::memcpy(&bits, &x, sizeof bits);

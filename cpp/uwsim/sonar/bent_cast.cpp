@@ -13,8 +13,9 @@ namespace uwsim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSag_m = 0.9e-3;    // of a chord below its arc
-constexpr double kOverlap_m = 1e-3;  // chords are cast a little longer than they are: no surface slips between two
+constexpr double kSag_m = 0.9e-3;  // largest distance of a chord from its arc
+// chords are cast slightly longer than they are, so that no surface slips through between two
+constexpr double kOverlap_m = 1e-3;
 constexpr int kChordsMax = 100'000;
 
 Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
@@ -84,7 +85,7 @@ std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile,
     const Eigen::Vector3d& direction = directions_world[k];
     const double dip = std::atan2(-direction.z(), std::hypot(direction.x(), direction.y()));
     rays[k] = BentRay{level(direction), SoundPath(profile, -origin_world_m.z(), dip), {}};
-    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface and not downwards
+    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface, and not going down
     hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), direction, kNothing};
   }
   RayPacket packet{};

@@ -10,11 +10,11 @@ namespace uwsim {
 
 /// The hit of a ray of sound on its bent path.
 struct SoundHit {
-  double length_m;  ///< of the path; infinity without a hit
+  double length_m;  ///< length of the path; infinity without a hit
   double time_s;    ///< one way; infinity without a hit
   Eigen::Vector3d point_world_m;
   Eigen::Vector3f normal_world;   ///< of any length
-  Eigen::Vector3d arrival_world;  ///< unit vector, the direction of the path at the hit
+  Eigen::Vector3d arrival_world;  ///< unit vector, direction of the path at the hit
   Label label;
 };
 

@@ -15,29 +15,29 @@ enum class Detection : std::uint8_t { kNone = 0, kAmplitude = 1, kPhase = 2, kFa
 struct BottomDetection {
   Detection kind = Detection::kNone;
   double range_m = 0;
-  double intensity = 0;    ///< over the noise's mean
-  double deviation_m = 0;  ///< the standard deviation of the range by the detector's own figures; 0 for noise
+  double intensity = 0;    ///< relative to the mean noise
+  double deviation_m = 0;  ///< standard deviation of the range by the detector's own estimate; 0 for noise
 };
 
-/// The random causes of one beam's errors, standard normal draws: of the bottom's speckle, which a ping from the same
-/// place repeats, and of the receiver's noise.
+/// The random causes of one beam's errors, as standard normal draws: the bottom's speckle, which a ping from the same
+/// place repeats, and the receiver's noise.
 struct BeamDraws {
   double speckle, speckle_range, noise, noise_range;
 };
 
 /// Decides on each beam's range. It averages an echo's looks and compares them with a threshold (detection_theory.h).
-/// It detects by phase if the echo has at least four looks (assumed: a phase ramp needs several; phase then has the
-/// smaller error at any signal-to-noise ratio): at the range of the beam's axis, with the echo's strength and extent
-/// there. Else it detects by amplitude: at the centroid of the energy, with the echo's peak.
+/// If the echo has at least four looks, it detects by phase, at the range of the beam's axis, with the echo's strength
+/// and extent there (assumed: a phase ramp needs several looks; phase then has the smaller error at any signal-to-noise
+/// ratio). Otherwise it detects by amplitude, at the centroid of the energy, with the echo's peak.
 class BottomDetector {
  public:
   BottomDetector(const SonarFigures& figures, bool range_noise);
 
-  /// The bottom, or nothing.
+  /// Detects the bottom, or nothing.
   BottomDetection bottom(const BeamEcho& echo, const BeamRays& beam, double cell_m, const BeamDraws& draws) const;
-  /// The probability that noise passes the threshold in any of a beam's range cells.
+  /// The probability that noise exceeds the threshold in any of a beam's range cells.
   double false_alarm(double range_max_m, double cell_m) const;
-  /// The noise that passes it, by a draw from (0, 1) that is below `false_alarm`: it exceeds the threshold by an
+  /// Detects noise, given a draw from (0, 1) that is below `false_alarm`: the noise exceeds the threshold by an
   /// exponential draw.
   BottomDetection noise(double draw, double false_alarm, double range_m) const;
 

@@ -12,7 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr char kSeparator = 'a';
-/// A float32 in G7 takes 13 letters with its separator; other writers may use more digits, within this limit.
+/// A float32 in G7 takes 13 characters including its separator; other writers may use more digits, up to this limit.
 constexpr std::size_t kLettersMax = 32;
 constexpr std::size_t kBeamsMax = 1'000'000;
 
@@ -45,8 +45,8 @@ void append_plain_g7(std::string& out, float value) {
   if (all > whole) out.append(1, '.').append(text + whole, all - whole);
 }
 
-/// Appends a non-negative number as C# formats it. C's %.7g has the same rules except for the capital E and ties, which
-/// it rounds to even: the next double is far below the seventh digit and breaks ties away from zero.
+/// Appends a non-negative number in C#'s format. C's %.7g follows the same rules except for the capital E and ties,
+/// which it rounds to even: the next double is far below the seventh digit and breaks ties away from zero.
 void append_any_g7(std::string& out, float value) {
   double nudged = value;
   if (value != 0) nudged = std::nextafter(nudged, std::numeric_limits<double>::infinity());

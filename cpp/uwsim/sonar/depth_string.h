@@ -16,9 +16,9 @@ namespace uwsim {
 /// InvalidValue that names the beam on anything else.
 std::string encode_depth_string(std::span<const float> ranges_m, double range_max_m);
 
-/// As published, a float32 value greater than range_limit_m (54.9 or 94.9) means no echo and becomes infinity. Throws
-/// InvalidValue that names the beam, quotes the text and states the rule unless the text is exactly `beams` values,
-/// each a plain non-negative decimal number that fits float32.
+/// As in the paper, a float32 value greater than range_limit_m (54.9 or 94.9) means no echo and becomes infinity.
+/// Throws InvalidValue that names the beam, quotes the text and states the rule unless the text is exactly `beams`
+/// values, each a plain non-negative decimal number that fits float32.
 std::vector<float> decode_depth_string(std::string_view text, std::size_t beams, double range_limit_m);
 
 }  // namespace uwsim

@@ -67,7 +67,7 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m) {
   std::size_t first = highest, last = highest;
   while (first > 0 && touch(rays[first - 1], rays[first])) --first;
   while (last + 1 < rays.size() && touch(rays[last], rays[last + 1])) ++last;
-  const float base_m = rays[highest].range_m;  // differences from it keep the precision of float
+  const float base_m = rays[highest].range_m;  // differences from it preserve the precision of float
   float centre_shift = 0, strongest = 0;
   for (std::size_t k = first; k <= last; ++k) {
     echo.energy += rays[k].energy;
@@ -99,7 +99,8 @@ double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
     return double{1 / (ray.range_m * beam.directions.col(ray.ray).dot(beam.axis))};
   };
   double inverse = 0;
-  if (echo.size() == beam.offsets.size()) {  // offsets of all rays have mean 0: the line passes the axis at the mean
+  // the offsets of all rays have mean 0, so the line passes the axis at the mean
+  if (echo.size() == beam.offsets.size()) {
     for (const RayEcho& ray : echo) inverse += inverse_along_axis(ray);
     return static_cast<double>(echo.size()) / inverse;
   }
@@ -114,7 +115,7 @@ double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
     lowest = std::min(lowest, offset.x());
     highest = std::max(highest, offset.x());
   }
-  constexpr double kSolvable = 1e-3;  // fewer than three rays, or rays in a row, have no determinant
+  constexpr double kSolvable = 1e-3;  // fewer than three rays, or collinear ones, have no determinant
   const double count = static_cast<double>(echo.size());
   if (lowest == 0 || highest == 0 || normal.determinant() < kSolvable * count * count * count) {
     return std::numeric_limits<double>::quiet_NaN();

@@ -12,22 +12,22 @@ namespace uwsim {
 /// The echo of one ray of a beam.
 struct RayEcho {
   float range_m = 0;  ///< slant range: half of the two-way path
-  float energy = 0;   ///< intensity at the receiver over the source's at 1 m, if it were all in one range cell
-  float width_m = 0;  ///< extent in range, the range cell included
-  float cosine = 0;   ///< of the incidence
+  float energy = 0;   ///< intensity at the receiver over the source's at 1 m, if all of it fell into one range cell
+  float width_m = 0;  ///< extent in range, including the range cell
+  float cosine = 0;   ///< cosine of the incidence
   Label label = kNothing;
-  std::uint16_t ray = 0;  ///< its number within the beam
-  float point_m2 = 0;     ///< of width_m squared, what each point of the bottom has: range cell and relief
+  std::uint16_t ray = 0;  ///< its index within the beam
+  float point_m2 = 0;     ///< part of width_m squared that each point of the bottom contributes: range cell and relief
 };
 
 /// The echo of a beam: the sum of its rays' echoes over range, each spread over its width.
 struct BeamEcho {
   float peak = 0;                 ///< largest intensity over the source's; 0 without an echo
-  float energy = 0;               ///< of the echo with the peak, in the unit of RayEcho::energy
+  float energy = 0;               ///< of the echo with the peak, in the units of RayEcho::energy
   float centre_range_m = 0;       ///< centroid of that echo's energy
-  float cosine = 0;               ///< of the incidence of its strongest ray
-  Label label = kNothing;         ///< of its strongest ray
-  std::span<const RayEcho> rays;  ///< of that echo, by range
+  float cosine = 0;               ///< cosine of the incidence of its strongest ray
+  Label label = kNothing;         ///< label of its strongest ray
+  std::span<const RayEcho> rays;  ///< rays of that echo, sorted by range
 
   /// Extent in range of a rectangular echo of the same peak and energy.
   float extent_m(float cell_m) const { return cell_m * energy / peak; }
@@ -35,7 +35,7 @@ struct BeamEcho {
 
 inline constexpr int kRaysMax = 64;
 
-/// The peak of the envelope and the echo around it: rays that follow each other in range within the sum of their half
+/// The peak of the envelope and the echo around it: rays that are separated in range by less than the sum of their half
 /// widths. Separate surfaces, such as the bed behind a pipe's edge, form another echo and do not shift the centre.
 /// Reorders `rays`. A ray's shape over range is (1 - u^2)^2 with u over 15/16 of its width: the same ratio of area to
 /// height as a rectangle of that width.
@@ -44,14 +44,14 @@ BeamEcho beam_echo(std::span<RayEcho> rays, float cell_m);
 /// The envelope of these rays at a range, in the unit of BeamEcho::peak.
 float envelope(std::span<const RayEcho> rays, float at_m, float cell_m);
 
-/// The rays of a beam, in the fan's frame.
+/// The rays of a beam in the fan's frame.
 struct BeamRays {
   const std::vector<Eigen::Vector2d>& offsets;  ///< from the axis, see BeamFootprint::offsets
   Eigen::Ref<const Eigen::Matrix3Xf> directions;
   Eigen::Vector3f axis;
 };
 
-/// The range at which the beam's axis meets the echo's surface, where the phase between the two halves of the array is
+/// The range at which the beam's axis hits the echo's surface, where the phase between the two halves of the array is
 /// zero; NaN if the axis is not among the rays.
 ///
 /// Over a plane the inverse of range along the axis is linear in the offsets, so a line fitted to it over the rays is
@@ -68,10 +68,11 @@ struct AxisEcho {
 /// The echo at the range `axis_m` of the axis.
 ///
 /// If all rays are in the echo: level = energy x exp(-d^2 / (2 var r)) x cell / extent, with the extent of a rectangle
-/// as high as the Gaussian echo, sqrt(2 pi var r + point_m2). It rests on the rays' first and second moments only,
-/// which are those of the pattern for any number of rays; their density near the axis is not (8 rays: 1 to 2 dB too
-/// low). d: from the rays' mean range to the centroid of their energy, which the stronger, near side pulls; the factor
-/// is exact if energy falls exponentially over a Gaussian footprint. If rays are missing: the sum of their shapes.
+/// as high as the Gaussian echo, sqrt(2 pi var r + point_m2). It uses only the rays' first and second moments, which
+/// equal those of the pattern for any number of rays; their density near the axis does not (8 rays: 1 to 2 dB too low).
+/// d: from the rays' mean range to the centroid of their energy, which is shifted towards the stronger, near side; the
+/// factor is exact if energy falls exponentially over a Gaussian footprint. If rays are missing: the sum of their
+/// shapes.
 AxisEcho axis_echo(const BeamEcho& echo, const BeamRays& beam, double axis_m, float cell_m);
 
 }  // namespace uwsim

@@ -5,11 +5,11 @@
 namespace uwsim {
 namespace {
 
-constexpr double kRounding_m = 1e-6;  // more than `nearly` and `exact` can differ within 1000 km
+constexpr double kRounding_m = 1e-6;  // more than the difference between `nearly` and `exact` within 1000 km
 
 /// A rigid transform of points. `exact` is fused by std::fma, which is the same everywhere, in the order in which BLAS
-/// does it: a mission that does this with NumPy flies the same track to the last bit. `nearly` differs from it by the
-/// rounding alone and is much faster: it tells which points matter.
+/// does it: a mission that does this with NumPy flies the same track to the last bit. `nearly` differs from it only by
+/// rounding and is much faster: it selects the points that matter.
 class Placing {
  public:
   explicit Placing(const Eigen::Matrix4d& world_from_points)

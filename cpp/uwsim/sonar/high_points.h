@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// The strip of the horizontal plane ahead of a vehicle: from half_width_m behind it to ahead_m before it, half_width_m
-/// to either side. heading_rad: counter-clockwise from east.
+/// The strip of the horizontal plane ahead of a vehicle: from half_width_m behind it to ahead_m in front of it,
+/// half_width_m to either side. heading_rad: counter-clockwise from east.
 class Corridor {
  public:
   Corridor(const Eigen::Vector3d& position_world_m, double heading_rad, double half_width_m, double ahead_m)
@@ -31,14 +31,14 @@ class Corridor {
   double cos_, sin_, half_width_m_, ahead_m_;
 };
 
-/// The highest of the points (rows of x, y, z), in the world, that lie in the corridor; the first of equals. Points
-/// with NaN are left out.
+/// The highest of the points (rows of x, y, z), in the world, that lie in the corridor; the first among equals. Points
+/// with NaN are ignored.
 template <typename T>
 std::optional<Eigen::Vector3d> highest_in_corridor(std::span<const T> points_m,
                                                    const Eigen::Matrix4d& world_from_points, const Corridor& corridor);
 
-/// The points (rows of x, y, z), in the world, that are higher than z_world_m: rows again. Points with NaN are left
-/// out.
+/// The points (rows of x, y, z), in the world, that are higher than z_world_m, again as rows. Points with NaN are
+/// ignored.
 template <typename T>
 std::vector<double> points_above(std::span<const T> points_m, const Eigen::Matrix4d& world_from_points,
                                  double z_world_m);

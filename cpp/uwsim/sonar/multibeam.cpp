@@ -25,7 +25,7 @@ struct PacketEchoes {
   alignas(64) std::array<float, 3 * kPacketRays> point;
 };
 
-/// Casts some packets of a fan at a time and stores their echoes.
+/// Casts several packets of a fan at a time and stores their echoes.
 class FanCaster {
  public:
   FanCaster(const Pose& world_from_sonar, std::span<const float> strengths_db)
@@ -80,7 +80,7 @@ class FanCaster {
   }
 
  private:
-  /// The kernel writes sixteen beams: into a buffer, of which the existing beams are copied.
+  /// The kernel writes sixteen beams, so it writes to a buffer, from which the existing beams are copied.
   void store_incomplete(const BeamHits& met, const EchoRule& rule, std::size_t count, const BeamEchoes& out) {
     kernels_.echoes(met, rule,
                     {echoes_.range_m.data(), echoes_.incidence_rad.data(), echoes_.intensity_db.data(),

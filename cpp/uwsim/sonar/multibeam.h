@@ -17,7 +17,7 @@ struct PingRows {
   float* ranges_m;        ///< infinity without an echo
   float* points_sonar_m;  ///< beams x 3, row-major; NaN without an echo
   float* incidence_rad;   ///< between the beam and the surface's normal, 0..pi/2; NaN without an echo
-  float* intensity_db;    ///< received level less source level, plus the model's gain; -inf without an echo
+  float* intensity_db;    ///< received level minus source level, plus the model's gain; -inf without an echo
   Label* labels;          ///< kNothing without an echo
   std::uint8_t* valid;    ///< 1 for an echo
 
@@ -34,18 +34,18 @@ struct MultibeamPing {
 /// A forward-looking multibeam in geometry mode (the paper's): one exact ray for each beam, along its axis.
 ///
 /// Sound does not leave the water: surfaces above z = 0 return no echo, and a head above the water or under the terrain
-/// receives none. A head inside a solid receives echoes of its walls from within.
+/// receives none. A head inside a solid receives echoes from the inside of its walls.
 ///
 /// The echo's level follows the active sonar equation for a bottom that scatters by Lambert's law (Urick 1983,
 /// "Principles of Underwater Sound", ch. 2 and 8): EL - SL = -40 log10 R - 2 alpha R + BS + 20 log10 cos(incidence),
-/// with BS by the label of what was hit, and Francois-Garrison absorption at the head. It omits the insonified
-/// area, so levels are comparable between beams of one ping, not between instruments.
+/// with BS by the label of the surface that was hit, and Francois-Garrison absorption at the head. It omits the
+/// insonified area, so levels are comparable between beams of one ping, not between instruments.
 class Multibeam {
  public:
   /// The bottom strength of rock (EM 2040's data sheet), for labels beyond those given.
   static constexpr double kRockStrength_db = -30;
 
-  /// `strengths_db`: backscatter at normal incidence by label. `on`: one that is off hears nothing. Throws InvalidValue
+  /// `strengths_db`: backscatter at normal incidence by label. `on`: if false, it receives nothing. Throws InvalidValue
   /// that names the label.
   explicit Multibeam(const MultibeamModel& model, std::span<const double> strengths_db = {}, bool on = true);
 
@@ -66,7 +66,7 @@ class Multibeam {
   MultibeamModel model_;
   bool on_;
   std::vector<float> angles_rad_;
-  std::vector<float> strengths_db_;      // with the gain, by label; the last for all further labels
+  std::vector<float> strengths_db_;      // including the gain, by label; the last one applies to all further labels
   std::vector<double> cosines_, sines_;  // of the beams' angles, padded to whole packets
 };
 

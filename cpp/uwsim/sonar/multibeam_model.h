@@ -14,25 +14,26 @@ struct MultibeamModel {
   std::string name;
   int beams = 0;
   double field_of_view_rad = 0;
-  double range_max_m = 0;    ///< a range at or beyond it is no echo
-  double range_limit_m = 0;  ///< the published LaserScan's range_max: a decoded range above it is no echo
+  double range_max_m = 0;    ///< a range at or beyond this is no echo
+  double range_limit_m = 0;  ///< the published LaserScan's range_max: a decoded range above this is no echo
   double frequency_hz = 0;
   bool dual_swath = false;
   double ping_rate_max_hz = 50;        ///< of the electronics (50: assumed); travel time may limit it further
-  double tilt_rate_rad_s = 0.0872665;  ///< of the head: published 0.1 degree a frame, at 50 frames/s (assumed)
-  double receiver_tilt_rad = 0;        ///< of each of two receivers from straight ahead to its side; 0: one
-  double gain_db = 0;                  ///< of the receiver's display, added to every intensity
+  double tilt_rate_rad_s = 0.0872665;  ///< of the head: 0.1 degree per frame in the paper, at 50 frames/s (assumed)
+  /// angle of each of two receivers from straight ahead to its side; 0: there is one receiver
+  double receiver_tilt_rad = 0;
+  double gain_db = 0;  ///< of the receiver's display, added to every intensity
 
   /// Throws InvalidValue that names sonar.<field>.
   void check() const;
 
-  /// The angle between a beam and the normal of the array that receives it, to either side.
+  /// The angle between a beam and the normal of the array that receives it, on either side.
   double steering_rad(int beam) const { return std::abs(std::abs(angles().at(beam)) - receiver_tilt_rad); }
   BeamAngles angles() const { return even_beam_angles(field_of_view_rad, beams); }
 };
 
-/// The EM 2040 MKII as the seed paper models it: 1 = 600 kHz single swath, 2 = 700 kHz single (the default),
-/// 3 = 600 kHz dual, 4 = 700 kHz dual. Throws InvalidValue for other numbers.
+/// The EM 2040 MKII as modelled in the seed paper: 1 = 600 kHz single swath, 2 = 700 kHz single (the default), 3 = 600
+/// kHz dual, 4 = 700 kHz dual. Throws InvalidValue for other numbers.
 const MultibeamModel& em2040(int number);
 
 }  // namespace uwsim

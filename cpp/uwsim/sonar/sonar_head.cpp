@@ -38,7 +38,7 @@ void SonarHead::exchange_state(StateArchive& archive) {
   double elevation_rad = elevation_rad_, aimed_rad = aimed_rad_;
   archive(elevation_rad);
   archive(aimed_rad);
-  aim(elevation_rad);  // checks it
+  aim(elevation_rad);  // validates it
   elevation_rad_ = elevation_rad;
   aim(aimed_rad);
 }

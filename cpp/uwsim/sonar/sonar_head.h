@@ -19,29 +19,29 @@ struct SonarSpec {
   std::string name;
   MultibeamModel model = em2040(2);
   Pose body_from_mount;
-  double elevation_rad = 0;               ///< of the head at the start
-  std::optional<AcousticSpec> acoustics;  ///< given: physics mode; left out: geometry mode
+  double elevation_rad = 0;               ///< elevation of the head at the start
+  std::optional<AcousticSpec> acoustics;  ///< set: physics mode; unset: geometry mode
   std::vector<double> strengths_db = {};  ///< backscatter by label in geometry mode, see Multibeam
-  bool on = true;                         ///< off, it tilts, but hears nothing
+  bool on = true;                         ///< when off, it tilts but receives nothing
 };
 
 /// The head of a vehicle's multibeam sonar. It tilts about its y axis and pings in geometry mode (one exact ray for
 /// each beam) or, if it has acoustics, in physics mode.
 class SonarHead {
  public:
-  /// `stream`: of physics mode's random draws. Copies what it needs of `water`. Throws InvalidValue.
+  /// `stream`: for physics mode's random draws. Copies the parts of `water` that it needs. Throws InvalidValue.
   SonarHead(const SonarSpec& spec, const Water& water, const RandomStream& stream);
 
   const std::string& name() const { return name_; }
   const Multibeam& multibeam() const { return multibeam_; }
   bool in_physics_mode() const { return acoustics_.has_value(); }
 
-  /// Sets the elevation to which the head turns as time passes, at the model's tilt rate; positive is up. Throws
+  /// Sets the elevation towards which the head turns over time, at the model's tilt rate; positive is up. Throws
   /// InvalidValue beyond +-pi/2.
   void aim(double elevation_rad);
   /// Advances the head towards the elevation at which it is aimed.
   void advance(double duration_s);
-  /// The present elevation, and the one at which the head is aimed.
+  /// The present elevation and the target elevation.
   double elevation_rad() const { return elevation_rad_; }
   double aimed_rad() const { return aimed_rad_; }
   /// The present mounting, elevation included.
@@ -49,7 +49,7 @@ class SonarHead {
   /// Saves or restores both elevations. Throws InvalidValue.
   void exchange_state(StateArchive& archive);
 
-  /// Pings in geometry mode; heads in physics mode can do so too.
+  /// Pings in geometry mode; also possible for heads in physics mode.
   void ping(const RayScene& scene, const Water& water, const Pose& world_from_body, const PingRows& rows) const;
   MultibeamPing ping(const RayScene& scene, const Water& water, const Pose& world_from_body) const;
   /// Pings in physics mode from a moving body. Random draws are keyed by `tick`. Throws InvalidValue in geometry mode.

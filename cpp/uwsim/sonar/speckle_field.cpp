@@ -11,12 +11,13 @@ constexpr std::size_t kSpline = 2;           // cells under a linear B-spline
 constexpr std::size_t kCells = 2 * kSpline;  // of both sizes
 constexpr double kRounding = 16;             // steps of the lattices' orientation: 1/16 of a unit quaternion
 constexpr float kMidway = 0.27f;
-const double kCellPerDeviation = std::sqrt(6.0);  // of cells whose B-spline alone has the footprint's curvature
+// width of cells at which the B-spline alone has the footprint's curvature
+const double kCellPerDeviation = std::sqrt(6.0);
 constexpr double kLeast_m = 1e-4;
-// The numbers of cells (i, j) are i and j times these, summed: no two cells within some 10^4 of each other share one.
+// The hash keys of cells (i, j) are i and j times these, summed: no two cells within some 10^4 of each other share one.
 constexpr std::uint32_t kStrideAcross = 0x9e3779b1U, kStrideWithin = 0x85ebca77U;
 
-/// Murmur3's finalisers (Appleby, public domain): every bit of the result depends on every bit given.
+/// Murmur3's finalisers (Appleby, public domain): every bit of the result depends on every bit of the input.
 std::uint64_t mixed(std::uint64_t h) {
   h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
   h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
@@ -29,23 +30,25 @@ std::uint32_t mixed(std::uint32_t h) {
   return h ^ (h >> 16);
 }
 
-/// A power of two [m]; `level` within double's exponents.
+/// A power of two [m]; `level` must be within double's exponents.
 double power_of_two(int level) { return std::bit_cast<double>(static_cast<std::uint64_t>(level + 1023) << 52); }
 
-/// The cells of one axis that a footprint covers: the weights and numbers of two of one size and two of twice that.
+/// The cells along one axis that a footprint covers: the weights and keys of two cells of one size and two of twice
+/// that.
 struct CoveredCells {
   alignas(16) std::array<float, kCells> weight{};
   alignas(16) std::array<std::uint32_t, kCells> number{};
   float squares = 0;  // the sum of the squared weights
 
-  /// A linear B-spline on cells of size c correlates by about exp(-1.5 d^2 / c^2). The shares of the two sizes would
-  /// give a Gaussian footprint's curvature at d = 0; with kMidway they agree best up to d of two deviations. `stride`:
-  /// odd; numbers are its multiples, from a start that depends on the level.
+  /// A linear B-spline on cells of size c has a correlation of about exp(-1.5 d^2 / c^2). The shares of the two sizes
+  /// would give a Gaussian footprint's curvature at d = 0; with kMidway they agree best up to a d of two deviations.
+  /// `stride`: odd; keys are its multiples, from a start that depends on the level.
   CoveredCells(double at_m, float deviation_m, std::uint32_t stride, const SpeckleField::LevelKeys& keys) {
     const auto bits = std::bit_cast<std::uint64_t>(kCellPerDeviation * std::max<double>(deviation_m, kLeast_m));
     const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level: the largest cells that are not too coarse
     const auto ratio = std::bit_cast<double>((bits & kMantissa) | kOne);
-    const auto square = static_cast<float>(1 / (ratio * ratio));  // of the finer size over the footprint's: in (1/4, 1]
+    // square of the finer size over the footprint's: in (1/4, 1]
+    const auto square = static_cast<float>(1 / (ratio * ratio));
     const float by_curvature = (square - 0.25f) / 0.75f;
     const float fine = by_curvature + kMidway * by_curvature * (1 - by_curvature);
     cover(0, at_m, level, std::sqrt(fine), stride, keys);
@@ -72,8 +75,8 @@ struct CoveredCells {
 };
 
 /// The sums over all pairs of cells of the product of their weights and of two noises. Each noise is the sum of a
-/// hash's four bytes, with signs that make the two uncorrelated; the sum of several cells is normal to the eye of any
-/// test here.
+/// hash's four bytes, with signs that make the two uncorrelated; no test here can distinguish the sum of several cells
+/// from a normal distribution.
 std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
   constexpr std::size_t kAll = kCells * kCells;
   alignas(32) std::uint32_t hash[kAll];
@@ -114,7 +117,7 @@ std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCell
 EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<const Eigen::Matrix3Xf>& directions) {
   const Eigen::Vector3f base = rays.front().range_m * directions.col(rays.front().ray);
   Eigen::Array3f sum = Eigen::Array3f::Zero(), squares = Eigen::Array3f::Zero();
-  for (const RayEcho& ray : rays) {  // differences from the nearest hit keep the precision of float
+  for (const RayEcho& ray : rays) {  // differences from the nearest hit preserve the precision of float
     const Eigen::Array3f off = ray.range_m * directions.col(ray.ray) - base;
     sum += off;
     squares += off.square();
@@ -134,7 +137,7 @@ SpeckleField::SpeckleField(std::uint64_t seed, double frequency_hz)
 
 SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
   Eigen::Vector4d rounded = world_from_sonar.orientation.coeffs();
-  // Both signs of a quaternion are the same orientation. It changes sign where no head is likely to be mounted.
+  // Both signs of a quaternion are the same orientation. The sign changes where heads are unlikely to be mounted.
   if (rounded.dot(Eigen::Vector4d(0.37, 0.29, 0.59, 0.66)) < 0) rounded = -rounded;
   View view;
   view.field_ = this;

@@ -9,12 +9,12 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDeepest_m = 12000;  // of all oceans
+constexpr double kDeepest_m = 12000;  // the deepest point of all oceans
 
-/// A piece in which the speed of sound is taken as linear is halved until its middle is as right as this, or it is so
+/// A piece in which the speed of sound is assumed linear is halved until its middle is this accurate, or it is this
 /// short.
 constexpr double kWithin_m_s = 0.05, kShortest_m = 0.01;
-/// Pieces that are so in most water, to begin with: the second derivative is at most 0.116 (m/s)/K^2 by temperature and
+/// Initial pieces, which suffice in most water: the second derivative is at most 0.116 (m/s)/K^2 by temperature and
 /// 5e-7 (m/s)/m^2 by depth; by salinity it grows with S^1.5.
 constexpr double kPiece_k = 1.8, kPiece_psu = 5, kPiece_m = 800;
 
@@ -61,7 +61,8 @@ SoundSpeedProfile sound_speed_profile(const Water& water) {
     const int pieces = pieces_to_begin_with(water, upper, lower);
     for (int piece = 1; piece < pieces; ++piece) {
       const double depth = upper + (lower - upper) * piece / pieces;
-      if (depth > depths.back() && depth < lower) add_levels(water, depths.back(), depth, depths);  // despite rounding
+      // guards against rounding
+      if (depth > depths.back() && depth < lower) add_levels(water, depths.back(), depth, depths);
     }
     add_levels(water, depths.back(), lower, depths);
   }

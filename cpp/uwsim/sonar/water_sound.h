@@ -6,11 +6,11 @@
 
 namespace uwsim {
 
-/// The water's speed of sound by depth, at levels that are close enough for linear interpolation to be within 0.06 m/s.
-/// From bottom_depth_m, or the profile's last level, down to the ocean's deepest bed at 12 km, temperature and salinity
-/// are constant and the equation, beyond its range of validity if need be, adds the pressure: so a ray that runs beside
-/// the terrain bends as the water does, and none that stays above the bed depends on it. A profile that gives the speed
-/// of sound keeps that of its last level below it.
+/// The water's speed of sound by depth, at levels close enough for linear interpolation to be within 0.06 m/s. From
+/// bottom_depth_m, or the profile's last level, down to the ocean's deepest bed at 12 km, temperature and salinity are
+/// constant and the equation adds the pressure, beyond its range of validity if need be: so a ray that passes beside
+/// the terrain bends as the water does, and no ray that stays above the bed depends on it. A profile given as speed of
+/// sound keeps its last value below its last level.
 SoundSpeedProfile sound_speed_profile(const Water& water);
 
 /// Francois-Garrison absorption by depth from the water's temperature and salinity, down to the ocean's deepest bed: in

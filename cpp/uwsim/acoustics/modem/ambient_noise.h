@@ -2,7 +2,7 @@
 
 namespace uwsim {
 
-/// The sources of noise in the sea.
+/// Sources of noise in the sea.
 struct NoiseSources {
   double wind_m_s = 0;    ///< 0 to 40
   double shipping = 0.5;  ///< activity, 0 to 1

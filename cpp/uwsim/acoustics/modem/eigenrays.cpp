@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kIterations = 100;
-constexpr double kExact = 1e-13;  // of the angle by which a ray is found
-constexpr double kLevel = 1e-7;   // a leg that is less steep counts as so steep: its length errs by 5e-15
+constexpr double kExact = 1e-13;  // relative error of the angle of a ray that is found
+constexpr double kLevel = 1e-7;   // legs less steep than this are treated as this steep: their length errs by 5e-15
 
 /// atanh(x) / x
 double atanhc(double x) {
@@ -46,7 +46,7 @@ struct LegSum {
   double across_m = 0, time_s = 0, length_m = 0;
 };
 
-/// The leg between two depths, on which the ray keeps its sense; the order of the depths does not matter.
+/// The leg between two depths, along which the ray keeps going up or down; the order of the depths does not matter.
 LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, const Snell& snell, bool all) {
   const auto [top, bottom] = std::minmax(depth_m, other_m);
   const double p = snell.p_s_m();
@@ -82,7 +82,7 @@ double fastest_between(const SoundSpeedProfile& profile, double depth_m, double 
   return fastest;
 }
 
-/// The depths at which a ray starts, bounces or turns, and ends.
+/// The depths at which a ray starts, reflects or turns, and ends.
 using Depths = std::span<const double>;
 
 double across(const SoundSpeedProfile& profile, Depths depths, const Snell& snell) {
@@ -91,7 +91,7 @@ double across(const SoundSpeedProfile& profile, Depths depths, const Snell& snel
   return sum;
 }
 
-/// The root of a continuous function between two points where it differs in sign: the Illinois variant of regula falsi.
+/// The root of a continuous function between two points of opposite sign: the Illinois variant of regula falsi.
 template <typename Function>
 double root(const Function& f, double a, double fa, double b, double fb) {
   for (int k = 0; k < kIterations && a != b; ++k) {
@@ -127,8 +127,8 @@ Eigenray ray_along(const SoundSpeedProfile& profile, Depths depths, const Snell&
   return ray;
 }
 
-/// Finds the ray whose legs all keep their sense; returns whether there is one. The angle atan(rise / across) is nearly
-/// linear in the ray's dip.
+/// Finds the ray whose legs never turn between their ends; returns whether there is one. The angle atan(rise / across)
+/// is nearly linear in the ray's dip.
 bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, Snell& snell) {
   double rise = 0, low = depths[0], high = depths[0];
   for (std::size_t k = 1; k < depths.size(); ++k) {
@@ -144,8 +144,8 @@ bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, 
   };
   const double least = 0.1 * kLevel;
   const double at_least = error(least);
-  if (at_least > 0) return false;  // even the flattest leg does not reach so far
-  // Near the straight line, as far as a first try shows on which side of it.
+  if (at_least > 0) return false;  // even the flattest leg does not reach that far
+  // Bracket the root near the straight line, if a first try shows on which side of it the root lies.
   const double guess = std::clamp(std::sin(wanted), 2 * least, 0.999);
   const double at_guess = error(guess);
   double other = at_guess > 0 ? std::max(least, 0.8 * guess) : std::min(1.0, 1.25 * guess);
@@ -176,7 +176,7 @@ bool turning(const SoundSpeedProfile& profile, const RayEnds& ends, int sense, d
     const double edge = sense < 0 ? std::max(layer.top_m, limit_m) : std::min(layer.bottom_m, limit_m);
     const double edge_speed = layer.at(edge);
     if (edge_speed > fastest) {
-      // Where the layer first exceeds all speeds between the ends; a hair beyond, where the ray can turn.
+      // Where the layer first exceeds all speeds between the ends, plus a tiny amount, so that the ray can turn.
       double begin = layer.at(here) >= fastest ? here : here + (fastest - layer.at(here)) / layer.gradient_1_s;
       begin += 1e-9 * (edge - begin);
       const double at_begin = error(begin), at_edge = error(edge);
@@ -203,7 +203,7 @@ void check(const RayEnds& ends) {
           "must be in [0, 1e6] m");
 }
 
-/// The same ends, a hair apart in depth: a level ray in even water has no vertical leg.
+/// The same ends, moved apart very slightly in depth if need be: a level ray in uniform water has no vertical leg.
 RayEnds never_level(RayEnds ends) {
   if (std::abs(ends.to_depth_m - ends.from_depth_m) < kLevel * ends.across_m) {
     const double sense = ends.from_depth_m + kLevel * ends.across_m <= ends.bottom_m ? 1 : -1;

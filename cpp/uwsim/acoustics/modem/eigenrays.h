@@ -13,17 +13,18 @@ namespace uwsim {
 struct Eigenray {
   int surface_bounces = 0;
   int bottom_bounces = 0;
-  double launch_dip_rad = 0;   ///< below the horizontal, where it starts
-  double arrival_dip_rad = 0;  ///< below the horizontal, where it ends, in the direction of travel
+  double launch_dip_rad = 0;   ///< below the horizontal, at its start
+  double arrival_dip_rad = 0;  ///< below the horizontal, at its end, in the direction of travel
   double time_s = 0;
   double length_m = 0;
-  double surface_grazing_rad = 0;    ///< angle between ray and surface where it bounces
+  double surface_grazing_rad = 0;    ///< angle between ray and surface where it reflects
   double bottom_grazing_rad = 0;     ///< the same at the bottom
-  int legs = 0;                      ///< between bounces
+  int legs = 0;                      ///< number of legs between reflections
   std::array<double, 3> across_m{};  ///< horizontal length of each leg
 };
 
-/// The ends of eigenrays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite: then nothing bounces there.
+/// The ends of eigenrays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite, and then nothing is reflected
+/// there.
 struct RayEnds {
   double from_depth_m;
   double to_depth_m;
@@ -32,15 +33,15 @@ struct RayEnds {
 };
 
 /// The rays between two points through a layered profile, between a flat surface and a flat bottom: direct ones, and
-/// those that bounce off the surface, the bottom, or once off each. Snell's law, cos(dip) / c = p: the horizontal
-/// distance of a leg that keeps its sense is the integral of p c / sqrt(1 - p^2 c^2) over depth, a closed form in each
-/// layer (as in SoundPath), of which p is found. Where no such leg reaches as far, a direct ray turns at the depth
+/// those reflected by the surface, the bottom, or each of them once. Snell's law, cos(dip) / c = p: the horizontal
+/// distance of a leg that never turns is the integral of p c / sqrt(1 - p^2 c^2) over depth, a closed form in each
+/// layer (as in SoundPath), which is solved for p. Where no such leg reaches that far, a direct ray turns at the depth
 /// where c = 1 / p; where none does, there is a shadow zone, and no direct ray is returned. High-frequency limit: no
 /// diffraction, no focusing. A profile with several extremes may have more rays of one kind: only the first found on
-/// each side is returned. Sorted by travel time. Throws InvalidValue for ends out of the water.
+/// each side is returned. Sorted by travel time. Throws InvalidValue for ends outside the water.
 std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& ends, bool with_bounces = true);
 
-/// The direct one of them alone; none in a shadow zone. Does not allocate memory.
+/// The direct ray alone; none in a shadow zone. Does not allocate memory.
 std::optional<Eigenray> direct_ray(const SoundSpeedProfile& profile, const RayEnds& ends);
 
 }  // namespace uwsim

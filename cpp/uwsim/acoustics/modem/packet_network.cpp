@@ -102,7 +102,7 @@ void PacketNetwork::transmit(std::uint64_t now_ns, const LinkMedium& medium) {
   }
 }
 
-/// Whether the next packet may begin within this step, and when.
+/// Whether, and when, the next packet may begin within this step.
 bool PacketNetwork::may_send(std::size_t index, std::uint64_t now_ns, std::uint64_t length_ns,
                              std::uint64_t& start_ns) {
   Node& node = nodes_[index];
@@ -177,7 +177,7 @@ void PacketNetwork::let_others_hear(const Flight& flight, std::uint64_t start_ns
   }
 }
 
-/// A node that sends hears nothing meanwhile.
+/// A node receives nothing while it sends.
 void PacketNetwork::deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns) {
   for (Flight& flight : flights_) {
     if (flight.at == index && flight.starts_ns < until_ns && flight.ends_ns > from_ns) {

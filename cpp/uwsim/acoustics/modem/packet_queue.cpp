@@ -42,7 +42,7 @@ PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max
 
 std::size_t PacketQueue::first() const {
   const auto found = std::min_element(messages_.begin(), messages_.end(), [](const auto& a, const auto& b) {
-    return a.priority < b.priority;  // of equal ones, the first
+    return a.priority < b.priority;  // among equals, the first
   });
   return static_cast<std::size_t>(found - messages_.begin());
 }

@@ -13,13 +13,13 @@
 
 namespace uwsim {
 
-/// The water as a modem hears it.
+/// The acoustic properties of the water around a modem.
 struct ModemWater {
   SoundSpeedProfile profile;
   AbsorptionColumn absorption;  ///< at the modem's frequency
   FluidBottom bottom;
   double surface_rms_m = 0;  ///< rms height of the waves
-  double noise_db_hz = 40;   ///< ambient
+  double noise_db_hz = 40;   ///< ambient noise
 };
 
 /// A ray that reaches the receiver.
@@ -31,24 +31,24 @@ struct HeardPath {
 /// How a packet reaches a receiver.
 struct Reception {
   bool reached = false;     ///< whether any sound arrives
-  double delay_s = 0;       ///< of the first arrival
+  double delay_s = 0;       ///< until the first arrival
   double signal_db = -300;  ///< re 1 uPa, arrivals within the modem's window
-  double noise_db = -300;   ///< within the band, with the echoes that come later
-  double closing_m_s = 0;   ///< speed of the ends towards each other along the first arrival
+  double noise_db = -300;   ///< within the band, including later echoes
+  double closing_m_s = 0;   ///< closing speed of the ends along the first arrival
   double spread_s = 0;      ///< from the first to the last arrival within 20 dB of the strongest
 
   double snr_db() const { return signal_db - noise_db; }
 };
 
-/// Transmission loss along a ray [dB]: spherical spreading by its length, absorption, and the loss of each bounce.
+/// Transmission loss along a ray [dB]: spherical spreading by its length, absorption, and the loss at each reflection.
 /// Sonar equation in one direction (Urick 1983, ch. 2): level = SL - TL.
 double path_loss_db(const ModemSpec& modem, const ModemWater& water, const Eigenray& ray, double from_depth_m,
                     double to_depth_m);
 
-/// Adds up arrivals incoherently: those within the window after the first are signal, later ones noise.
+/// Adds up arrivals incoherently: those within the window after the first are signal, later ones are noise.
 Reception reception(const ModemSpec& modem, const ModemWater& water, std::span<const HeardPath> paths);
 
-/// The probability that a packet is lost in so much noise and interference; `interference_db` within the band.
+/// The probability of losing a packet at this noise and interference; `interference_db` is within the band.
 double packet_loss(const ModemSpec& modem, const Reception& heard, double interference_db, std::uint64_t bytes);
 
 }  // namespace uwsim

@@ -11,7 +11,7 @@ namespace uwsim {
 class BeamPattern {
  public:
   /// width_rad: full width between half-power points, in (0, pi]. taper: [0, 0.5]. floor: lower limit of the power,
-  /// which stands for the leakage around a real transducer; [0, 1). Throws InvalidValue.
+  /// representing the leakage around a real transducer; [0, 1). Throws InvalidValue.
   BeamPattern(double width_rad, double taper, double floor);
 
   /// Power relative to the axis, in [floor, 1]; beyond +-pi/2 as at pi/2.

@@ -13,20 +13,20 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFloor = 1e-4;  // -40 dB, leaks into a transducer from all directions; assumed
+constexpr double kFloor = 1e-4;  // -40 dB leakage into a transducer from all directions; assumed
 constexpr double kVerticalTaper = 0.46;
-constexpr double kVerticalSpan = 1.25;  // of the width, to either side; past it a Hamming pattern is below -30 dB
-constexpr double kAcrossSpan = 6;       // of the beam's width, to either side: main lobe and some side lobes
-constexpr double kMaxDraws = 4e9;       // random draws of a ping are numbered by 32 bits
+// multiple of the width, to either side; beyond it a Hamming pattern is below -30 dB
+constexpr double kVerticalSpan = 1.25;
+constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
+constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits
 
 /// A forward-looking imaging sonar: one broad transmission, many narrow receiving beams side by side. Pings once, from
-/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain where that is on, and on
-/// request labels (bins, beams). Bearings are about the sonar's +z, positive to port; its x axis is the middle of the
-/// picture.
+/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if that is on, and on request
+/// labels (bins, beams). Bearings are about the sonar's +z, positive to port; its x axis is the middle of the picture.
 ///
 /// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes weighted by
-/// the receiving array's pattern. Left out: echoes of the surface and by several bounces, motion within a ping, and the
-/// curvature of a line array's beams away from the level plane.
+/// the receiving array's pattern. Not modelled: echoes of the surface and multiple reflections, motion within a ping,
+/// and the curvature of a line array's beams away from the level plane.
 class ForwardLooking final : public ImagingSonar {
  public:
   ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -41,12 +41,12 @@ class ForwardLooking final : public ImagingSonar {
             acoustics.range_bins, "times beams and looks must be below 4e9");
     const double field_of_view_rad = number(figures, "field_of_view_rad");
     const double beam_width_rad = number(figures, "beam_width_rad");
-    // A single beam has no neighbours: its columns are spread over its width.
+    // A single beam has no neighbours, so its columns are spread over its width.
     const BeamAngles bearings = beams_ > 1 ? even_beam_angles(field_of_view_rad, static_cast<int>(beams_))
                                            : BeamAngles{-field_of_view_rad / 2, beam_width_rad};
     first_bearing_rad_ = bearings.first_rad;
     spacing_rad_ = bearings.spacing_rad / static_cast<int>(columns_per_beam_);
-    // Columns extend past the outermost beams as far as a beam's pattern does.
+    // Columns extend beyond the outermost beams as far as a beam's pattern does.
     const double reach_rad = std::min(kAcrossSpan * beam_width_rad, std::numbers::pi / 2);
     reach_ = static_cast<std::size_t>(std::ceil(reach_rad / spacing_rad_));
   }
@@ -123,14 +123,14 @@ class ForwardLooking final : public ImagingSonar {
     return rays;
   }
 
-  /// An upright plane through the head's z axis.
+  /// A vertical plane through the head's z axis.
   RayArc column_at(const Eigen::Matrix3d& rotation, double bearing_rad) const {
     const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
     return {rotation * Eigen::Vector3d(c, s, 0), rotation.col(2), rotation * Eigen::Vector3d(-s, c, 0), 0,
             spacing_rad_ / 2};
   }
 
-  /// The receiving array's pattern at the columns to either side of a beam's axis.
+  /// The receiving array's pattern at the columns on either side of a beam's axis.
   std::vector<double> column_weights() const {
     std::vector<double> weights;
     for (std::size_t k = 0; k <= 2 * reach_; ++k) {
@@ -168,13 +168,13 @@ class ForwardLooking final : public ImagingSonar {
   }
 
   std::size_t beams_;
-  std::size_t columns_per_beam_;  ///< upright planes of rays from one beam's axis to the next
+  std::size_t columns_per_beam_;  ///< vertical planes of rays from one beam's axis to the next
   int rays_per_column_;
   std::size_t bins_;
   double vertical_width_rad_;
   BeamPattern across_;
   double first_bearing_rad_, spacing_rad_;  ///< of the columns: the first beam's bearing, and between columns
-  std::size_t reach_;                       ///< columns past the outermost beams
+  std::size_t reach_;                       ///< columns beyond the outermost beams
 };
 
 constexpr double kPi = std::numbers::pi;

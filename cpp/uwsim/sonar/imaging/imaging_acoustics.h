@@ -11,11 +11,11 @@
 
 namespace uwsim {
 
-/// The acoustic figures that all imaging sonars share. Levels in dB re 1 uPa.
+/// The acoustic parameters common to all imaging sonars. Levels in dB re 1 uPa.
 struct ImagingAcoustics {
   double frequency_hz = 0;
   double source_level_db = 0;  ///< at 1 m on the axis
-  double noise_level_db = 0;   ///< in the receiver's band, behind its beam former
+  double noise_level_db = 0;   ///< in the receiver's band, after its beam former
   /// Lambert's strength per square metre at normal incidence, of the terrain and of solids. `strengths_db`, by label,
   /// takes precedence for labels that it contains with a value other than NaN.
   double bottom_strength_db = 0;
@@ -23,9 +23,9 @@ struct ImagingAcoustics {
   std::vector<double> strengths_db;
   double range_max_m = 0;
   int range_bins = 0;            ///< each one range resolution wide: range_max_m / range_bins
-  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; off, the levels are those received
+  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; when off, the levels are those received
   double gain_db_decade = 0;     ///< a
-  int looks = 1;                 ///< independent looks averaged in a cell: 1 is full speckle, 0 none
+  int looks = 1;                 ///< independent looks averaged in a cell: 1 is full speckle, 0 means none
 
   /// Lambert's mu, as a ratio.
   double strength(Label label) const;
@@ -35,9 +35,9 @@ struct ImagingAcoustics {
   double absorption_db_m(const Water& water, double head_z_m) const;
 };
 
-/// The figures above by name, without strengths_db.
+/// The parameters above by name, without strengths_db.
 std::span<const Parameter> imaging_acoustics_parameters();
-/// From a completed set of figures. Throws InvalidValue for strengths out of range.
+/// Makes them from a complete set of parameters. Throws InvalidValue for strengths out of range.
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});
 
 /// Turns an echo's mean power into the displayed level: noise, speckle, gain.
@@ -45,17 +45,17 @@ ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::ve
 /// Many scatterers in a cell with random phases make a complex Gaussian pressure (Goodman 1975, "Statistical properties
 /// of laser speckle patterns"), so amplitude is Rayleigh and power exponential: standard deviation = mean. The mean of
 /// n looks is a gamma variate of shape n: std = mean / sqrt(n). Noise adds as power, before the draw. A cell's draw is
-/// a function of (stream, ping, cell) alone.
+/// a function of (stream, ping, cell) only.
 class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);
 
-  /// Received power over 1 uPa^2, without gain. `echo`: mean power over the source's at 1 m.
+  /// Received power relative to 1 uPa^2, without gain. `echo`: mean power relative to the source's at 1 m.
   double received(double echo, std::uint64_t ping, std::uint32_t cell) const;
   /// Displayed level, with the gain at that range [dB re 1 uPa]; always finite.
   float displayed_db(double received, double range_m) const;
   double noise() const { return noise_; }
-  /// The echo whose mean power is the noise's, as a power over the source's at 1 m.
+  /// The echo whose mean power equals the noise, relative to the source's power at 1 m.
   double echo_at_noise() const { return noise_ / source_; }
 
  private:

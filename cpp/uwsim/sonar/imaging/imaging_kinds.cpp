@@ -4,7 +4,7 @@
 
 namespace uwsim {
 
-/// A new imaging sonar is one new file and its kind's name in both of these lists.
+/// A new imaging sonar needs one new file, and its kind's name in both of these lists.
 extern const ImagingKind kForwardLooking, kSideScan, kSingleBeam;
 
 namespace {

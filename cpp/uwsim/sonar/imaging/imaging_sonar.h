@@ -15,16 +15,17 @@
 
 namespace uwsim {
 
-/// Everything that a ping depends on besides the sonar's figures.
+/// Everything that a ping depends on apart from the sonar's parameters.
 struct ImagingRequest {
   const RayScene& scene;
   const Water& water;
-  std::span<const Pose> world_from_sonar;  ///< one ping from each, or as the kind says; x ahead, y to port, z up
-  std::span<const double> angles_rad;      ///< of a steered beam, about the sonar's +z; empty for other kinds
+  std::span<const Pose> world_from_sonar;  ///< one ping from each, or as the kind defines; x ahead, y to port, z up
+  std::span<const double> angles_rad;      ///< angles of a steered beam, about the sonar's +z; empty for other kinds
   const RandomStream& random;
   std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its speckle as first_ping + k
   int threads = 1;
-  bool with_labels = false;  ///< also name the surface that each cell's echo comes from, see EchoesByLabel
+  /// whether to identify also the surface that each cell's echo comes from, see EchoesByLabel
+  bool with_labels = false;
 };
 
 /// A named array of results, row-major.
@@ -34,21 +35,21 @@ struct ImagingArray {
   std::vector<float> values;
 };
 
-/// An imaging sonar with its figures. Every kind is one file in this folder and a line in imaging_kinds.cpp.
+/// An imaging sonar with its parameters. Every kind is one file in this folder and a line in imaging_kinds.cpp.
 class ImagingSonar {
  public:
   explicit ImagingSonar(const ImagingAcoustics& acoustics) : acoustics_(acoustics) {}
   virtual ~ImagingSonar() = default;
 
   const ImagingAcoustics& acoustics() const { return acoustics_; }
-  /// The same arrays for the same request, whatever the number of threads. Throws InvalidValue.
+  /// Returns the same arrays for the same request, whatever the number of threads. Throws InvalidValue.
   virtual std::vector<ImagingArray> ping(const ImagingRequest& request) const = 0;
 
  private:
   ImagingAcoustics acoustics_;
 };
 
-/// A kind of imaging sonar: its name in YAML, and its figures beside those of ImagingAcoustics.
+/// A kind of imaging sonar: its name in YAML, and its parameters in addition to those of ImagingAcoustics.
 struct ImagingKind {
   std::string_view name;
   std::string_view meaning;

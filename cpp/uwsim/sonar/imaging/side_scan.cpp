@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSparsest_rad = 0.1 * kDegree;
-constexpr double kHighest_rad = 30 * kDegree;  // above the level: rays do not reach higher
-constexpr double kFloor = 1e-3;                // -30 dB: a transducer's sensitivity beside its beam; assumed
+constexpr double kHighest_rad = 30 * kDegree;  // above the horizontal: the highest elevation of rays
+constexpr double kFloor = 1e-3;                // -30 dB: a transducer's sensitivity outside its beam; assumed
 constexpr double kTaper = 0.46;
 
-/// Angles from straight down to above the level, dense enough to meet a flat bottom at equal steps of range.
+/// Angles from straight down to above the horizontal, dense enough to hit a flat bottom at equal steps of range.
 std::vector<double> across_angles(const ImagingAcoustics& acoustics, double height_m) {
   std::vector<double> angles;
   for (double angle = -std::numbers::pi / 2 + kSparsest_rad / 2; angle < kHighest_rad; angle += kSparsest_rad) {
@@ -33,14 +33,14 @@ std::vector<double> across_angles(const ImagingAcoustics& acoustics, double heig
   return angles;
 }
 
-/// A side-scan sonar: to either side one beam, narrow along the track (the sonar's x axis) and wide across it. Pings
+/// A side-scan sonar: one beam to either side, narrow along the track (the sonar's x axis) and wide across it. Pings
 /// once from each pose and returns port_db and starboard_db (pings, bins), dB re 1 uPa by slant range, and altitude_m
-/// (pings,): the range of the first return of both sides together, infinite without one; on request port_labels and
+/// (pings,): the range of the first return on either side, infinite without one; on request port_labels and
 /// starboard_labels (pings, bins).
 ///
-/// Rays lie in planes across the track, from straight down to above the level: as dense as the bins are on a flat
-/// bottom at the depth met straight below, and never sparser than a tenth of a degree. Neither side receives the
-/// other's echoes.
+/// Rays lie in planes across the track, from straight down to above the horizontal: as dense as the bins are on a flat
+/// bottom at the depth straight below, and never sparser than a tenth of a degree. Neither side receives the other's
+/// echoes.
 class SideScan final : public ImagingSonar {
  public:
   SideScan(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -81,7 +81,7 @@ class SideScan final : public ImagingSonar {
  private:
   struct Lines {
     std::vector<float> port_db, starboard_db, altitude_m;
-    std::vector<float> port_labels, starboard_labels;  // empty unless they were requested
+    std::vector<float> port_labels, starboard_labels;  // empty unless requested
   };
 
   /// Fills line `row`.

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kFloor = 0;
 constexpr double kTaper = 0.46;
-constexpr double kSpan = 1.2;  // of the width, to either side; past it a Hamming pattern is below -25 dB
+constexpr double kSpan = 1.2;  // multiple of the width, to either side; beyond it a Hamming pattern is below -25 dB
 constexpr int kMeanOver = 2;   // bins to either side
-constexpr double kEdge = 0.1;  // of the peak
+constexpr double kEdge = 0.1;  // fraction of the peak
 
 std::vector<double> smoothed(std::span<const double> values) {
   const int n = static_cast<int>(values.size());
@@ -48,13 +48,14 @@ double detect(std::span<const double> received, double threshold) {
   return moment / power;
 }
 
-/// A profiling sonar: one pencil beam, round, that a motor steps about the head's z axis. Pings once at each of the
-/// request's angles, from its x axis, positive to port, all from one pose. Returns level_db (angles, bins), dB re 1
-/// uPa, and ranges_m (angles,), infinite without an echo; on request labels (angles, bins).
+/// A profiling sonar: one round pencil beam that a motor steps about the head's z axis. Pings once at each of the
+/// request's angles, measured from its x axis, positive to port, all from one pose. Returns level_db (angles, bins), dB
+/// re 1 uPa, and ranges_m (angles,), infinite without an echo; on request labels (angles, bins).
 ///
 /// The range is the centroid of the power about the echo's peak, out to where a running mean over five bins has fallen
-/// to a tenth of it: near nadir that is the bottom straight below, oblique it is the beam's middle. 1 / R^2, Lambert's
-/// law and absorption pull the centroid inwards, on a flat bottom under 45 degrees by less than a beam's width squared.
+/// to a tenth of it: near nadir that is the bottom straight below, at oblique angles it is the beam's middle. 1 / R^2,
+/// Lambert's law and absorption pull the centroid inwards: by less than a beam's width squared on a flat bottom below
+/// 45 degrees.
 class SingleBeam final : public ImagingSonar {
  public:
   SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& figures)

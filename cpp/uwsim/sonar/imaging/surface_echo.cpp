@@ -6,8 +6,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kMinRange_m = 0.05;  // closer, a transducer has no far field, and 1 / R^2 diverges
-constexpr double kStretch = 1.5;      // limits the extent of a patch, as a factor of its range
+constexpr double kMinRange_m = 0.05;  // closer than this, a transducer has no far field, and 1 / R^2 diverges
+constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
 
 /// The range of the tangent plane in another direction, relative to that of the hit; from the dot products of the
 /// normal with both directions.

@@ -27,19 +27,19 @@ struct ArcRay {
   double gain_sr;  ///< the beam's two-way power pattern times the solid angle that the ray represents
 };
 
-/// Rays at ascending angles; each represents the interval half way to its neighbours. gain_sr is 1.
+/// Rays at ascending angles; each represents the interval up to half way to its neighbours. gain_sr is 1.
 std::vector<ArcRay> arc_rays(std::span<const double> angles_rad);
 
-/// Mean echo power by range, apart for each surface: what a picture's cells show.
+/// Mean echo power by range, separately for each surface: what the cells of a picture show.
 class EchoesByLabel {
  public:
   explicit EchoesByLabel(std::size_t bins) : bins_(bins) {}
 
-  /// The profile of a surface, at first zero.
+  /// The profile of a surface, initially zero.
   std::span<double> of(Label label);
-  /// Adds another's echoes, times a weight.
+  /// Adds another object's echoes, multiplied by a weight.
   void add(double weight, const EchoesByLabel& other);
-  /// The surface whose echo is the strongest in a bin; kNothing where no surface's is above `least`.
+  /// The surface with the strongest echo in a bin; kNothing if none exceeds `least`.
   Label strongest(std::size_t bin, double least) const;
 
  private:
@@ -48,17 +48,17 @@ class EchoesByLabel {
     std::vector<double> profile;
   };
   std::size_t bins_;
-  std::vector<Surface> surfaces_;  // few: those that the rays of one arc or beam meet
+  std::vector<Surface> surfaces_;  // few: those that the rays of one arc or beam hit
 };
 
 /// Echoes of surfaces along rays from a head, as mean power by range.
 ///
-/// A ray of solid angle dO that meets a surface at range R under incidence i covers dA = R^2 dO / cos i. By Lambert's
+/// A ray of solid angle dO that hits a surface at range R under incidence i covers dA = R^2 dO / cos i. By Lambert's
 /// law (Urick 1983, "Principles of Underwater Sound", ch. 8) this patch returns, relative to the source's power at 1 m,
 ///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
 /// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no model: hidden
-/// surfaces are hit by no ray. Straight rays, one bounce. Surfaces above z = 0 return no echo, a head there receives
-/// none, and the inner side of a surface returns none: a head in the ground or in a solid receives only noise.
+/// surfaces are hit by no ray. Rays are straight and reflected once. Surfaces above z = 0 return no echo, a head there
+/// receives none, and the inside of a surface returns none: a head in the ground or in a solid receives only noise.
 class SurfaceEchoes {
  public:
   SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m, const ImagingAcoustics& acoustics,
