@@ -1,4 +1,4 @@
-"""Bridges to the world of ROS: thin users of uwsim.channels, each a folder of its own."""
+"""Bridges to ROS and Foxglove: thin users of uwsim.channels, one folder each."""
 
 from uwsim.bridges.rosbridge import RosbridgeClient, RosbridgeServer
 

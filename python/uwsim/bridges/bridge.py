@@ -1,4 +1,4 @@
-"""Bridge: the base of all bridges, which join a live simulator, or a recording, to peers beyond this process."""
+"""Bridge: the base of all bridges, which connect a live simulator or a recording to peers outside this process."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SERVICE_THREADS = 4
 
 
 class Bridge:
-    """The simulator's side of a bridge: channels and services by name, the feed that reads, the threads that call.
+    """The simulator's side of a bridge: channels and services by name, the feed for reading, the threads for calls.
 
-    A channel is read while a peer demands it. `take` gets its readings on the simulator's thread, which it must not
-    keep waiting. Commands and calls may come on any thread, and take effect between two steps.
+    A channel is read while a peer demands it. `take` receives its readings on the simulator's thread, which it must not
+    block. Commands and calls may come from any thread, and take effect between two steps.
 
-    name: of the log, uwsim.NAME, and of threads. feed: shared with other sinks, so that a reading is taken once for
-    all of them; by default one of its own. live: None with the feed of a recording, which takes no commands.
-    open_calls: the most that are not answered yet; None: the subclass bounds them.
+    name: used for the log, uwsim.NAME, and for threads. feed: shared with other sinks, so that each reading is taken
+    only once; by default a new one. live: None with the feed of a recording, which accepts no commands. open_calls:
+    limit of unanswered calls; None: the subclass limits them.
     """
 
     def __init__(
@@ -50,15 +50,15 @@ class Bridge:
         self._usual = Lane(f"uwsim-{name}-service", SERVICE_THREADS, self.log, open_calls)
         self._vital = Lane(f"uwsim-{name}-vital", 1, self.log, open_calls)
         self._lock = threading.Lock()
-        self._ends: dict[str, Callable[[], None]] = {}  # of the channels that are read
+        self._ends: dict[str, Callable[[], None]] = {}  # for the channels being read
         self._going_on: list[Subscription] = []
 
     def keep_up(self) -> None:
-        """Begin what channels do whether or not they are read: the last step of a subclass's start."""
+        """Start the work that channels do whether or not they are read; the last step of a subclass's start."""
         self._going_on = keep_up(self.live, self.outputs.values())
 
     def close(self) -> bool:
-        """Read, command and call nothing more; return whether this was the first call."""
+        """Stop reading, commanding and calling; return whether this was the first call."""
         with self._lock:
             was_open, self.is_closed = not self.is_closed, True
             ends = list(self._ends.values())
@@ -81,17 +81,17 @@ class Bridge:
     # From the simulator
 
     def take(self, reading: Reading) -> None:
-        """Take a reading of a channel that is demanded. Must not block."""
+        """Handle a reading of a demanded channel. Must not block."""
         raise NotImplementedError
 
     def listen(self, name: str) -> None:
-        """Read a channel from now on. Raises NotRunningError."""
+        """Start reading a channel. Raises NotRunningError."""
         with self._lock:
             if name not in self._ends and not self.is_closed:
                 self._ends[name] = self.feed.listen(self.outputs[name], self.take)
 
     def leave(self, name: str) -> None:
-        """Read a channel no longer."""
+        """Stop reading a channel."""
         with self._lock:
             end = self._ends.pop(name, None)
         if end is not None:
@@ -102,7 +102,7 @@ class Bridge:
         return name in self._ends
 
     def demand(self, name: str, is_wanted: bool) -> None:
-        """Begin or end to read a channel. If that is impossible, the log has the reason."""
+        """Start or stop reading a channel. If that is impossible, log the reason."""
         if not is_wanted:
             self.leave(name)
             return
@@ -114,11 +114,11 @@ class Bridge:
     # To the simulator
 
     def apply(self, channel: Channel, message: Any) -> None:
-        """Give a command. Raises ValueError, RuntimeError."""
+        """Apply a command. Raises ValueError, RuntimeError."""
         channel.apply(require_live(self.live), message)
 
     def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
-        """Decode a command and give it; `refuse` gets what is wrong with it."""
+        """Decode a command and apply it; `refuse` is called with what is wrong with it."""
         try:
             if len(data) > COMMAND_BYTES_MAX:
                 raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
@@ -133,7 +133,7 @@ class Bridge:
         self.log.warning("%s", reason)
 
     def abandon(self, channel: Channel) -> None:
-        """Let a channel act on the departure of the last peer that gave commands on it."""
+        """Let a channel react to the departure of the last peer that sent commands on it."""
         if channel.abandoned is None or self.live is None:
             return
         try:
@@ -144,7 +144,7 @@ class Bridge:
     def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
         """Call a service on a thread, since it may wait for steps, and answer there. Raises ValueError, RuntimeError.
 
-        Vital services have a thread of their own: nothing else keeps them waiting.
+        Vital services have a separate thread, so that nothing else delays them.
         """
         lane = self._vital if service.is_vital else self._usual
         lane.submit(partial(service.call, require_live(self.live), request), answer)

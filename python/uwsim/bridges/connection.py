@@ -1,4 +1,4 @@
-"""HeardConnection: a client's WebSocket that bounds what the client makes it do, and knows whether it lives."""
+"""HeardConnection: a client's WebSocket that limits what the client can make it do, and tracks whether it is alive."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Any, ClassVar
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode, Frame, Opcode
 
-READ_BYTES = 1 << 13  # at once: of frames without content that is a thousand
+READ_BYTES = 1 << 13  # read at once; that is a thousand frames without content
 CONTINUATIONS = 1000  # frames of one message
 UNREAD_PONGS_BYTES = 1 << 20
-HEAD_S = 5.0  # for a request's head, and before it for encryption
-GOING_S = 2.0  # for a closing handshake
+HEAD_S = 5.0  # time limit for a request's head, and before it for encryption
+GOING_S = 2.0  # wait for a closing handshake
 REASON_BYTES = 123  # RFC 6455, section 5.5
 
 
 class HeardConnection(ServerConnection):
-    """A connection that knows for how long nothing has come through it, answers to pings included.
+    """A connection that records how long nothing has been received, including answers to pings.
 
-    silent_s: its server counts it up. Time in which the loop stood still is not silence. most: connections of its
-    server at a time, half-open ones included; a further one is cut off.
+    silent_s: incremented by its server. Time during which the event loop was blocked does not count. most: limit on
+    the connections of a server, including half-open ones; a further one is cut off.
     """
 
     silent_s = 0.0
@@ -33,7 +33,7 @@ class HeardConnection(ServerConnection):
         self._unread_pongs_bytes = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Read little at once."""
+        """Limit how much is read at once."""
         super().connection_made(transport)
         if hasattr(transport, "max_size"):
             transport.max_size = READ_BYTES
@@ -52,7 +52,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Take note that the other side lives. One that pings on and does not read the answers is cut off."""
+        """Note that the other side is alive. One that keeps pinging without reading the answers is cut off."""
         self.silent_s = 0.0
         before = self.transport.get_write_buffer_size()
         super().data_received(data)
@@ -62,7 +62,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def process_event(self, event: Any) -> None:
-        """Take a frame. A message in very many costs more than its bytes: it is refused."""
+        """Process a frame. A message in very many frames is refused, because it costs more than its bytes."""
         if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
             if self._continuations > CONTINUATIONS:
@@ -71,7 +71,7 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason; the other side may not read it, and is not waited for."""
+        """Close with a reason, without waiting for the other side, which may not read it."""
         try:
             async with asyncio.timeout(GOING_S):
                 await self.close(CloseCode.POLICY_VIOLATION, reason.encode()[:REASON_BYTES].decode(errors="ignore"))

@@ -1,4 +1,4 @@
-"""A client's WebSocket: frames in at a bounded rate, what waits for the client out."""
+"""A client's WebSocket: reads frames at a bounded rate, and sends what is queued for the client."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from websockets.exceptions import ConnectionClosed
 
 Frame = str | bytes
 """A frame of a WebSocket: str as text, bytes as binary."""
-AT_ONCE = 16  # frames after which others get their turn
+AT_ONCE = 16  # frames after which other clients get their turn
 
 
 class Allowance:
-    """How much a client may send: a second's worth at once, then `rate` a second (a token bucket)."""
+    """How much a client may send: one second's worth at once, then `rate` per second (a token bucket)."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
@@ -31,7 +31,7 @@ class Allowance:
 
 
 class Rates(NamedTuple):
-    """What may come from a client a second: one that sends more is read more slowly."""
+    """What a client may send per second; one that sends more is read more slowly."""
 
     frames: float
     bytes: float
@@ -41,13 +41,13 @@ class Session(Protocol):
     """A client's side of a protocol, without a transport."""
 
     async def take(self, frame: Frame) -> float:
-        """Do what a frame requests; return the seconds of work on this thread."""
+        """Handle a frame; return the seconds of work on this thread."""
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return what is to be sent next; or None, and the seconds until something is due, None if never."""
+        """Return the next frame to send; or None, and the seconds until one is due, None if never."""
 
     def close(self) -> None:
-        """Leave: nothing is sent any more."""
+        """Leave: nothing more is sent."""
 
 
 async def converse(
@@ -71,7 +71,7 @@ async def _read(connection: ServerConnection, session: Session, rates: Rates, sh
         frame: Any = await connection.recv()
         size = len(frame)
         taking = session.take(frame)
-        del frame  # no longer than the session keeps it
+        del frame  # so that it is freed as soon as the session no longer needs it
         worked_s = await taking
         delay_s = max(frames.delay_after(1), data.delay_after(size), share.delay_after(worked_s))
         count += 1
@@ -83,7 +83,7 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
     loop = asyncio.get_running_loop()
     count = 0
     while True:
-        wakes.clear()  # before looking: another thread may put something meanwhile
+        wakes.clear()  # before checking: another thread may add something in between
         frame, delay_s = await session.next_frame()
         if frame is None:
             timer = None if delay_s is None else loop.call_later(delay_s, wakes.set)
@@ -92,7 +92,7 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
                 timer.cancel()
             continue
         await connection.send(frame)
-        del frame  # which may be large, and the next one far away
+        del frame  # it may be large, and the next one may be far away
         count += 1
         if count % AT_ONCE == 0:
             await asyncio.sleep(0)

@@ -1,4 +1,4 @@
-"""Listener: the only way in which uwsim listens for WebSockets, so that each connection passes the same admission."""
+"""Listener: the only place where uwsim listens for WebSockets, so that each connection passes the same admission."""
 
 from __future__ import annotations
 
@@ -20,20 +20,23 @@ from uwsim.bridges.conversation import Allowance, Rates, Session, converse
 from uwsim.bridges.rare_log import RareLog
 
 Site = Callable[[Request], Awaitable[Response]]
-"""Answers requests for pages and files, which are no WebSockets."""
+"""Answers HTTP requests for pages and files, as opposed to WebSockets."""
 S = TypeVar("S", bound=Session)
 Main = Callable[["Listener[Any]", Callable[[], None]], Awaitable[None]]
-"""Runs while the server listens. It calls its second argument when clients may come, and returns after `stopping`."""
+"""Runs while the server listens.
+
+It calls its second argument when clients may connect, and returns after `stopping`.
+"""
 OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], None]], S]
-"""Begins a client's session, from its connection, what wakes its writer, and what disconnects it with a reason."""
+"""Opens a client's session, given its connection, a function that wakes its writer, and one that disconnects it."""
 
 STOP_S = 5.0
-HALF_OPEN_MAX = 64  # connections beyond the places, which have not asked for anything yet
-WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer, after which its queues fill
+HALF_OPEN_MAX = 64  # connections beyond the places, which have not sent a request yet
+WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer; beyond it, its queues fill
 
 
 class Address(NamedTuple):
-    """Where a server listens, and who may connect: see Admission and tls_context. port 0 chooses one."""
+    """The address on which a server listens, and who may connect: see Admission and tls_context. port 0 chooses one."""
 
     host: str = "127.0.0.1"
     port: int = 0
@@ -44,11 +47,11 @@ class Address(NamedTuple):
 
 
 class Listener(Generic[S]):
-    """A WebSocket server on an event loop of its own thread, each of whose clients has a session.
+    """A WebSocket server on an event loop in its own thread, with one session per client.
 
-    places: for clients at a time; further ones are refused with HTTP 503. rates: of each client's frames. share: of a
-    core, for the frames of all clients together. open_session: called with each admitted connection. main: runs as long
-    as the server listens. site: what is served over HTTP on the same port; it checks the token itself. options: of
+    places: number of clients at a time; further ones are refused with HTTP 503. rates: of each client's frames. share:
+    of a core, for the frames of all clients together. open_session: called with each admitted connection. main: runs
+    as long as the server listens. site: serves HTTP on the same port; it checks the token itself. options: of
     `websockets.serve`. Raises ValueError.
     """
 
@@ -84,7 +87,7 @@ class Listener(Generic[S]):
 
     @property
     def port(self) -> int:
-        """Where it listens. Raises RuntimeError before start."""
+        """The port on which it listens. Raises RuntimeError before start."""
         if self._port is None:
             raise RuntimeError("the server has not been started")
         return self._port
@@ -96,7 +99,7 @@ class Listener(Generic[S]):
         return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
 
     def start(self) -> None:
-        """Listen. Raises OSError if it cannot, and warns (UserWarning) when others can connect."""
+        """Listen. Raises OSError if it cannot, and warns (UserWarning) if other machines can connect."""
         if self._thread is not None:
             raise RuntimeError("the server runs already")
         warn_beyond_loopback(self._host, self._admission.token, self._tls is not None)
@@ -123,7 +126,7 @@ class Listener(Generic[S]):
     def _run(self, ready: threading.Event) -> None:
         try:
             asyncio.run(self._serve(ready))
-        except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
+        except (OSError, UnicodeError) as error:  # UnicodeError: an impossible host name
             self._failure = error
         finally:
             ready.set()
@@ -174,7 +177,7 @@ class Listener(Generic[S]):
 
     async def _handle(self, connection: ServerConnection) -> None:
         assert isinstance(connection, HeardConnection)
-        if len(self.sessions) >= self._places:  # others came while this one shook hands
+        if len(self.sessions) >= self._places:  # others connected during this one's handshake
             await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
             return
         loop, wakes, own_thread = asyncio.get_running_loop(), asyncio.Event(), threading.get_ident()
@@ -203,6 +206,6 @@ class Listener(Generic[S]):
 
 
 def post(loop: asyncio.AbstractEventLoop, function: Callable[..., object], *arguments: Any) -> None:
-    """Call a function on a loop, from any thread; not if the loop has ended."""
+    """Call a function on a loop, from any thread; does nothing if the loop has ended."""
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(function, *arguments)

@@ -13,10 +13,10 @@ from uwsim.channels import Channel
 from uwsim.recording.pacer import Pacer
 from uwsim.recording.reader import Recording
 
-SETTLE_S = 0.5  # in which the last messages reach the clients
+SETTLE_S = 0.5  # time for the last messages to reach the clients
 
 Join = Callable[[ExitStack, Sequence[Channel], PlayedFeed], Sequence[str]]
-"""Opens further bridges to channels and their feed, to be closed with the stack; returns where they are, in words."""
+"""Opens further bridges for channels and their feed, to be closed with the stack; returns their addresses as text."""
 
 
 def play(
@@ -33,8 +33,8 @@ def play(
 ) -> None:
     """Send every message once, at a pace of simulated time; return after the last. Raises ValueError, OSError.
 
-    from_s, until_s: simulated times; latched messages from before are sent at once. wait: for the first client of
-    rosbridge, or the first subscriber elsewhere. access: host, origins, token, certfile and keyfile, as of a
+    from_s, until_s: simulated times; earlier latched messages are sent at once. wait: for the first client of
+    rosbridge, or the first subscriber elsewhere. access: host, origins, token, certfile and keyfile, as in
     RosbridgeServer.
     """
     feed = PlayedFeed(channels_of(recording))
@@ -51,7 +51,7 @@ def play(
 
 
 def _send(recording: Recording, feed: PlayedFeed, pacer: Pacer, from_ns: int, until_ns: int | None) -> int:
-    """Hand on each message when it is due; return how many. Latched ones from before from_ns go first."""
+    """Send each message when it is due; return their number. Latched ones from before from_ns are sent first."""
     sent = 0
     for recorded in recording.messages(*feed.channels):
         channel = feed.channels[recorded.topic]

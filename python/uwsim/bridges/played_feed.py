@@ -1,4 +1,4 @@
-"""PlayedFeed: hands a recording's messages to bridges, as a live simulator's feed hands on its readings."""
+"""PlayedFeed: passes a recording's messages to bridges, like a live simulator's feed passes its readings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger("uwsim.bridges")
 
 
 def channels_of(recording: Recording) -> list[Channel]:
-    """Return what bridges offer of a recording: all its channels but the commands, also received and derived ones."""
+    """Return the channels of a recording that bridges offer: all but commands, including received and derived ones."""
     found = []
     for info in (*recording.channels.values(), *recording.derived.values()):
         if info.name != COMMANDS:
@@ -32,9 +32,9 @@ def channels_of(recording: Recording) -> list[Channel]:
 
 
 class PlayedFeed:
-    """Readings whose bytes are the recording's own. Sinks are called on the thread that plays.
+    """Readings whose bytes are the recording's own. Sinks are called on the playing thread.
 
-    channels: what is played, by name. A sink that comes late to the changes of a map gets all of them so far.
+    channels: those to play, by name. A sink that subscribes late to the changes of a map receives all earlier ones.
     """
 
     def __init__(self, channels: Iterable[Channel] = ()) -> None:
@@ -56,7 +56,10 @@ class PlayedFeed:
         return any(self._sinks.values())
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
+        """Pass each reading of a channel to a sink from now on; return a function that ends this.
+
+        A latched channel's newest reading is passed immediately.
+        """
         with self._lock:
             self._sinks[channel.name] = (*self._sinks.get(channel.name, ()), sink)
             newest = self._late(channel)
@@ -65,7 +68,7 @@ class PlayedFeed:
         return lambda: self._leave(channel.name, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the newest reading of a latched channel: all so far, if its messages build up."""
+        """Return the newest reading of a latched channel; if its messages build up, all of them so far combined."""
         with self._lock:
             return self._late(channel)
 
@@ -74,7 +77,7 @@ class PlayedFeed:
         return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Tell a sink the recorded time [ns] at each period of it; return what ends that."""
+        """Report the recorded time [ns] to a sink once per period of it; return a function that ends this."""
         key = object()
         self._clocks[key] = _Clock(round(1e9 * period_s), sink)
 
@@ -84,7 +87,7 @@ class PlayedFeed:
         return end
 
     def play(self, channel: Channel, recorded: Recorded) -> Reading:
-        """Hand a message to all sinks, and return it."""
+        """Pass a message to all sinks, and return it."""
         reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
         if channel.name in self._maps:
             self._maps[channel.name].take(reading)
@@ -107,7 +110,7 @@ class PlayedFeed:
 
 
 class _Clock:
-    """Tells recorded time, at each multiple of a period that it passes, and when it goes back."""
+    """Reports recorded time at each multiple of a period that it passes, and when it goes back."""
 
     def __init__(self, period_ns: int, sink: Callable[[int], object]) -> None:
         self._period_ns = period_ns
@@ -115,7 +118,7 @@ class _Clock:
         self._last: int | None = None
 
     def tell(self, time_ns: int) -> None:
-        """Tell the time, if it is due."""
+        """Report the time if it is due."""
         if time_ns // self._period_ns != self._last:
             self._last = time_ns // self._period_ns
             self._sink(time_ns)

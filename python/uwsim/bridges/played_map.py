@@ -1,4 +1,4 @@
-"""PlayedMap: what a recording's map changes add up to, for sinks that come late."""
+"""PlayedMap: accumulates a recording's map changes, for sinks that subscribe late."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 
 
 class PlayedMap:
-    """The occupied voxels of a map as played so far. It starts again when recorded time goes back."""
+    """The occupied voxels of a map as played so far. It starts over when recorded time goes back."""
 
     def __init__(self) -> None:
         self._changes = MapChanges()
@@ -19,7 +19,7 @@ class PlayedMap:
         self._time_ns = -1
 
     def take(self, reading: Reading) -> None:
-        """Take the next message."""
+        """Apply the next message."""
         message = reading.message
         if reading.time_ns < self._time_ns:
             self._changes.forget(message.resolution)
@@ -27,7 +27,7 @@ class PlayedMap:
         self._changes.take(Part(*(getattr(message, name) for name in Part._fields)))
 
     def catch_up(self, cursor: Any) -> tuple[Any, Any]:
-        """Return one message with all since a cursor, None: since the beginning; and the next cursor."""
+        """Return one message with all changes since a cursor (None: since the beginning), and the next cursor."""
         part, following = self._changes.since(cursor)
         header = {} if self._header is None else {"header": self._header}
         return build.message(MAP_CHANGES, **header, **part._asdict()), following

@@ -13,7 +13,7 @@ LOCALHOST_ADVICE = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST (Humble: ROS_
 
 
 def environment(variables: Mapping[str, str], settings: Ros2Settings) -> list[Finding]:
-    """Return findings about ROS's variables. A ROS node that is started elsewhere may have others."""
+    """Return findings about ROS's variables. A ROS node started elsewhere may have different ones."""
     found = [_domain(variables, settings), _distro(variables, settings), _range(variables, settings)]
     rmw = variables.get("RMW_IMPLEMENTATION", "")
     if "zenoh" in rmw:

@@ -15,7 +15,7 @@ from uwsim.bridges.ros2.settings import Ros2Settings
 
 @dataclass(frozen=True)
 class Plan:
-    """The examinations' settings. listen_s: time to listen for others in the domain."""
+    """The settings of the examinations. listen_s: time to listen for others in the domain."""
 
     settings: Ros2Settings
     port: int = 9090

@@ -1,4 +1,4 @@
-"""A finding: the subject, the observation, whether it is wrong, and the remedy."""
+"""A finding: the subject, the observation, whether it is a problem, and the remedy."""
 
 from __future__ import annotations
 

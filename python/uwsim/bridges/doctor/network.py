@@ -12,7 +12,7 @@ from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2S
 
 SIOCGIFFLAGS, SIOCGIFADDR = 0x8913, 0x8915
 UP, LOOPBACK, MULTICAST = 0x1, 0x8, 0x1000
-BUFFER_GOOD = 2 << 20  # bytes that a socket should hold for clouds and pictures
+BUFFER_GOOD = 2 << 20  # bytes that a socket should buffer for clouds and pictures
 ECHO_S = 1.0
 
 

@@ -1,4 +1,4 @@
-"""Whether the ports of `uwsim serve` are free, and if not, which server uses them."""
+"""Checks whether the ports of `uwsim serve` are free, and if not, which server uses them."""
 
 from __future__ import annotations
 

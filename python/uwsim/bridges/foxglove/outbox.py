@@ -1,7 +1,8 @@
-"""What waits to be sent to a client, bounded in bytes for each and for all.
+"""A client's queue of frames to send, limited in bytes for each client and for all.
 
-Two queues: what must arrive (the list of topics, answers, scenes, each of which builds on those before), and messages
-of topics, the oldest of which give way to newer ones. A client for which too much of the first kind waits is given up.
+It has two parts: frames that must arrive (the list of topics, answers, scenes, each of which builds on the previous
+ones), and messages of topics, the oldest of which are dropped for newer ones. A client with too many frames of the
+first kind is disconnected.
 """
 
 from __future__ import annotations
@@ -14,18 +15,18 @@ from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 
 REPLIES = 1000
-REPLIES_BYTES = 64 << 20  # a large map's scene takes some 10 MB
+REPLIES_BYTES = 64 << 20  # a large map's scene takes about 10 MB
 MESSAGES = 64
 MESSAGES_BYTES = 16 << 20
 ALL_BYTES = 256 << 20
-OVERHEAD = 200  # bytes that an entry of a queue takes besides its content
+OVERHEAD = 200  # bytes that an entry of a queue takes in addition to its content
 
 Message = tuple[int, int, bytes]
-"""Subscription, time [ns], content: the content is shared by all clients that get it."""
+"""Subscription, time [ns], content; the content is shared by all clients that receive it."""
 
 
 class Room:
-    """What the queues of all clients hold together."""
+    """The total size of the queues of all clients."""
 
     def __init__(self, limit: int = ALL_BYTES) -> None:
         self.lock = threading.Lock()
@@ -34,7 +35,7 @@ class Room:
 
 
 class _Queue:
-    """Frames in the order in which they came. Its users hold the room's lock."""
+    """Frames in order of arrival. Its users hold the room's lock."""
 
     def __init__(self, room: Room, count: int, size: int) -> None:
         self._room = room
@@ -46,7 +47,7 @@ class _Queue:
         return len(self._entries)
 
     def has_room(self, size: int) -> bool:
-        """Return whether an entry fits; an empty queue takes one of any size."""
+        """Return whether an entry fits; an empty queue accepts one of any size."""
         fits = self.bytes + size <= self._size and self._room.taken + size <= self._room.limit
         return not self._entries or (len(self._entries) < self._count and fits)
 
@@ -68,10 +69,10 @@ class _Queue:
 
 
 class Outbox:
-    """A client's queues. Its methods may be called on any thread, and do not wait.
+    """A client's queues. Its methods may be called on any thread, and never block.
 
-    wake: called when there is something to send; give_up: with the reason, when too much waits. dropped: messages that
-    gave way to newer ones.
+    wake: called when there is something to send; give_up: called with the reason when too much is queued. dropped:
+    number of messages dropped for newer ones.
     """
 
     def __init__(self, room: Room, wake: Callable[[], None], give_up: Callable[[str], None]) -> None:
@@ -84,15 +85,15 @@ class Outbox:
 
     @property
     def bytes(self) -> int:
-        """How much waits."""
+        """The size of both queues."""
         return self._replies.bytes + self._messages.bytes
 
     def reply(self, frame: Frame) -> None:
-        """Queue what must arrive."""
+        """Queue a frame that must arrive."""
         self._must(len(frame) + OVERHEAD, frame)
 
     def put(self, message: Message, *, builds_up: bool = False) -> None:
-        """Queue a topic's message. builds_up: later ones are of no use without it."""
+        """Queue a topic's message. builds_up: later ones are useless without it."""
         size = len(message[2]) + OVERHEAD
         if builds_up:
             self._must(size, message)
@@ -107,7 +108,7 @@ class Outbox:
         self._wake()
 
     def tell_time(self, time_ns: int) -> None:
-        """Queue the time, instead of the one before."""
+        """Queue the time, replacing the previous one."""
         self._time_ns = time_ns
         self._wake()
 
@@ -125,7 +126,7 @@ class Outbox:
         return protocol.message(*found) if isinstance(found, tuple) else found
 
     def close(self) -> None:
-        """Drop everything, and take nothing more."""
+        """Drop everything and refuse further frames."""
         with self._room.lock:
             self._is_closed = True
             self._replies.clear()

@@ -32,7 +32,7 @@ def points(positions_m: ArrayLike) -> list[Point3]:
 
 
 def by_height(heights_m: NDArray[np.floating], bands_m: float | None = None) -> list[Color]:
-    """Return colours between DEEP and SHALLOW for heights, (n,); with bands_m they repeat after so many metres."""
+    """Return colours between DEEP and SHALLOW for heights, (n,); with bands_m they repeat at this interval."""
     if bands_m is None:
         low, high = float(heights_m.min()), float(heights_m.max())
         share = (heights_m - low) / max(high - low, 1e-9)
@@ -59,7 +59,7 @@ def mesh(
 def line(
     name: str, frame_id: str, positions_m: ArrayLike, color: Color, thickness_px: float, time_ns: int
 ) -> SceneEntity:
-    """Return a line through positions (n, 3), as thick on every screen."""
+    """Return a line through positions (n, 3), with a thickness in screen pixels."""
     strip = LinePrimitive(
         type=LinePrimitiveLineType.LineStrip,
         points=points(positions_m),

@@ -1,7 +1,7 @@
 """Foxglove's WebSocket protocol, the server's side: frames from values, values from frames.
 
 The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`;
-binary frames begin with a byte that says what they are. All integers are little endian.
+binary frames begin with a byte that identifies them. All integers are little endian.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ BINARY_SCHEMAS = ("protobuf", "flatbuffer")
 
 @dataclass(frozen=True)
 class Offer:
-    """A topic that clients may subscribe to. schema: in an encoding of its own, such as ros2msg."""
+    """A topic that clients may subscribe to. schema: in its own encoding, such as ros2msg."""
 
     id: int
     name: str
@@ -55,7 +55,7 @@ class Call:
 
 
 def server_info(name: str, session: str) -> str:
-    """Return the first frame of a conversation. session: another one makes the app forget what it has."""
+    """Return the first frame of a conversation. session: a different one makes the app discard its data."""
     return _text("serverInfo", name=name, capabilities=CAPABILITIES, supportedEncodings=ENCODINGS, sessionId=session)
 
 
@@ -88,7 +88,7 @@ def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
 
 
 def status(level: int, text: str) -> str:
-    """Return what the app shows as a problem."""
+    """Return a problem for the app to display."""
     return _text("status", level=level, message=text)
 
 
@@ -114,7 +114,7 @@ def time(time_ns: int) -> bytes:
 
 
 def read_binary(frame: bytes) -> Publication | Call:
-    """Return what a client's binary frame holds. Raises ValueError."""
+    """Return the content of a client's binary frame. Raises ValueError."""
     if frame[:1] == bytes([PUBLISH]) and len(frame) >= 5:
         return Publication(struct.unpack_from("<I", frame, 1)[0], frame[5:])
     if frame[:1] == bytes([CALL]) and len(frame) >= 13:
@@ -126,7 +126,7 @@ def read_binary(frame: bytes) -> Publication | Call:
 
 
 def read_json(data: str | bytes) -> dict[str, Any]:
-    """Return the object that JSON holds; nothing counts as an empty one. Raises ValueError."""
+    """Return the object in JSON data; empty data counts as an empty object. Raises ValueError."""
     try:
         found = orjson.loads(data or b"{}")
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""What Foxglove's 3D panel shows beside the topics: the lake, the hulls, their tracks and the growing map."""
+"""Scenes for Foxglove's 3D panel, in addition to the topics: the lake, the hulls, their tracks and the growing map."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
 
-GRID_MAX = 160  # heights along an edge of the bed that is shown
+GRID_MAX = 160  # heights along an edge of the displayed bed
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
 HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=1.0)
-SEGMENT = 200  # positions of one entity of a track: the last alone is sent again as it grows
+SEGMENT = 200  # positions in one entity of a track: only the last entity is sent again as it grows
 TRACK_STEP_M = 0.2
 Position = tuple[float, float, float]
 Positions = dict[str, Position]
@@ -43,7 +43,7 @@ def lake(scenario: Scenario) -> SceneUpdate:
 def _grid(
     heights_m: NDArray[np.float32], spacing_m: float, origin_m: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return a grid of heights as vertices and triangles, two a cell as the world has them."""
+    """Return a grid of heights as vertices and triangles, two per cell, as in the world."""
     rows, columns = heights_m.shape
     y, x = np.mgrid[:rows, :columns] * spacing_m
     vertices = np.column_stack([x.ravel() + origin_m[0], y.ravel() + origin_m[1], heights_m.ravel()])
@@ -63,7 +63,7 @@ def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
 
 
 class Tracks:
-    """Where vehicles have been since the first subscription, in the world frame."""
+    """Tracks of vehicles since the first subscription, in the world frame."""
 
     def __init__(self) -> None:
         self._positions: dict[str, list[Position]] = {}
@@ -90,7 +90,7 @@ class Tracks:
         return SceneUpdate(entities=segments) if segments else None
 
     def _segment(self, name: str, number: int, time_ns: int) -> SceneEntity:
-        begin = max(number * SEGMENT - 1, 0)  # joined to the one before
+        begin = max(number * SEGMENT - 1, 0)  # joined to the previous one
         positions = self._positions[name][begin : (number + 1) * SEGMENT]
         return line(f"{name} {number}", "world", positions, PATH, 2.0, time_ns)
 
@@ -99,7 +99,7 @@ Block = tuple[int, int, int]
 
 
 class MapBlocks:
-    """The map's occupied voxels as cubes: an entity a block of 16 x 16 x 16, sent again when it has changed."""
+    """The map's occupied voxels as cubes: one entity per block of 16 x 16 x 16, sent again when it has changed."""
 
     def __init__(self) -> None:
         self._cells: dict[Block, set[int]] = {}
@@ -107,7 +107,7 @@ class MapBlocks:
         self._newest: Reading | None = None
 
     def changed(self, reading: Reading) -> SceneUpdate | None:
-        """Take a MapChanges message; return the blocks that changed, or None if it is older than what is known."""
+        """Apply a MapChanges message; return the blocks that changed, or None if it is older than the present state."""
         message = reading.message
         deletions = []
         if message.snapshot:

@@ -1,4 +1,4 @@
-"""FoxgloveServer: the Foxglove app, or any client of its WebSocket protocol, sees and steers a live simulator."""
+"""FoxgloveServer: the Foxglove app, or any client of its WebSocket protocol, shows and controls a live simulator."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from uwsim.live import LiveSimulator
 PORT = 8765  # the app's default
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
-COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # what a command in JSON may take, and messages within it
-TIME_S = 0.05  # simulated, between two tellings of the time
+COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits of a command in JSON: its memory, and the messages in it
+TIME_S = 0.05  # simulated, between two messages of the time
 WORK_SHARE = 0.3  # of a core, for the frames of all clients together
-RATES = Rates(frames=1000.0, bytes=4e6)  # from a client
+RATES = Rates(frames=1000.0, bytes=4e6)  # limits for each client
 
 
 class FoxgloveServer(Bridge):
@@ -46,12 +46,11 @@ class FoxgloveServer(Bridge):
                 ...
 
     Topics carry CDR with ROS 2's schemas, so that panels treat them as a robot's; /scene/* are for the 3D panel.
-    Clients may publish on the topics of commands, in CDR or JSON, and call its services in JSON. A topic
-    is read while a client subscribes to it. feed: shared with other sinks. live: None with the feed of a recording,
-    which takes no commands, and of whose scenes only the maps are there. origin: where odom is in the channels, as of
-    their Table. port 0 chooses one, see `port`. origins, token, certfile, keyfile: who may connect, and encryption, as
-    of a RosbridgeServer. Raises ValueError, OSError if it cannot listen, and warns (UserWarning) when others than this
-    machine can connect.
+    Clients may publish on the topics of commands, in CDR or JSON, and call its services in JSON. A topic is read while
+    a client subscribes to it. feed: shared with other sinks. live: None with the feed of a recording, which accepts no
+    commands and whose only scenes are the maps. origin: the origin of odom in the channels, as in their Table. port 0
+    chooses one, see `port`. origins, token, certfile, keyfile: access control and encryption, as in RosbridgeServer.
+    Raises ValueError, OSError if it cannot listen, and warns (UserWarning) if other machines can connect.
     """
 
     def __init__(
@@ -99,7 +98,7 @@ class FoxgloveServer(Bridge):
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """The port on which it listens."""
         return self._listener.port
 
     @property
@@ -129,24 +128,24 @@ class FoxgloveServer(Bridge):
         return f"/{', /'.join(self.inputs)}" if self.inputs else "none"
 
     def subscribe(self, session: Session, offer_id: int) -> None:
-        """Send a topic's messages to a session. Raises ValueError for an unknown topic."""
+        """Start sending a topic's messages to a session. Raises ValueError for an unknown topic."""
         self._offers.subscribe(offer_id, session.outbox, session.subscriptions[offer_id])
 
     def unsubscribe(self, session: Session, offer_id: int) -> None:
-        """Send no more of them."""
+        """Stop sending a topic's messages to a session."""
         self._offers.unsubscribe(offer_id, session.outbox)
 
     def command(self, channel: Channel, encoding: str, data: bytes) -> None:
-        """Give a command. Raises ValueError, RuntimeError."""
+        """Apply a command. Raises ValueError, RuntimeError."""
         if encoding == "cdr":
             message = from_bytes(data, channel.type)
-        else:  # two characters can ask for a message of a kilobyte
+        else:  # two characters can demand a message of a kilobyte
             meter = Meter(COST_BYTES, objects=OBJECTS_MAX)
             message = from_plain(channel.type, protocol.read_json(data), meter=meter)
         self.apply(channel, message)
 
     def relinquish(self, channel: Channel) -> None:
-        """Let a channel act on it if no session here commands by it any longer."""
+        """Let a channel react if no session sends commands on it any longer."""
         sessions = self._listener.sessions.values()
         named = [entry[0] for session in sessions for entry in session.advertised.values() if entry is not None]
         if all(one is not channel for one in named):
@@ -185,6 +184,6 @@ class FoxgloveServer(Bridge):
         return session
 
     def _tell_time(self, time_ns: int) -> None:
-        """Take the time, on the simulator's thread."""
+        """Send the time, on the simulator's thread."""
         for session in list(self._listener.sessions.values()):
             session.outbox.tell_time(time_ns)

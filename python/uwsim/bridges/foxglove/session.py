@@ -16,38 +16,39 @@ from uwsim.channels import Channel
 if TYPE_CHECKING:
     from uwsim.bridges.foxglove.server import FoxgloveServer
 
-LISTS_MAX = 1000  # entries of one frame's list, and topics and channels of one client
-TEXT_BYTES_MAX = 1 << 17  # of a frame in JSON: an app's lists, with schemas, take some 10 kB
-MISTAKES_SHOWN = 10  # of one frame
-CALLS_MAX = 32  # of one client that are not answered yet
-MESSAGE_BYTES_MAX = 1 << 14  # of a command or a request: what Python makes of 16 kB of JSON takes up to 0.3 s
+LISTS_MAX = 1000  # entries of a list in one frame, and topics and channels of one client
+TEXT_BYTES_MAX = 1 << 17  # of a frame in JSON: an app's lists, with schemas, take about 10 kB
+MISTAKES_SHOWN = 10  # per frame
+CALLS_MAX = 32  # unanswered calls of one client
+MESSAGE_BYTES_MAX = 1 << 14  # of a command or a request: decoding 16 kB of JSON takes Python up to 0.3 s
 NAME_MAX = 200
 
 logger = logging.getLogger("uwsim.foxglove")
 
 
 class Session:
-    """A client. subscriptions: its own numbers, by those of topics."""
+    """A client. subscriptions: its own numbers, by the numbers of topics."""
 
     def __init__(self, server: FoxgloveServer, outbox: Outbox) -> None:
         self._server = server
         self.outbox = outbox
         self.subscriptions: dict[int, int] = {}
-        self.advertised: dict[int, tuple[Channel, str] | None] = {}  # None: with an error that was reported
+        # None: advertised with an error that has been reported
+        self.advertised: dict[int, tuple[Channel, str] | None] = {}
         self._open_calls = 0
 
     async def take(self, frame: Frame) -> float:
-        """Do what a frame requests; return the seconds of work."""
-        begun_s = time.thread_time()  # of this thread: not while others have the core
+        """Handle a frame; return the seconds of work."""
+        begun_s = time.thread_time()  # CPU time of this thread, without the time of others on the core
         self.receive(frame)
         return time.thread_time() - begun_s
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return what is to be sent next, or None."""
+        """Return the next frame to send, or None."""
         return self.outbox.take(), None
 
     def receive(self, frame: Frame) -> None:
-        """Do what a frame requests. Errors go to the client by a status; raises nothing."""
+        """Handle a frame. Errors are reported to the client by a status; never raises."""
         try:
             if isinstance(frame, str):
                 if len(frame) > TEXT_BYTES_MAX:
@@ -67,7 +68,7 @@ class Session:
         self.outbox.reply(protocol.status(level, text))
 
     def close(self) -> None:
-        """Leave: nothing is sent any more, and the channels of its commands are relinquished."""
+        """Leave: nothing more is sent, and the channels of its commands are relinquished."""
         self.outbox.close()
         for offer_id in list(self.subscriptions):
             self._server.unsubscribe(self, offer_id)

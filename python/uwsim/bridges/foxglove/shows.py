@@ -1,4 +1,4 @@
-"""The topics /scene/*: when their scenes are made, and when they are sent again."""
+"""The topics /scene/*: when their scenes are made and when they are sent again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.outgoing import Line, Outgoing
 from uwsim.live import LiveSimulator
 
-WAITING = 64  # updates: each builds on those before, so that none may be lost to a newer one soon
+WAITING = 64  # updates: each builds on the previous ones, so none should be dropped for a newer one too early
 
 
 Send = Callable[[int, bytes], object]
@@ -24,7 +24,7 @@ SendAll = Callable[[str, int, bytes], object]
 
 
 class Show:
-    """One topic of scenes. begin: a client subscribes, first or later; end: the last one has left."""
+    """One topic of scenes. begin: called when a client subscribes, first or later; end: when the last one has left."""
 
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
@@ -33,13 +33,13 @@ class Show:
         self._send = partial(send, topic)
 
     def begin(self, newcomer: Send) -> None:
-        """Send all there is to a newcomer, and go on with what changes to all."""
+        """Send everything to a newcomer, and later changes to all."""
 
     def end(self) -> None:
-        """Send nothing more."""
+        """Stop sending."""
 
     def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int, newcomer: Send | None = None) -> None:
-        """Make a scene on the thread that writes, and send it to a newcomer alone, or to all."""
+        """Make a scene on the writing thread, and send it to a newcomer alone, or to all."""
         send = newcomer or self._send
 
         def write() -> bool:
@@ -52,7 +52,7 @@ class Show:
 
 
 class StillShow(Show):
-    """A scene that does not change: made once, sent to each subscriber."""
+    """A scene that does not change: made once, then sent to each subscriber."""
 
     def __init__(
         self,
@@ -97,7 +97,7 @@ class TrackShow(Show):
             self._leave = self._listen(self._grow)
 
     def end(self) -> None:
-        """Note no more positions."""
+        """Stop recording positions."""
         if self._leave is not None:
             self._leave()
             self._leave = None
@@ -114,7 +114,7 @@ class MapShow(Show):
         self._feed = feed
         self._channel = channel
         self._blocks = MapBlocks()
-        self._time_ns = 0  # of the newest changes
+        self._time_ns = 0  # time of the newest changes
         self._leave: Callable[[], None] | None = None
 
     def begin(self, newcomer: Send) -> None:
@@ -125,7 +125,7 @@ class MapShow(Show):
             self._offer(self._blocks.whole, self._time_ns, newcomer)
 
     def end(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         if self._leave is not None:
             self._leave()
             self._leave = None
@@ -143,9 +143,9 @@ def shows_of(
     send: SendAll,
     origin_m: Vector = ORIGIN_M,
 ) -> list[Show]:
-    """Return the shows of a simulator; without one, those that follow from the channels alone.
+    """Return the shows of a simulator; without one, those that can be derived from the channels alone.
 
-    origin_m: where the world's origin is in odom (3,).
+    origin_m: the world's origin in odom (3,).
     """
     channels = list(channels)
     found = [] if live is None else _shows_of_world(live, channels, feed, outgoing, send, origin_m)

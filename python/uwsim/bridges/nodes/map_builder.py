@@ -1,4 +1,4 @@
-"""MapBuilder: clouds wait until the transforms of their time are known, then enter the map, in their order."""
+"""MapBuilder: holds clouds until the transforms for their time have arrived, then inserts them in order."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ class MapBuilder:
         self._clouds: deque[Any] = deque(maxlen=WAITING)
 
     def add_transforms(self, message: Any) -> None:
-        """Remember the transforms of a tf message that lead from odom to the sonar."""
+        """Store the transforms of a tf message that lead from odom to the sonar."""
         for stamped in message.transforms:
             link = stamped.header.frame_id, stamped.child_frame_id
             if link in self._poses:
                 self._poses[link].append((_time_ns(stamped.header.stamp), _matrix(stamped.transform)))
 
     def add_cloud(self, message: Any) -> None:
-        """Remember a cloud."""
+        """Store a cloud."""
         self._clouds.append(message)
 
     def insert_ready(self) -> int:
-        """Insert the clouds whose time the transforms have reached; return how many those were."""
+        """Insert the clouds whose time the transforms have reached; return their number."""
         before = self.inserted
         while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
             cloud = self._clouds.popleft()

@@ -14,17 +14,17 @@ from uwsim.bridges.rosbridge.encoding import Sample, to_json
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels.messages import from_plain, spelled
 
-QUEUE = 1000  # the chain's messages are few and each counts
+QUEUE = 1000  # the chain has few messages, and none should be lost
 NESTING = 32
 
 
 class Node:
-    """A client of a rosbridge server that speaks ROS 1's spelling, as every rosbridge understands it.
+    """A client of a rosbridge server that uses ROS 1's spelling, which every rosbridge understands.
 
-    Messages come in CBOR and leave in JSON, which all servers take: there a range without echo, infinite, becomes null
-    and is NaN for a reader, which is no echo as well. queue: how many messages of a topic may wait; the oldest
-    give way. finish: called at the end. complain: called with errors that the server reports. Publishing and
-    calling are allowed on any thread. Raises OSError if the server cannot be reached.
+    Messages are received in CBOR and sent in JSON, which all servers accept. In JSON the infinite range of a beam
+    without echo becomes null, which readers decode as NaN, also meaning no echo. queue: how many messages of a topic
+    may wait; beyond it the oldest are dropped. finish: called at the end. complain: called with errors that the server
+    reports. Publishing and calling are allowed on any thread. Raises OSError if the server cannot be reached.
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:
@@ -56,20 +56,20 @@ class Node:
     def call(
         self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
     ) -> None:
-        """Call a service; answer gets the response: `result`, and `values` or the reason."""
+        """Call a service; `answer` receives the response: `result`, and `values` or the reason."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
         self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
 
     def settle(self, patience_s: float = 10.0) -> None:
-        """Return when the server has done all that was asked so far: it answers in order. Needs rosapi."""
+        """Return when the server has processed everything requested so far: it answers in order. Needs rosapi."""
         answers: list[dict[str, Any]] = []
         self.call("/rosapi/get_time", answers.append)
         deadline_s = time.monotonic() + patience_s
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
-        """Call back until the condition holds, which is asked between messages, or the server ends the connection."""
+        """Call back until the condition, which is checked between messages, holds or the server ends the connection."""
         while not until():
             try:
                 frame = self._connection.recv(wait_s)
@@ -98,7 +98,7 @@ class Node:
 
 
 def connect_patiently(url: str, patience_s: float) -> Node:
-    """Return a node, once there is a server. Raises OSError when patience ends."""
+    """Return a node once there is a server. Raises OSError if that takes longer than `patience`."""
     deadline_s = time.monotonic() + patience_s
     while True:
         try:

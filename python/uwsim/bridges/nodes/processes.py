@@ -1,4 +1,4 @@
-"""The nodes as processes: forked from one that has imported everything, each set up before the next one starts."""
+"""The nodes as processes, forked after everything has been imported, and each set up before the next one starts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LOOK_S = 0.5
 
 
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> None:
-    """Run a node until the server ends the connection, or a signal comes. Raises OSError if there is no server."""
+    """Run a node until the server ends the connection or a signal arrives. Raises OSError if there is no server."""
     node = connect_patiently(url, patience_s)
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -29,9 +29,9 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
 
 
 def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> bool:
-    """Run all nodes until one ends, or a signal comes; return whether all ended well.
+    """Run all nodes until one ends or a signal arrives; return whether all ended well.
 
-    Those at the chain's end start first, and the string decoder last: no ping is lost on the way. Raises OSError.
+    The nodes at the chain's end start first, and the string decoder last, so that no ping is lost. Raises OSError.
     """
     connect_patiently(url, patience_s).close()
     context = multiprocessing.get_context("fork")
@@ -61,5 +61,5 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -
 
 def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_DFL)  # until run_one sets its own
+        signal.signal(number, signal.SIG_DFL)  # until run_one installs its own
     run_one(name, url, out, patience_s, is_set_up.set)

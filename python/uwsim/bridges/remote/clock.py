@@ -1,4 +1,4 @@
-"""Clocks of missions with a remote vehicle: its own time as /clock tells it, or the wall's; or in step with it."""
+"""Clocks of missions with a remote vehicle: its own time from /clock, or wall time; or in lockstep with it."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import seconds
 
 CLOCK = "clock"
-STEP_S = 0.005  # of simulators that do not tell theirs
+STEP_S = 0.005  # for simulators that do not report theirs
 TOLD_S = 0.02  # between two messages of odometry
 PATIENCE_S = 20.0
 
 
 class RemoteClock:
-    """Simulated time as /clock tells it; the wall's, from now on, if there is no such topic.
+    """Simulated time from /clock; wall time, starting now, if there is no such topic.
 
-    A wait ends duration_s after the last one ended, if that is still to come: a control loop keeps its period.
+    A wait ends duration_s after the previous one ended, if that is in the future, so that a control loop keeps its
+    period.
     """
 
     def __init__(self, connection: RemoteConnection) -> None:
@@ -30,13 +31,13 @@ class RemoteClock:
 
     @property
     def time_s(self) -> float:
-        """Seconds."""
+        """Time in seconds."""
         if not self._is_told:
             return time.monotonic() - self._wall_start_s
         return seconds(self._connection.newest(CLOCK).clock)
 
     def wait(self, duration_s: float) -> None:
-        """Return when the time has passed; waits as long as the simulation is paused. Raises OSError."""
+        """Return when the duration has passed; waits longer while the simulation is paused. Raises OSError."""
         now_s = self.time_s
         due_s = self._woken_s + duration_s
         if due_s < now_s:
@@ -50,9 +51,9 @@ class RemoteClock:
 
 
 class LockstepClock:
-    """Steps a remote simulator, which stands still while the mission thinks: it pauses it, and resumes it on `close`.
+    """Steps a remote simulator, which stands still while the mission computes: pauses it, and resumes it on `close`.
 
-    beacon: a topic at TOLD_S whose newest message must be of the new time before a wait ends, such as "odom".
+    beacon: a topic with period TOLD_S, such as "odom", whose newest message must have the new time before a wait ends.
     """
 
     def __init__(self, connection: RemoteConnection, beacon: str) -> None:
@@ -67,11 +68,11 @@ class LockstepClock:
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds."""
+        """Simulated time in seconds."""
         return self._start_s + self._steps * self._step_s
 
     def wait(self, duration_s: float) -> None:
-        """Let it step; waits are rounded to whole steps, at least one. Raises OSError."""
+        """Step the simulator; waits are rounded to whole steps, at least one. Raises OSError."""
         self._asked_s += duration_s
         steps = max(1, round(self._asked_s / self._step_s) - self._steps)
         self._connection.call("simulation/step", steps=steps)
@@ -84,6 +85,6 @@ class LockstepClock:
         )
 
     def close(self) -> None:
-        """Let it run again, unless it was paused before."""
+        """Resume the simulator, unless it was paused before."""
         if not self._was_paused and not self._connection.lost:
             self._connection.call("simulation/resume")

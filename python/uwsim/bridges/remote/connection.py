@@ -15,17 +15,17 @@ from websockets.exceptions import WebSocketException
 from uwsim.bridges.nodes.node import Node
 from uwsim.channels.message_types import resolve
 
-ANSWER_S = 20.0  # for which an answer or a first message may take
+ANSWER_S = 20.0  # for an answer or a first message
 STOP_S = 2.0
-KEPT = 200  # messages of a topic that are remembered, where their stamps matter
+KEPT = 200  # number of messages kept for a topic whose stamps matter
 LOST = "the connection to the vehicle is lost"
 
 
 class RemoteConnection:
-    """A connection to a rosbridge server, which a thread of its own listens to. A context manager.
+    """A connection to a rosbridge server, with its own listening thread. A context manager.
 
-    url: such as "ws://127.0.0.1:9090". topics: the server's, without leading slash, with their types as
-    ROS 2 spells them. Raises ValueError for a url that is none, OSError if the server cannot be reached or has gone.
+    url: such as "ws://127.0.0.1:9090". topics: the server's, without leading slash, with their types in ROS 2's
+    spelling. Raises ValueError for an invalid url, OSError if the server cannot be reached or has gone.
     """
 
     def __init__(self, url: str) -> None:
@@ -47,7 +47,7 @@ class RemoteConnection:
         self.topics = self._offered()
 
     def hear(self, topic: str, *, keep: bool = False) -> None:
-        """Listen to a topic from now on. keep: remember not only the newest message. Raises ValueError."""
+        """Start listening to a topic. keep: store more than the newest message. Raises ValueError."""
         if topic in self._newest:
             return
         kind = self.topics.get(topic)
@@ -59,14 +59,14 @@ class RemoteConnection:
         self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
 
     def newest(self, topic: str) -> Any:
-        """Return the newest message of a topic, which it listens to from the first call on. Raises ValueError."""
+        """Return the newest message of a topic; starts listening to it on the first call. Raises ValueError."""
         self.hear(topic)
         if self._newest[topic] is None:
             self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
         return self._newest[topic]
 
     def kept(self, topic: str) -> list[Any]:
-        """Return the last messages of a topic that is kept, the newest last."""
+        """Return the last messages of a topic that keeps them, the newest last."""
         with self.changed:
             return list(self._kept[topic])
 
@@ -81,7 +81,7 @@ class RemoteConnection:
             raise OSError(f"{self.url}: {LOST}") from None
 
     def call(self, service: str, **arguments: Any) -> dict[str, Any]:
-        """Call a service; return its values. Raises ValueError with the reason if it could not do it, OSError."""
+        """Call a service; return its values. Raises ValueError with the reason if the service failed, OSError."""
         answers: list[dict[str, Any]] = []
 
         def take(answer: dict[str, Any]) -> None:
@@ -105,7 +105,7 @@ class RemoteConnection:
         return values
 
     def wait_for(self, condition: Callable[[], bool], patience_s: float | None, complaint: str) -> None:
-        """Return when a condition holds, which is asked after each message. Raises OSError."""
+        """Return when a condition, which is checked after each message, holds. Raises OSError."""
         deadline_s = None if patience_s is None else time.monotonic() + patience_s
         with self.changed:
             while not condition():
@@ -154,6 +154,6 @@ class RemoteConnection:
         values = self.call("rosapi/topics")
         found = {}
         for name, kind in zip(values.get("topics", []), values.get("types", []), strict=False):
-            with suppress(ValueError):  # a type that is not known here is nothing to listen to
+            with suppress(ValueError):  # a type that is unknown here cannot be received
                 found[str(name).lstrip("/")] = resolve(kind)[0]
         return found

@@ -31,7 +31,7 @@ def _imu(message: Any) -> SimpleNamespace:
 
 
 def _dvl(message: Any) -> SimpleNamespace:
-    """Return the reading in the sensor's axes: the message's y is to starboard and its z down."""
+    """Return the reading in the sensor's axes: in the message, y points to starboard and z down."""
     return SimpleNamespace(
         velocity_m_s=vector(message.velocity) * (1.0, -1.0, -1.0),
         beam_ranges_m=np.asarray(message.range, np.float64),
@@ -50,7 +50,7 @@ READERS: dict[str, Callable[[Any], Any]] = {
     "std_msgs/msg/Float64": lambda message: float(message.data),
     "std_msgs/msg/Bool": lambda message: float(message.data),
 }
-"""How the message of each type that sensors have is read, into what uwsim.instruments.sensors.Sensor gives."""
+"""Functions that convert messages of each sensor type to the readings of uwsim.instruments.sensors.Sensor."""
 
 
 class RemoteSensor:
@@ -76,7 +76,7 @@ class RemoteLens:
 
 
 class RemotePicture:
-    """A picture as JPEG. Its intrinsics and its pose are asked for when they are first read."""
+    """A picture as JPEG. Its intrinsics and its pose are requested when they are first read."""
 
     def __init__(self, message: Any, lens: Callable[[], RemoteLens], pose: Callable[[], NDArray[np.float64]]) -> None:
         self.jpeg = bytes(message.data)
@@ -99,13 +99,13 @@ class RemotePicture:
 
 
 class RemoteCamera:
-    """A camera behind a topic of compressed pictures, start + IMAGE, to which it listens from `watch` on."""
+    """A camera behind a topic of compressed pictures, start + IMAGE, to which it listens after `watch`."""
 
     def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
         self._connection, self._start, self._tree = connection, start, tree
 
     def watch(self) -> RemoteCamera:
-        """Listen to it from now on, as the first picture of a simulator comes only as its time passes."""
+        """Start listening, since a simulator's first picture only arrives as its time passes."""
         self._connection.hear(self._start + IMAGE)
         return self
 
@@ -126,7 +126,7 @@ class RemoteCamera:
 
 
 class RemoteCameras(Named[RemoteCamera]):
-    """Cameras by name. One that is looked up is listened to."""
+    """Cameras by name. Looking one up starts listening to it."""
 
     def __getitem__(self, name: str) -> RemoteCamera:
         return super().__getitem__(name).watch()
@@ -140,7 +140,7 @@ class RemoteLamp:
 
     @property
     def on(self) -> bool:
-        """Whether they were switched on from here."""
+        """Whether they were switched on from this side."""
         return self._on
 
     @on.setter

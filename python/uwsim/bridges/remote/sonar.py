@@ -29,7 +29,7 @@ class RemotePing:
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """(beams,), which beams have an echo."""
+        """Which beams have an echo, (beams,)."""
         return np.isfinite(self.ranges_m)
 
     @cached_property
@@ -70,7 +70,7 @@ class RemoteSonar:
         return -float(joints.position[list(joints.name).index(f"{self._prefix}sonar_tilt")])
 
     def ping(self) -> RemotePing:
-        """Return the newest ping, with the pose that the head had then. Raises OSError."""
+        """Return the newest ping, with the pose that the head had at that time. Raises OSError."""
         scan = self._connection.newest(self._topic)
         if self._last is None or self._last[0] is not scan:
             ranges = np.asarray(scan.ranges, np.float32)

@@ -15,13 +15,16 @@ WORLD = "world"
 
 
 class RemoteTree:
-    """Which frame is where. It listens from the first question on."""
+    """The poses of frames. It starts listening on the first query."""
 
     def __init__(self, connection: RemoteConnection) -> None:
         self._connection = connection
 
     def world_from(self, frame: str, time_s: float) -> NDArray[np.float64]:
-        """The pose of a frame in the world, (4, 4), by what was said nearest to a time. Raises ValueError, OSError."""
+        """Return the pose of a frame in the world, (4, 4), from the message nearest to a time.
+
+        Raises ValueError, OSError.
+        """
         self._connection.hear("tf", keep=True)
         fixed, moving = self._connection.newest("tf_static"), self._connection.newest("tf")
         moving = min(self._connection.kept("tf"), key=lambda message: apart_s(message, time_s), default=moving)
@@ -38,7 +41,7 @@ class RemoteTree:
 
 
 def apart_s(message: Any, time_s: float) -> float:
-    """Return how far the time of a TFMessage is from another."""
+    """Return how far the time of a TFMessage is from another time."""
     return abs(seconds(message.transforms[0].header.stamp) - time_s) if message.transforms else math.inf
 
 

@@ -28,7 +28,7 @@ LIGHT_SERVICE = "lights/"
 
 @dataclass(frozen=True)
 class RemotePanel:
-    """The panel of a remote vehicle; NaN for what it does not tell."""
+    """The panel of a remote vehicle; NaN for values that it does not report."""
 
     battery_percent: float
     depth_m: float = math.nan
@@ -43,8 +43,8 @@ class RemotePanel:
 class RemoteVehicle(Commandable):
     """A vehicle at a rosbridge: pose and velocity by odometry, commands by services, efforts by the topic `key`.
 
-    name: whose topics are meant where there are several. odometry: the topic of its pose: "odom" is a simulator's
-    truth. Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
+    name: the vehicle, if there are several. odometry: the topic of its pose; "odom" is a simulator's truth. Topics are
+    subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
     """
 
     def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
@@ -83,7 +83,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def _world_from_odom_m(self) -> NDArray[np.float64]:
-        """The origin of odom in the world, (3,), by /tf_static; zero if that does not say."""
+        """The origin of odom in the world, (3,), from /tf_static; zero if that does not contain it."""
         if "tf_static" not in self._connection.topics:
             return np.zeros(3)
         for transform in self._connection.newest("tf_static").transforms:
@@ -93,7 +93,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def sensors(self) -> Named[RemoteSensor]:
-        """The sensors by name: the topics of types that sensors have."""
+        """The sensors by name: the topics whose types belong to sensors."""
         found = {}
         for topic, kind in self._connection.topics.items():
             name = topic.removeprefix(self._prefix)
@@ -139,20 +139,21 @@ class RemoteVehicle(Commandable):
 
     @property
     def released(self) -> bool:
-        """Whether it is free of the station; True for a vehicle that does not tell."""
+        """Whether it is free of the station; True for a vehicle that does not report it."""
         panel = self._telemetry()
         return True if panel is None else bool(panel.released)
 
     @property
     def all_stopped(self) -> bool:
-        """Whether all stop is set; False for a vehicle that does not tell."""
+        """Whether all stop is set; False for a vehicle that does not report it."""
         panel = self._telemetry()
         return panel is not None and ALL_STOPPED in panel.alarms
 
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Give a command of uwsim.commands: efforts by the topic `key`, others by services. Raises ValueError, OSError.
 
-        Efforts are not acknowledged; other commands have taken effect, or are sent over a link, when this returns.
+        Efforts are not acknowledged; other commands have taken effect, or have been sent over a link, when this
+        returns.
         """
         command = command_named(name)
         command.named(self.name, arguments)
@@ -165,7 +166,7 @@ class RemoteVehicle(Commandable):
             raise ValueError(f"vehicle '{self.name}': {name}: cannot be given over a rosbridge: it has no service")
 
     def telemetry(self) -> RemotePanel:
-        """Read the panel: of /telemetry, else the battery alone."""
+        """Read the panel: from /telemetry, else the battery alone."""
         panel = self._telemetry()
         if panel is not None:
             return RemotePanel(
@@ -189,18 +190,18 @@ class RemoteVehicle(Commandable):
 
 
 def pose_of(message: Any, origin_m: NDArray[np.float64]) -> Pose:
-    """Return a geometry_msgs/Pose as a Pose, moved by origin_m (3,)."""
+    """Convert a geometry_msgs/Pose to a Pose, shifted by origin_m (3,)."""
     position_m, turn = vector(message.position) + origin_m, quaternion(message.orientation)
     return Pose(position_m, turn, matrix(position_m, turn))
 
 
 def vehicle_names(connection: RemoteConnection) -> list[str]:
-    """Return the names of a server's vehicles; none if it has one whose topics have no prefix."""
+    """Return the names of a server's vehicles; an empty list if it has one vehicle whose topics have no prefix."""
     return sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
 
 
 def _prefix(connection: RemoteConnection, name: str | None) -> str:
-    """Return what a vehicle's topics begin with. Raises ValueError."""
+    """Return the prefix of a vehicle's topics. Raises ValueError."""
     vehicles = vehicle_names(connection)
     if name is None:
         if "key" in connection.topics:

@@ -1,4 +1,4 @@
-"""Keeps pages of browsers out of the two sockets that rospy opens; see SECURITY.md."""
+"""Keeps browser pages out of the two sockets that rospy opens; see SECURITY.md."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import Any
 
 from uwsim.bridges.admission import Door
 
-HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message's definition takes a few kB
-HEADER_S = 10.0  # in which each part of it must come
+HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message definition takes a few kB
+HEADER_S = 10.0  # time limit for each part of it
 HEADERS_MAX = 64  # read at a time; a further connection is closed
 LOOPBACK = "127.0.0.1"
 
 
 def guard_sockets() -> None:
-    """Guard the sockets that rospy opens from now on, once."""
+    """Guard all sockets that rospy opens from now on. Does nothing on a second call."""
     tcpros: Any = importlib.import_module("rospy.impl.tcpros_base")
     if not hasattr(tcpros, "uwsim_guards"):
         tcpros.uwsim_guards = True
@@ -30,8 +30,8 @@ def guard_sockets() -> None:
 def _guard_xmlrpc(xmlrpc: Any) -> None:
     """Refuse requests of pages to the XML-RPC server.
 
-    It would take any page's POST: by `publisherUpdate` a page could make the node read its commands from a server of
-    the page's own, by `shutdown` end it.
+    It would accept any page's POST: with `publisherUpdate` a page could make the node read its commands from the page's
+    own server, with `shutdown` end it.
     """
     door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
 
@@ -49,8 +49,8 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
 def _guard_tcpros(tcpros: Any) -> None:
     """Bound the header that begins a connection, in bytes and in time, and read each on a thread of its own.
 
-    rospy reads it before it accepts the next client, so that one that sends nothing keeps all others waiting. The first
-    letters of a request of HTTP, taken for the header's length, are 1 GB.
+    rospy reads it before it accepts the next client, so that one that sends nothing blocks all others. The first
+    characters of an HTTP request, interpreted as the header's length, are 1 GB.
     """
     read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
 

@@ -1,4 +1,4 @@
-"""Ros1Node: a live simulator as a node of ROS 1, by Debian's rospy, without a bridge."""
+"""Ros1Node: a live simulator as a ROS 1 node through Debian's rospy, without a bridge."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
 CLOCK = "clock"
-DEPTH = 10  # messages that wait for a slow subscriber; the oldest give way
+DEPTH = 10  # messages queued for a slow subscriber; beyond it the oldest are dropped
 
 
 class Ros1Node(Bridge):
@@ -29,9 +29,9 @@ class Ros1Node(Bridge):
             with Ros1Node(live, table.channels, table.services):
                 ...
 
-    A channel is read while a node subscribes to it. Messages are encoded and published on a thread of their own; rospy
-    keeps a queue for each subscriber, so that none delays the others or the steps. One node a process, as rospy has it.
-    live: None with the feed of a recording, which takes no commands. Raises ValueError without rospy or a master.
+    A channel is read while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
+    keeps a queue for each subscriber, so that none delays the others or the steps. rospy allows one node per process.
+    live: None with the feed of a recording, which accepts no commands. Raises ValueError without rospy or a master.
     """
 
     def __init__(
@@ -54,13 +54,13 @@ class Ros1Node(Bridge):
         self._publishers: dict[str, Any] = {}
         self.keep_up()
         for name in self.outputs:
-            with self._lock:  # a subscriber that waits already demands the channel on a thread of rospy's
+            with self._lock:  # a waiting subscriber immediately demands the channel, on a thread of rospy's
                 self._publishers[name] = self._publisher(name)
         self._subscribers = [self._subscriber(channel) for channel in self.inputs.values()]
         self._offered = [offer_service(rospy, self, service) for service in self.services.values()]
 
     def close(self) -> bool:
-        """Leave the graph; the master and all subscribers learn of it."""
+        """Leave the graph; the master and all subscribers are notified."""
         was_open = super().close()
         if was_open:
             self._outgoing.close()
@@ -75,7 +75,7 @@ class Ros1Node(Bridge):
                 self.demand(name, True)
 
             def peer_unsubscribe(demand, topic: str, peers: int) -> None:  # noqa: N805
-                if not peers and not channel.latched:  # rospy hands on the newest of what is latched
+                if not peers and not channel.latched:  # rospy itself passes on the newest latched message
                     self.demand(name, False)
 
         return self._rospy.Publisher(

@@ -17,10 +17,10 @@ INSTALL = "apt install python3-rospy"
 
 
 def load_rospy() -> Any:
-    """Return the module rospy. Raises ValueError if it is not there, or of another Python.
+    """Return the module rospy. Raises ValueError if it is missing, or made for a different Python.
 
     Its folder goes to the end of the path, so that the environment's own packages come first. Unless ROS_IP or
-    ROS_HOSTNAME is set, what rospy opens is open to this machine alone.
+    ROS_HOSTNAME is set, rospy's sockets are open to this machine only.
     """
     if find_spec("rospy") is None:
         if not (DEBIAN / "rospy").is_dir():
@@ -38,7 +38,7 @@ def load_rospy() -> Any:
 
 
 def require_master() -> str:
-    """Return the address of the ROS master. Raises ValueError if it does not answer."""
+    """Return the address of the ROS master. Raises ValueError if it does not respond."""
     rosgraph = importlib.import_module("rosgraph")
     address = os.environ.get("ROS_MASTER_URI", "http://127.0.0.1:11311")
     os.environ["ROS_MASTER_URI"] = address

@@ -12,7 +12,7 @@ __all__ = ["Ros2Node", "Ros2Settings", "settings_from"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import the node when it is asked for: settings are there without the extra, too."""
+    """Import the node on demand: settings are available without the extra."""
     if name == "Ros2Node":
         need_extra("cyclonedds", "ros2", "ROS 2")
         from uwsim.bridges.ros2.node import Ros2Node

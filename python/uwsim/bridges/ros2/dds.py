@@ -1,4 +1,4 @@
-"""A participant of a DDS domain that carries ready-made CDR: what Cyclone DDS offers, in the few calls that we need."""
+"""A participant of a DDS domain that carries ready-made CDR, using only the few calls of Cyclone DDS that we need."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from cyclonedds.topic import Sample, Topic
 from uwsim.bridges.ros2.idl import idl_type
 from uwsim.bridges.ros2.settings import Ros2Settings
 
-EVENTS_MAX = 64  # that one look at a wait set returns; others follow at the next
-UNREAD = 0x2 | 0x0C | 0x70  # samples not yet read, of any view, of any instance
+EVENTS_MAX = 64  # returned by one wait; others follow with the next
+UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
 BAD_PARAMETER = -3
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of glibc's mallopt
 KEPT_BYTES, BLOCK_BYTES = 64 << 20, 8 << 20
 
 _library = DDS._dll_handle
@@ -42,8 +42,9 @@ _dds_delete.argtypes, _dds_delete.restype = [ctypes.c_int32], ctypes.c_int32
 def keep_blocks_of_messages() -> None:
     """Let glibc keep the memory of large messages for the next ones.
 
-    By default it returns a block of some 100 kB or more to the system when it is freed, and each message of that size
-    then pays for page faults in every copy: a picture of 1 MB 0.7 ms in place of 0.3. Other C libraries are left alone.
+    By default it returns blocks of about 100 kB or more to the system when they are freed, and each message of that
+    size then causes page faults in every copy: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are
+    left alone.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:
@@ -52,7 +53,7 @@ def keep_blocks_of_messages() -> None:
 
 
 class Domains:
-    """The domains of this process: DDS allows one of each number, which all its participants share."""
+    """The domains of this process: DDS allows one instance of each, which all participants in the process share."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -60,7 +61,7 @@ class Domains:
         self._users: Counter[int] = Counter()
 
     def enter(self, settings: Ros2Settings) -> None:
-        """Be in the domain. Raises ValueError if this process is in it by other settings, OSError if it cannot."""
+        """Enter the domain. Raises ValueError if this process is in it with different settings, OSError on failure."""
         number, config = settings.domain_id, settings.config
         with self._lock:
             if number not in self._domains:
@@ -85,9 +86,9 @@ DOMAINS = Domains()
 
 
 class Participant:
-    """A DDS participant: writers and readers of CDR on topics that it names as ROS does. Raises ValueError, OSError.
+    """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError, OSError.
 
-    Everything ends with `close`.
+    `close` ends them all.
     """
 
     def __init__(self, settings: Ros2Settings, user_data: bytes) -> None:
@@ -103,12 +104,12 @@ class Participant:
 
     @property
     def guid(self) -> bytes:
-        """Its name in the domain, 16 bytes."""
+        """Its unique identifier in the domain, 16 bytes."""
         return bytes(self._participant.guid.bytes)
 
     @property
     def entity(self) -> DomainParticipant:
-        """Cyclone DDS's own participant, for what this class does not offer."""
+        """The underlying participant of Cyclone DDS, for features that this class does not offer."""
         return self._participant
 
     def writer(self, topic: str, type_name: str, qos: Qos) -> RawWriter:
@@ -122,11 +123,11 @@ class Participant:
         return RawReader(DataReader(self._participant, self._topic(topic, type_name), qos))
 
     def wait_set(self) -> Events:
-        """Return what waits for several writers and readers."""
+        """Return an object that waits for several writers and readers."""
         return Events(self._participant)
 
     def close(self) -> None:
-        """Leave the domain; other participants learn of it."""
+        """Leave the domain; other participants are notified."""
         if not self._is_closed:
             self._is_closed = True
             _delete(self._participant)
@@ -147,17 +148,17 @@ class RawWriter:
 
     @property
     def guid(self) -> bytes:
-        """Its name in the domain, 16 bytes."""
+        """Its unique identifier in the domain, 16 bytes."""
         return bytes(self._writer.guid.bytes)
 
     def write(self, cdr: memoryview) -> bool:
-        """Write a message, whose length is a multiple of four; return whether it was taken. Releases the GIL."""
+        """Write a message, whose length is a multiple of four; return whether it was accepted. Releases the GIL."""
         address = np.frombuffer(cdr, np.uint8).__array_interface__["data"][0]
         sample = Sample(address, len(cdr))
         return bool(_dds_write(self._writer._ref, ctypes.addressof(sample)) >= 0)
 
     def readers(self) -> int:
-        """Return how many readers match now. This also clears the event of the change."""
+        """Return how many readers match now, and clear the event of the change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
 
@@ -170,17 +171,17 @@ class RawReader:
 
     @property
     def guid(self) -> bytes:
-        """Its name in the domain, 16 bytes."""
+        """Its unique identifier in the domain, 16 bytes."""
         return bytes(self._reader.guid.bytes)
 
     def take(self, limit: int) -> list[bytes]:
-        """Return what has arrived, at most `limit` messages."""
+        """Return the messages that have arrived, at most `limit`."""
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
         return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
 
 
 class Events:
-    """Waits for writers whose readers changed and readers that have something."""
+    """Waits for writers whose readers have changed and for readers with new messages."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
@@ -190,15 +191,15 @@ class Events:
         self._attach(self._guard, None)
 
     def attach(self, source: RawWriter | RawReader) -> None:
-        """Wait for a source, too."""
+        """Add a source to wait for."""
         self._attach(source.entity, source)
 
     def wake(self) -> None:
-        """End the waiting, from any thread."""
+        """End the wait, from any thread."""
         self._guard.set(True)
 
     def wait(self, timeout_s: float) -> Sequence[RawWriter | RawReader]:
-        """Return the sources that have something, none after the time or when woken. Releases the GIL."""
+        """Return the sources with events; none after the timeout or when woken. Releases the GIL."""
         count = _dds_wait(self._set._ref, ctypes.addressof(self._found), EVENTS_MAX, int(1e9 * timeout_s))
         found = [self._sources[index] for index in self._found[: max(0, min(count, EVENTS_MAX))]]
         if None in found:
@@ -213,6 +214,6 @@ class Events:
 
 
 def _delete(entity: Entity) -> None:
-    """Delete an entity with all that belongs to it, now and not when Python collects it."""
+    """Delete an entity with everything that belongs to it, immediately instead of when Python collects it."""
     Entity._entities.pop(entity._ref, None)
     _dds_delete(entity._ref)

@@ -18,7 +18,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def dds_name(topic: str) -> str:
-    """Return what a topic "scan" is called in DDS. Raises ValueError for a name that ROS 2 does not allow."""
+    """Return the DDS name of a topic such as "scan". Raises ValueError for a name that ROS 2 does not allow."""
     plain = topic.lstrip("/")
     if not _NAME.fullmatch(plain):
         raise ValueError(
@@ -28,14 +28,14 @@ def dds_name(topic: str) -> str:
 
 
 def endpoint_data(type_name: str, distro: Distro) -> bytes:
-    """Return the user data of an endpoint: Jazzy's has the type's hash."""
+    """Return the user data of an endpoint; in Jazzy it contains the type's hash."""
     return b"" if distro == "humble" else f"typehash={schema(type_name, distro).type_hash};".encode()
 
 
 def entities_info(
     distro: Distro, participant: bytes, node: str, readers: Sequence[bytes], writers: Sequence[bytes]
 ) -> Any:
-    """Return the message that makes a node and its endpoints known, from their names in DDS, 16 bytes each."""
+    """Return the message that announces a node and its endpoints, from their identifiers in DDS, 16 bytes each."""
     types = store_of(distro).types
 
     def gid(guid: bytes) -> Any:

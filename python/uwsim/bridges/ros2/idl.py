@@ -1,4 +1,4 @@
-"""ROS types as Cyclone DDS knows them, made when they are needed."""
+"""ROS types as Cyclone DDS classes, generated on demand."""
 
 from __future__ import annotations
 

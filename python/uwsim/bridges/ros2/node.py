@@ -30,8 +30,8 @@ from uwsim.channels.outgoing import Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
-LOOK_S = 0.5  # between two looks at whether to end, if nothing happens
-PAUSE_S = 0.001  # between two takes: so that no flood takes the whole processor
+LOOK_S = 0.5  # between two checks whether to end, if nothing happens
+PAUSE_S = 0.001  # between two reads, so that no flood of messages uses up the processor
 OPEN_CALLS_MAX = 100
 
 
@@ -43,10 +43,10 @@ class Ros2Node(Bridge):
             with Ros2Node(live, table.channels, table.services):
                 ...
 
-    A channel is read while a node subscribes to it. Messages are encoded and written on a thread, commands are received
-    on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the feed of
-    a recording, which takes no commands. Raises ValueError for settings and names that ROS 2 does not allow, OSError if
-    the domain cannot be joined.
+    A channel is read while a node subscribes to it. Messages are encoded and written on one thread; commands are
+    received on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the
+    feed of a recording, which accepts no commands. Raises ValueError for settings and names that ROS 2 does not allow,
+    OSError if the domain cannot be joined.
     """
 
     def __init__(
@@ -84,16 +84,16 @@ class Ros2Node(Bridge):
 
     @property
     def dropped(self) -> dict[str, int]:
-        """How many messages of each topic gave way to newer ones, since the network did not take them in time."""
+        """Number of messages of each topic that were dropped for newer ones because the network was too slow."""
         return {name: line.dropped for name, line in self._lines.items() if line.dropped}
 
     @property
     def written(self) -> dict[str, int]:
-        """How many messages of each topic were written."""
+        """Number of messages written for each topic."""
         return {name: line.written for name, line in self._lines.items() if line.written}
 
     def close(self) -> bool:
-        """Leave ROS 2: other nodes learn of it, and both threads end."""
+        """Leave ROS 2: other nodes are notified, and both threads end."""
         was_open = super().close()
         if was_open:
             self._stopping.set()
@@ -123,7 +123,7 @@ class Ros2Node(Bridge):
         return endpoint_data(type_name, self.settings.distro)
 
     def _tell_graph(self) -> None:
-        """Publish which endpoints are the node's; DDS hands this to participants that come later."""
+        """Publish the list of the node's endpoints; DDS passes it to participants that join later."""
         distro = self.settings.distro
         qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
@@ -133,7 +133,7 @@ class Ros2Node(Bridge):
         self._graph.write(encode(info, distro))
 
     def _listen(self) -> None:
-        """Receive commands, and notice subscribers that come and go."""
+        """Receive commands, and track subscribers that come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
                 if isinstance(source, RawWriter):
@@ -144,7 +144,7 @@ class Ros2Node(Bridge):
             self._stopping.wait(PAUSE_S)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:
-        """Begin or end to read a channel. A late reader gets all that the messages of a channel have built up."""
+        """Start or stop reading a channel. If its messages build up, a late reader receives all of them so far."""
         was_read = self.is_read(channel.name)
         self.demand(channel.name, count > 0)
         if count and was_read and channel.catch_up is not None:

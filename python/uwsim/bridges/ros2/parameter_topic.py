@@ -1,4 +1,4 @@
-"""The topic /set_parameter, in place of ROS 2's service: a rcl_interfaces/Parameter sets one parameter."""
+"""The topic /set_parameter, replacing ROS 2's service: a rcl_interfaces/Parameter sets one parameter."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def parameter_channel(say: Say) -> Channel:
 
 
 def value_of(value: Any) -> Any:
-    """Return what a rcl_interfaces/ParameterValue holds, as plain values. Raises ValueError for an unknown type."""
+    """Return the content of a rcl_interfaces/ParameterValue as plain values. Raises ValueError for an unknown type."""
     if value.type not in FIELDS:
         raise ValueError(
             f"value.type = {value.type}: must be one of {', '.join(f'{n} ({f})' for n, f in FIELDS.items())}"

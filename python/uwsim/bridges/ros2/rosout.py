@@ -1,4 +1,4 @@
-"""Messages of /rosout: what ROS 2's consoles show."""
+"""Messages of /rosout, which ROS 2's consoles display."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 from uwsim.channels import build
 
 LOG, LOG_TOPIC = "rcl_interfaces/msg/Log", "rosout"
-LOG_DEPTH = 100  # messages that a console gets that is opened later
-INFO, WARN = 20, 30  # of rcl_interfaces/Log
+LOG_DEPTH = 100  # messages that a console opened later receives
+INFO, WARN = 20, 30  # levels of rcl_interfaces/Log
 
 
 def log_message(stamp_ns: int, node: str, level: int, text: str) -> Any:

@@ -1,7 +1,7 @@
-"""Topics in place of services, which DDS as we have it cannot carry: a message on a topic calls the service.
+"""Topics that replace services, which our DDS binding cannot carry: a message on a topic calls the service.
 
-A std_srvs/Trigger is called by a std_msgs/Empty on a topic of its name, a std_srvs/SetBool by a std_msgs/Bool; others
-by a std_msgs/String that holds the request in JSON. The answer goes to /rosout.
+A std_srvs/Trigger is called by a std_msgs/Empty on a topic of the same name, a std_srvs/SetBool by a std_msgs/Bool;
+others by a std_msgs/String with the request in JSON. The answer is published on /rosout.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def _channel(service: Service, call: Call, say: Say) -> Channel:
 
 
 def _request(kind: str, message: Any) -> Request:
-    """Return the request that a message holds. Raises ValueError."""
+    """Return the request in a message. Raises ValueError."""
     if kind == EMPTY:
         return {}
     if kind == BOOL:

@@ -1,4 +1,4 @@
-"""Where a ROS 2 node joins, and how: distribution, domain, reach; and the same as a configuration of Cyclone DDS."""
+"""Settings of a ROS 2 node: distribution, domain, reach; and the same as a configuration for Cyclone DDS."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from typing import Literal, get_args
 from uwsim.channels.cdr import Distro
 
 Reach = Literal["localhost", "subnet"]
-DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher ones are beyond 65535
-SAFE_DOMAIN_MAX = 101  # Linux gives the ports of higher ones to clients of its own
-PARTICIPANTS_MAX = 32  # that one host is asked for when nothing is multicast; ROS 2 uses the same number
+DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher domains exceed 65535
+SAFE_DOMAIN_MAX = 101  # Linux assigns the ports of higher domains to outgoing connections
+PARTICIPANTS_MAX = 32  # participants probed on one host without multicast; the same number as in ROS 2
 PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
 UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 
 # The largest packets that UDP carries: a picture in 16 of them costs a third of one in 70.
 LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
-# A reader's socket holds 200 kB unless its host says otherwise, and a cloud overflows it while the host is busy. The
-# heartbeat shows the reader what it misses; every 100 ms, as is usual, would let one cloud in five through.
+# A reader's socket buffers 200 kB unless its host is configured otherwise, and a cloud overflows it while the host is
+# busy. The heartbeat tells the reader what it missed; with the usual 100 ms, one cloud in five would get through.
 HEARTBEAT = '<HeartbeatInterval min="5ms" minsched="5ms" max="100ms">10ms</HeartbeatInterval>'
-# We announce ourselves each second, for ever. By default it is every 30 s, and ends after 30 s: later nodes that are
-# not configured to look at this machine would not find us.
+# Announce ourselves every second, indefinitely. By default this happens every 30 s, and ends after 30 s: later nodes
+# that are not configured to look at this machine would not find us.
 ANNOUNCE = "<SPDPInterval>1s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
-# A reader that stops must not stop a writer: its history of ten bounds what is kept, not the bytes.
+# A reader that stops must not stop a writer: the history of ten messages is the limit, not the bytes.
 NO_THROTTLE = (
     "<Watermarks><WhcHigh>1GB</WhcHigh><WhcHighInit>1GB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
 )
@@ -32,10 +32,12 @@ NO_THROTTLE = (
 
 @dataclass(frozen=True)
 class Ros2Settings:
-    """How a node joins ROS 2. distro: whose types and graph it speaks. domain_id: as ROS_DOMAIN_ID, [0, 232].
+    """How a node joins ROS 2. distro: the distribution whose types and graph it uses.
 
-    reach: "localhost" talks to this machine alone, "subnet" to whomever multicast reaches. peers: further hosts, by
-    name or address, that multicast does not reach. Raises ValueError.
+    domain_id: like ROS_DOMAIN_ID, [0, 232].
+
+    reach: "localhost" communicates with this machine only, "subnet" with all hosts that multicast reaches. peers:
+    additional hosts, by name or address, that multicast does not reach. Raises ValueError.
     """
 
     distro: Distro = "jazzy"
@@ -55,13 +57,13 @@ class Ros2Settings:
                 raise ValueError(f"ROS 2 peer = {peer!r}: must be a host's name or address")
 
     def __str__(self) -> str:
-        """Return a few words for a greeting."""
+        """Return a short description for a greeting."""
         where = "on this machine alone" if self.reach == "localhost" else "on the subnet"
         return f"{self.distro}, domain {self.domain_id}, {where}"
 
     @property
     def config(self) -> str:
-        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI comes after it, and so overrides it."""
+        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI is applied after it, and thus overrides it."""
         peers = [*self.peers, *(["127.0.0.1"] if self.reach == "localhost" else [])]
         listed = "".join(f'<Peer Address="{peer}"/>' for peer in peers)
         general = (
@@ -87,9 +89,9 @@ def settings_from(
     reach: str = "localhost",
     peers: Sequence[str] = (),
 ) -> Ros2Settings:
-    """Return the settings of options, and where there are none, of ROS's own variables.
+    """Return the settings from options, and where these are missing, from ROS's own variables.
 
-    They are ROS_DISTRO (if it is one that is known here), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
+    These are ROS_DISTRO (if it is known here), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
     """
     if distro is None:
         distro = environment.get("ROS_DISTRO", "")
@@ -104,7 +106,7 @@ def settings_from(
 
 
 def unicast_port(domain_id: int, participant: int) -> int:
-    """Return the UDP port at which a domain's participant is discovered, the first of a host being 0."""
+    """Return the UDP port on which a domain's participant is discovered; the first one on a host is 0."""
     return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
 
 

@@ -1,4 +1,4 @@
-"""One client's calls of services, and the calls of its own services, that wait for their answers."""
+"""One client's service calls, and the calls of its own services, that wait for answers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.channels.message_types import is_unicode, shortened
 
-CALL_BYTES = 1000  # of an open call without its arguments
+CALL_BYTES = 1000  # size of an open call without its arguments
 
 
 class Call:
-    """A client's call. calls: of the client; None once it has been answered, or the client has left."""
+    """A client's call. calls: the client's; None once it has been answered, or the client has left."""
 
     __slots__ = ("calls", "response", "size")
 
@@ -27,16 +27,16 @@ class Call:
         self.size = size
 
     def answer(self, succeeded: bool, values: Any) -> None:
-        """Send the answer, if the client is there; a second one is ignored."""
+        """Send the answer, if the client is still connected; a second one is ignored."""
         calls, self.calls = self.calls, None
         if calls is not None:
             calls.answered(self, succeeded, values)
 
 
 class Calls:
-    """Both kinds. name: the client's, in the graph. account: of what is kept until the answer comes.
+    """Calls of both kinds. name: the client's name in the graph. account: for what is stored until the answer arrives.
 
-    spent_bytes: at most so many the operation that is being performed takes.
+    spent_bytes: upper limit of the memory used by the operation being performed.
     """
 
     def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
@@ -46,7 +46,7 @@ class Calls:
         self._outbox = outbox
         self.spent_bytes = 0
         self._made: set[Call] = set()
-        self._received: dict[str, tuple[str, Reply]] = {}  # callers and their replies, by our id
+        self._received: dict[str, tuple[str, Reply]] = {}  # callers and their reply functions, by our id
         self._numbers = itertools.count(1)
         graph.on_leave.append(self._forget_caller)
 
@@ -62,11 +62,11 @@ class Calls:
         arguments = operation.get("args")
         try:
             self._graph.call(name, {} if arguments in (None, []) else arguments, reply, self._name)  # type: ignore[arg-type]
-        except ValueError as error:  # not even a name
+        except ValueError as error:  # the name itself is invalid
             reply(False, str(error))
 
     def advertise_service(self, operation: dict[str, Any]) -> None:
-        """Let the client offer a service."""
+        """Let the client advertise a service."""
         name, type_name = operation.get("service"), operation.get("type", "")
         plain = plain_name(name, "service")
         if not isinstance(type_name, str) or len(type_name) > 200:
@@ -80,13 +80,13 @@ class Calls:
         self._names.services.add(plain)
 
     def unadvertise_service(self, operation: dict[str, Any]) -> None:
-        """Let the client offer a service no longer."""
+        """End the client's service."""
         name = plain_name(operation.get("service"), "service")
         self._names.services.discard(name)
         self._graph.unadvertise_service(self._name, name)
 
     def respond(self, operation: dict[str, Any]) -> None:
-        """Pass the client's answer on to the caller. Raises ValueError if none waits for it."""
+        """Pass the client's answer on to the caller. Raises ValueError if no call waits for it."""
         identity = operation.get("id")
         found = self._received.pop(identity, None) if isinstance(identity, str) else None
         if found is None:
@@ -95,7 +95,7 @@ class Calls:
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any]) -> Reply:
-        """Return what answers a call that the client makes. Raises ValueError if too many wait."""
+        """Return a Call for the response to a client's call. Raises ValueError if too many wait."""
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls wait for answers, which is the most")
         call = Call(self, response, CALL_BYTES + self.spent_bytes)
@@ -106,7 +106,7 @@ class Calls:
         return call.answer
 
     def answered(self, call: Call, succeeded: bool, values: Any) -> None:
-        """Send the answer of a call that the client has made."""
+        """Send the answer to a call that the client has made."""
         self._made.discard(call)
         self._account.give(call.size)
         response = call.response | {"values": values, "result": succeeded}
@@ -127,13 +127,13 @@ class Calls:
         self._outbox.reply(frame)
 
     def _forget_caller(self, name: str) -> None:
-        """Wait no longer for answers to a client that has left."""
+        """Stop waiting for answers to a client that has left."""
         for identity in [identity for identity, (caller, _) in self._received.items() if caller == name]:
             del self._received[identity]
             self._account.give(CALL_BYTES)
 
     def close(self) -> None:
-        """Answer all callers that the client has left, and let go of its own calls."""
+        """Answer all callers when the client has left, and drop its own calls."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply in received.values():

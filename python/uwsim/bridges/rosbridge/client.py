@@ -1,9 +1,9 @@
 """RosbridgeClient: the simulator joins a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises its topics and services, subscribes to those of its commands, and does so again whenever the connection
-comes back. Every topic is read at its rate as long as the connection stands, since rosbridge does not report whether a
-topic has subscribers. The simulator's thread never waits: readings pass through a bounded queue, whose oldest give way.
-Where the server closes the connection because a message was too large, messages of that size are left out afterwards.
+It advertises its topics and services, subscribes to the topics of its commands, and does so again after each
+reconnection. Every topic is read at its rate while connected, since rosbridge does not report whether a topic has
+subscribers. The simulator's thread never waits: readings pass through a bounded queue, from which the oldest are
+dropped. If the server closes the connection because a message was too large, messages of that size are no longer sent.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ FIRST_WAIT_S = 0.25
 LONGEST_WAIT_S = 10.0
 WAITING = 200
 STOP_S = 5.0
-TOO_LARGE = 1009  # RFC 6455: the code of a connection that was closed by a message of that kind
+TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 
 
 class RosbridgeClient(Bridge):
-    """A live simulator at a rosbridge server.
+    """Connects a live simulator to a rosbridge server.
 
-    url: such as "ws://host:9090". channels, services: what it publishes, receives and offers. ros: whose spelling of
-    types, times and headers the server expects. feed: shared with other sinks. Raises ValueError.
+    url: such as "ws://host:9090". channels, services: what it publishes, receives and offers. ros: the generation whose
+    spelling of types, times and headers the server expects. feed: shared with other sinks. Raises ValueError.
     """
 
     def __init__(
@@ -66,12 +66,12 @@ class RosbridgeClient(Bridge):
         self.connected = threading.Event()
         self.connections = 0
         self.sent = 0
-        self._largest_sent = 0  # bytes, in this connection
-        self._refused_bytes: int | None = None  # the size from which on messages are left out
+        self._largest_sent = 0  # in bytes, on this connection
+        self._refused_bytes: int | None = None  # the size from which messages are no longer sent
         self._left_out: set[str] = set()
 
     def start(self) -> Self:
-        """Begin to connect; return itself."""
+        """Start connecting; return itself."""
         if self._thread is not None:
             raise RuntimeError("the client runs already")
         ready = threading.Event()
@@ -105,7 +105,7 @@ class RosbridgeClient(Bridge):
         await asyncio.gather(keeping, return_exceptions=True)
 
     async def _keep_connected(self) -> None:
-        """Connect, again and again, ever more patiently while it fails."""
+        """Connect, repeatedly, with longer pauses after each failure."""
         wait_s = FIRST_WAIT_S
         while True:
             try:
@@ -188,7 +188,7 @@ class RosbridgeClient(Bridge):
         self.sent += 1
 
     def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
-        """Act on what the server sends. Errors are logged."""
+        """Handle a frame from the server. Errors are logged."""
         try:
             operation = parse(frame, self._limits.nesting)
             if operation.get("op") == "publish":
@@ -222,4 +222,4 @@ class RosbridgeClient(Bridge):
     def _forget_answer(self, sending: asyncio.Future[None]) -> None:
         self._answers.discard(sending)
         if not sending.cancelled():
-            sending.exception()  # of a connection that has ended: the caller is gone
+            sending.exception()  # the connection has ended, and with it the caller

@@ -1,6 +1,6 @@
-"""Desk: does large pieces of the network's work on a thread beside it, one after the other.
+"""Desk: does large pieces of the network thread's work on another thread, one after the other.
 
-The network's thread serves all clients, so nothing may hold it for long.
+The network thread serves all clients, so nothing may block it for long.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from uwsim.bridges.conversation import Allowance, Frame
 from uwsim.bridges.rosbridge.outbox import Parcel
 from uwsim.bridges.rosbridge.session import Session
 
-PAUSE_S = 5e-5  # in which the other threads take their turn
+PAUSE_S = 5e-5  # during which the other threads take their turn
 LARGE_FRAME_BYTES = 1 << 13
-S_PER_BYTE = 5e-8  # of work on a large frame, charged before it is done; what it took is settled afterwards
+# of work on a large frame, charged in advance; the difference to the actual time is settled afterwards
+S_PER_BYTE = 5e-8
 
 T = TypeVar("T")
 
@@ -31,7 +32,7 @@ class Desk:
         self._pool = pool
 
     async def do(self, work: Callable[[], T], size: int) -> T:
-        """Wait for the time that work on so many bytes will take, then do it beside the network's thread."""
+        """Wait for the time that work on this many bytes will take, then do it off the network thread."""
         expected_s = S_PER_BYTE * size
         await asyncio.sleep(self._share.delay_after(expected_s))
         result, worked_s = await asyncio.get_running_loop().run_in_executor(self._pool, _timed, work)
@@ -39,21 +40,21 @@ class Desk:
         return result
 
     async def encode(self, parcel: Parcel) -> Frame:
-        """Return the frame of a message that is due. What the simulator publishes is not charged to the clients."""
+        """Return the frame of a due message. What the simulator publishes is not charged to the clients."""
         if not parcel.sample.is_large:
             return parcel.encode()
         return await asyncio.get_running_loop().run_in_executor(self._pool, parcel.encode)
 
 
 class Seat:
-    """A client's session at the desk: small frames are dealt with on the network's thread, large ones beside it."""
+    """A client's session at the desk: small frames are handled on the network thread, large ones off it."""
 
     def __init__(self, session: Session, desk: Desk) -> None:
         self.session = session
         self._desk = desk
 
     async def take(self, frame: Frame) -> float:
-        """Do what a frame requests, and keep it no longer; return the seconds of work on this thread."""
+        """Handle a frame, then release it; return the seconds of work on this thread."""
         worked_s, is_whole = 0.0, False
         following: Frame | None = frame
         del frame
@@ -72,7 +73,7 @@ class Seat:
         return worked_s
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return what is to be sent next; or None, and the seconds until something is due, None if never."""
+        """Return the next frame to send; or None, and the seconds until one is due, None if never."""
         found, delay_s = self.session.outbox.pick()
         return (await self._desk.encode(found) if isinstance(found, Parcel) else found), delay_s
 
@@ -82,7 +83,7 @@ class Seat:
 
 
 def _timed(work: Callable[[], T]) -> tuple[T, float]:
-    begun_s = time.thread_time()  # of this thread: not while others have the core
+    begun_s = time.thread_time()  # CPU time of this thread, without the time of others on the core
     return work(), time.thread_time() - begun_s
 
 

@@ -1,4 +1,4 @@
-"""A message on its way to subscribers: encoded when the first of them needs it, once for each encoding."""
+"""A message on its way to subscribers: encoded once per encoding, when the first subscriber needs it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from uwsim.channels.messages import Ros, to_bytes, to_plain
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
-"""A message that holds more is encoded off the network's thread, and keeps one encoding at a time."""
+"""A larger message is encoded off the network thread, and stores only one encoding at a time."""
 SLICE_NUMBERS = 1 << 16  # of an array, written at once
 CBOR_ARRAY, CBOR_MAP = 4, 5  # major types, RFC 8949, section 3.1
 
 
 def to_json(operation: dict[str, Any]) -> str:
-    """Encode an operation as JSON. Raises ValueError if a value has no place in JSON."""
+    """Encode an operation as JSON. Raises ValueError if JSON cannot represent a value."""
     try:
         return orjson.dumps(operation, default=_plain, option=JSON_OPTIONS).decode()
     except TypeError as error:
@@ -34,17 +34,17 @@ def to_json(operation: dict[str, Any]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, bytes):  # of a client's CBOR
+    if isinstance(value, bytes):  # from a client's CBOR
         return base64.b64encode(value).decode("ascii")
     if isinstance(value, np.ndarray) and not value.dtype.isnative:
         return value.astype(value.dtype.newbyteorder("="))
-    if hasattr(value, "tolist"):  # what else orjson does not write
+    if hasattr(value, "tolist"):  # a type that orjson does not write
         return value.tolist()
     raise TypeError(f"Type is not JSON serializable: {type(value).__name__}")
 
 
 def _in_slices(value: Any) -> Any:
-    """Write an array of a large message, so many numbers at a time: one call may not take long."""
+    """Write an array of a large message in slices, so that no call takes long."""
     if not isinstance(value, np.ndarray) or value.ndim != 1:
         return orjson.Fragment(orjson.dumps(value, default=_plain, option=JSON_OPTIONS))
     starts = range(0, max(1, len(value)), SLICE_NUMBERS)
@@ -53,7 +53,7 @@ def _in_slices(value: Any) -> Any:
 
 
 def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
-    """Write a large message in CBOR, a value at a time: one call may not take long."""
+    """Write a large message in CBOR value by value, so that no call takes long."""
     buffer = io.BytesIO()
     encoder = cbor2.CBOREncoder(buffer)
 
@@ -75,7 +75,7 @@ def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
 
 
 def to_png(text: str) -> str:
-    """Hide an operation's JSON in the pixels of a PNG, as rosbridge's compression "png" does."""
+    """Encode an operation's JSON in the pixels of a PNG, like rosbridge's compression "png"."""
     data = text.encode()
     width = max(1, math.isqrt(len(data) // 3))
     height = math.ceil(len(data) / 3 / width)
@@ -86,9 +86,9 @@ def to_png(text: str) -> str:
 
 
 class Sample:
-    """One message of a topic, and the frames that were made of it. time_ns: when it was received, for cbor-raw.
+    """One message of a topic, and the frames made from it. time_ns: when it was received, for cbor-raw.
 
-    size: bytes that it holds, if they are known. holders: see Account.hold.
+    size: its bytes in memory, if known. holders: see Account.hold.
     """
 
     __slots__ = ("_frames", "_size", "holders", "message", "time_ns")
@@ -103,33 +103,33 @@ class Sample:
 
     @property
     def size(self) -> int:
-        """Return about what it holds in memory: the message, and as much again for what is encoded of it."""
+        """Return its approximate memory: the message, and as much again for its encodings."""
         if self._size is None:
             self._size = 0 if self.message is None else held_bytes(self.message)
         return 2 * self._size
 
     @property
     def is_large(self) -> bool:
-        """Whether it takes long to encode."""
+        """Whether encoding takes long."""
         return self.size > LARGE_BYTES
 
     @property
     def is_taken(self) -> bool:
-        """Whether a subscriber was ready for it."""
+        """Whether any subscriber has been ready for it."""
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Return what a subscriber needs that has everything up to a cursor, and its next cursor."""
+        """Return what a subscriber with everything up to a cursor still needs, and its next cursor."""
         return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
-        """Return the operation "publish" under the topic's name as the subscriber wrote it."""
+        """Return the operation "publish" with the topic's name as written by the subscriber."""
         key = (topic, ros, compression)
         frame: Frame | None = self._frames.get(key)
         if frame is None:
             frame = self._encode(topic, ros, compression)
             if self.is_large:
-                self._frames.clear()  # each subscriber may have a spelling of its own
+                self._frames.clear()  # each subscriber may have its own spelling
             self._frames[key] = frame
         return frame
 
@@ -141,7 +141,7 @@ class Sample:
         return to_png(text) if compression == "png" else text
 
     def _body(self, ros: Ros, compression: Compression) -> bytes:
-        """Encode the message alone: topics have several spellings, such as with a slash and without."""
+        """Encode the message alone, since topics have several spellings, for example with and without a slash."""
         if self.is_large:
             return self._encode_body(ros, compression)
         key = (ros, compression)
@@ -155,7 +155,7 @@ class Sample:
             if self.is_large:
                 return orjson.dumps(to_plain(self.message, ros), default=_in_slices)
             text = orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS)
-            return bytes(memoryview(text))  # a copy: orjson's own keeps a buffer that may be ten times as long
+            return bytes(memoryview(text))  # a copy, since orjson's result holds a buffer that may be ten times as long
         if compression == "cbor":
             plain = to_plain(self.message, ros, "cbor")
             return _cbor_in_pieces(plain) if self.is_large else cbor2.dumps(plain)
@@ -164,7 +164,7 @@ class Sample:
 
 
 class Growing(Sample):
-    """News of a topic whose messages build on each other: each subscriber gets one with all that it does not have.
+    """A change to a topic whose messages build on each other: each subscriber gets one message with all that it lacks.
 
     catch_up: returns the message for a cursor (None: has nothing), and the next cursor.
     """
@@ -177,7 +177,7 @@ class Growing(Sample):
         self._catch_up = catch_up
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Put together all since the cursor."""
+        """Combine all changes since the cursor."""
         message, following = self._catch_up(cursor)
         return Sample(message, self.time_ns), following
 
@@ -188,6 +188,6 @@ def to_json_string(text: str) -> str:
 
 
 def _cbor_head(topic: str) -> bytes:
-    """Begin a map of three: op, topic, and msg, whose value follows."""
+    """Start a map of three entries: op, topic, and msg, whose value follows."""
     op, name, msg = (cbor2.dumps(text) for text in ("op", "topic", "msg"))
     return b"\xa3" + op + cbor2.dumps("publish") + name + cbor2.dumps(topic) + msg

@@ -1,6 +1,6 @@
-"""The graph: topics and services by name, their owners and their users. It belongs to one thread.
+"""The graph: topics and services by name, with their owners and users. It belongs to one thread.
 
-Clients and the simulator are peers in it, as nodes are in ROS: each is an owner, known by its name.
+Clients and the simulator are peers in it, like nodes in ROS: each is an owner, identified by its name.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ LOGGER = logging.getLogger("uwsim.rosbridge")
 
 Sink = Callable[[Sample], None]
 Reply = Callable[[bool, Any], None]
-"""Answers a call: whether it succeeded, and its values, or the reason in words."""
+"""Answers a call with whether it succeeded, and its values, or the reason as text."""
 Handler = Callable[[Any, Reply, str], None]
 """Serves a call: takes its arguments, a function to call once with the answer, now or later, and the caller's name."""
 
 
 def plain_name(name: object, what: str = "topic") -> str:
-    """Return a name without its leading slash, by which "/scan" and "scan" meet. Raises ValueError."""
+    """Return a name without its leading slash, so that "/scan" and "scan" match. Raises ValueError."""
     if not isinstance(name, str) or not 1 <= len(name) <= 256 or not name.strip("/"):
         raise ValueError(f"{what} = {shortened(name)}: must be a name")
     if not name.isprintable() or " " in name:
@@ -40,7 +40,7 @@ def plain_name(name: object, what: str = "topic") -> str:
 class Topic:
     """One topic. publishers: by owner, whether latched. sinks: of subscribers, by owner and key.
 
-    latched: the newest latched message; latched_by: whose it is, and whose account it is kept on.
+    latched: the newest latched message; latched_by: its owner, whose account is charged for it.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Topic:
     latched_by: tuple[str, Account] | None = None
 
     def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
-        """Keep a sample for later subscribers, instead of the one before. owner: None for this process's own."""
+        """Store a sample for later subscribers, replacing the previous one. owner: None for this process's own."""
         if self.latched is not None and self.latched_by is not None:
             self.latched_by[1].drop(self.latched)
         self.latched, self.latched_by = sample, owner
@@ -70,12 +70,11 @@ class Service:
 
 
 class Graph:
-    """Topics, services and owners. All methods raise ValueError in words that name what is wrong.
+    """Topics, services and owners. All methods raise ValueError with a text that names the problem.
 
     on_demand: each is called with a topic's name and whether it has subscribers now, when that changes. on_leave: each
     is called with an owner that has left. on_abandoned: each is called with a topic's name when its last publisher has
-    gone. silence_s: for how long nothing at all has come from an owner. ledger: of what is
-    kept for clients.
+    left. silence_s: time since anything was received from an owner. ledger: of the memory used for clients.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -95,7 +94,10 @@ class Graph:
         return topic
 
     def unadvertise(self, owner: str, name: str) -> None:
-        """Take an owner from a topic's publishers. What was latched goes with its owner, or the last that latches."""
+        """Remove an owner from a topic's publishers.
+
+        A latched message goes with its owner, or with the last latching publisher.
+        """
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.publishers.pop(owner, None) is None:
             raise ValueError(f"topic '{name}': you do not advertise it")
@@ -116,14 +118,14 @@ class Graph:
     def publish(
         self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Account] | None = None
     ) -> None:
-        """Hand a sample to a topic's subscribers. owner: whose it is if it is latched."""
+        """Pass a sample to a topic's subscribers. owner: its publisher, if it is latched."""
         if latch:
             topic.latch(sample, owner)
         for sink in list(topic.sinks.values()):
             sink(sample)
 
     def known_type(self, name: str, type_name: str | None) -> str | None:
-        """Return a topic's type, or if it is unknown the one that a client gives. Raises if the two differ."""
+        """Return a topic's type, or if it is unknown the one given by a client. Raises if the two differ."""
         resolved = resolve(type_name)[0] if type_name else None
         topic = self.topics.get(plain_name(name))
         present = topic.type if topic is not None else None
@@ -143,7 +145,7 @@ class Graph:
         return topic
 
     def unsubscribe(self, owner: str, key: Any, name: str) -> None:
-        """Take a sink away."""
+        """Remove a sink."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.sinks.pop((owner, key), None) is None:
             raise ValueError(f"topic '{name}': you do not subscribe to it")
@@ -152,7 +154,7 @@ class Graph:
         self._forget_if_unused(topic)
 
     def advertise_service(self, owner: str, name: str, type_name: str, handler: Handler) -> None:
-        """Offer a service. One that another offers cannot be taken over."""
+        """Offer a service. A service offered by another owner cannot be replaced."""
         plain = plain_name(name, "service")
         present = self.services.get(plain)
         if present is not None and present.owner != owner:
@@ -160,14 +162,14 @@ class Graph:
         self.services[plain] = Service(plain, type_name, owner, handler)
 
     def unadvertise_service(self, owner: str, name: str) -> None:
-        """Offer a service no longer."""
+        """Stop offering a service."""
         service = self.services.get(plain_name(name, "service"))
         if service is None or service.owner != owner:
             raise ValueError(f"service '{name}': you do not offer it")
         del self.services[service.name]
 
     def call(self, name: str, arguments: Any, reply: Reply, caller: str = "") -> None:
-        """Call a service. A missing one, and one that fails, answers False and why."""
+        """Call a service. A missing one, or one that fails, answers False and the reason."""
         service = self.services.get(plain_name(name, "service"))
         if service is None:
             reply(False, f"service '{name}': nobody offers it")

@@ -1,4 +1,4 @@
-"""A part of this process that is no simulator as a peer in the graph, such as the operator's station."""
+"""A part of this process other than a simulator, such as the operator's station, as a peer in the graph."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ THREADS = 6
 
 
 class GuestNode:
-    """A guest's end of the graph, its `Node`; the methods of that may be called on any thread."""
+    """A guest's end of the graph, its `Node`, whose methods may be called on any thread."""
 
     def __init__(self, guest: Guest, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._guest = guest
@@ -36,15 +36,15 @@ class GuestNode:
         guest.connect(self)
 
     def close(self) -> None:
-        """Answer nothing more."""
+        """Stop answering."""
         self._lane.close()
 
     def offer_topics(self, topics: Iterable[GuestTopic]) -> None:
-        """Offer these topics, instead of those before."""
+        """Offer these topics, replacing the previous ones."""
         post(self._loop, self._advertise, {topic.name: topic for topic in topics})
 
     def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
-        """Publish a message on a topic that is offered. catch_up: as a Channel's, of messages that build up."""
+        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build up."""
         sample = Sample(message, time_ns) if catch_up is None else Growing(catch_up, time_ns)
         post(self._loop, self._publish, name, sample)
 
@@ -58,7 +58,7 @@ class GuestNode:
         return newest is None or newest.is_taken
 
     def silence_s(self, client: str) -> float:
-        """Return for how long [s] nothing at all has come from a client."""
+        """Return how long [s] nothing has been received from a client."""
         return self._graph.silence_s(client)
 
     def _advertise(self, topics: Mapping[str, GuestTopic]) -> None:
@@ -68,7 +68,7 @@ class GuestNode:
         for name, topic in topics.items():
             try:
                 self._graph.advertise(self._guest.name, name, topic.type, topic.latched)
-            except ValueError as error:  # a client subscribes to it as something else
+            except ValueError as error:  # a client subscribes to it with a different type
                 LOGGER.warning("%s", error)
         self._topics = dict(topics)
         self._wanted |= {name for name in topics if name in self._graph.topics and self._graph.topics[name].sinks}

@@ -12,19 +12,19 @@ class Limits:
     connections: int = 256
     """Clients at a time; further ones are refused with HTTP 503."""
     frame_bytes: int = 2 << 20
-    """Size of a frame from a client, and of a message put together from fragments."""
+    """Size of a frame from a client, and of a message assembled from fragments."""
     nesting: int = 32
     """Depth of objects and lists in a client's JSON or CBOR."""
     objects: int = 20_000
-    """Objects and lists in a frame, and messages within the message that it holds; of CBOR five times as many items."""
+    """Objects and lists in a frame, and messages within its message; for CBOR five times as many items."""
     strings: int = 200_000
     """Strings in a frame."""
     cost_factor: int = 20
-    """Memory that a frame may take while it is dealt with, in frames of its size; see cost_of."""
+    """Memory that a frame may take while it is being handled, in multiples of its size; see cost_of."""
     cost_bytes: int = 1 << 20
-    """Memory that any frame may take: a small one makes more of itself than a large one."""
+    """Memory that any frame may take: small frames expand more than large ones."""
     fragmented_messages: int = 4
-    """Messages that a client may have begun to send in fragments; a further one makes the oldest forgotten."""
+    """Unfinished fragmented messages of a client; a further one discards the oldest."""
     fragments: int = 1000
     """Fragments of one message."""
     names: int = 1000
@@ -32,31 +32,31 @@ class Limits:
     all_names: int = 5000
     """Topics and services of all clients and the simulator together."""
     queue_length: int = 1000
-    """The longest queue that a subscription may ask for; of images, clouds and maps 8."""
+    """The longest queue that a subscription may request; for images, clouds and maps 8."""
     replies: int = 1000
-    """Answers that wait to be sent: a client that asks on and does not read is disconnected."""
+    """Queued answers: a client that keeps asking without reading is disconnected."""
     open_calls: int = 1000
-    """Calls that a client's own services have not answered yet, and calls of a client that wait for an answer."""
+    """Unanswered calls of a client's own services, and unanswered calls made by a client."""
     identity: int = 256
-    """Characters of an id."""
+    """Length of an id."""
     ids: int = 100
-    """Ids of one subscription."""
+    """Number of ids of one subscription."""
     client_bytes: int = 64 << 20
-    """What waits for a client and is kept for it: messages to be sent, latched ones, fragments, open calls."""
+    """What is queued and stored for a client: messages to be sent, latched ones, fragments, open calls."""
     mailbox_bytes: int = 16 << 20
-    """What waits of one subscription: beyond it the oldest messages give way, as beyond the queue's length."""
+    """Size of one subscription's queue: beyond it the oldest messages are dropped, as beyond the queue's length."""
     total_bytes: int = 512 << 20
-    """What waits and is kept for all clients: beyond it the one that has most is disconnected."""
+    """What is queued and stored for all clients: beyond it the one with the most is disconnected."""
     messages_per_s: float = 2000.0
-    """From a client; one that sends more is read more slowly. A second's worth may come at once."""
+    """From a client; one that sends more is read more slowly. A second's worth may arrive at once."""
     bytes_per_s: float = 16e6
-    """From a client, likewise."""
+    """From a client, in the same way."""
 
     work_share: float = 0.3
-    """Share of a core for all clients' frames together: Python runs one thread at a time, and steps need turns."""
+    """Share of a core for all clients' frames together: Python runs one thread at a time, and steps need their turn."""
 
     def cost_of(self, size: int) -> int:
-        """Return the memory that a frame of a size may take."""
+        """Return the memory that a frame of a given size may take."""
         return max(self.cost_bytes, self.cost_factor * size)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The names of topics and services that one client uses, of which it may have so many."""
+"""The names of topics and services that one client uses, which are limited in number."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Names:
         self.services: set[str] = set()
 
     def check_room(self) -> None:
-        """Raise ValueError if the client, or all of them, can have no more."""
+        """Raise ValueError if the client, or all clients together, can have no more."""
         if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
             raise ValueError(f"names: you have {self._limits.names} topics and services, which is the most")
         if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:

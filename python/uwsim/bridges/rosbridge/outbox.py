@@ -1,8 +1,8 @@
-"""The messages that wait to be sent to one client: answers first, then each subscription's messages, in bounded memory.
+"""The messages queued for one client: answers first, then each subscription's messages, in bounded memory.
 
-A client that does not read loses the oldest messages of its own subscriptions, and nobody else notices; if too many
-bytes wait nevertheless, it is disconnected. Messages of several topics leave in the order in which they came, unless
-one is throttled.
+A client that does not read loses the oldest messages of its own subscriptions, without affecting others; if too many
+bytes are queued nevertheless, it is disconnected. Messages of several topics leave in order of arrival, unless a topic
+is throttled.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LARGE_QUEUE = 8
 
 
 class Parcel(NamedTuple):
-    """A message that is due, in its subscriber's encoding, which may take long to make: any thread may do it."""
+    """A due message in its subscriber's encoding, which may take long to make; any thread may do so."""
 
     sample: Sample
     topic: str
@@ -38,8 +38,8 @@ class Parcel(NamedTuple):
 class Mailbox:
     """One subscription's queue. throttle_s: least wall time between two messages. length: 0 for the default.
 
-    As in rosbridge, a throttled subscription without a queue loses what comes too early; with one it gets it later.
-    credit: messages that may be on their way without having been acknowledged; None: any number.
+    As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue it gets
+    them later. credit: number of unacknowledged messages that may be on their way; None: unlimited.
     """
 
     def __init__(
@@ -67,23 +67,23 @@ class Mailbox:
         self.lost = 0
         self._credit = credit
         self._unacknowledged = 0
-        self._cursor: Any = None  # of messages that build on each other
+        self._cursor: Any = None  # for messages that build on each other
 
     @property
     def is_blocked(self) -> bool:
-        """Whether the client must acknowledge before it gets more."""
+        """Whether the client must send an acknowledgement before it gets more."""
         return self._credit is not None and self._unacknowledged >= self._credit
 
     def acknowledge(self, count: int) -> None:
-        """Give credit back."""
+        """Restore credit."""
         self._unacknowledged = max(0, self._unacknowledged - count)
 
     def put(self, order: int, sample: Sample, now_s: float, account: Account, most_bytes: float) -> None:
-        """Queue a sample; the oldest ones give way if there are too many, or too many bytes."""
+        """Queue a sample; the oldest ones are dropped if there are too many, or too many bytes."""
         if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
         if sample.builds_up:
-            self.clear(account)  # the new one contains what they contain
+            self.clear(account)  # the new one contains theirs
         while self.samples and (len(self.samples) >= self.longest or self.bytes + sample.size > most_bytes):
             self.lost += 1
             self._pop(account)
@@ -99,7 +99,7 @@ class Mailbox:
         return Parcel(sample, self.topic, self.ros, self.compression)
 
     def clear(self, account: Account) -> None:
-        """Drop what waits."""
+        """Drop everything in the queue."""
         while self.samples:
             self._pop(account)
 
@@ -111,7 +111,7 @@ class Mailbox:
 
 
 class Outbox:
-    """A client's queues. wake: called when there is something to send. account: of what waits."""
+    """A client's queues. wake: called when there is something to send. account: for the size of the queues."""
 
     def __init__(self, limits: Limits, account: Account, clock: Callable[[], float], wake: Callable[[], None]) -> None:
         self._limits = limits
@@ -124,7 +124,7 @@ class Outbox:
         self._is_shut = False
 
     def reply(self, frame: Frame) -> None:
-        """Queue an answer. If too many wait, the client asks on and does not read: it is given up."""
+        """Queue an answer. Too many mean that the client keeps asking without reading: it is disconnected."""
         if self._is_shut:
             return
         if len(self._replies) >= self._limits.replies:
@@ -137,7 +137,7 @@ class Outbox:
         self._wake()
 
     def _check_bytes(self) -> None:
-        """Give a client up for which too much waits; a single message may be as large as it is."""
+        """Disconnect a client with too much queued; a single message may have any size."""
         waiting = len(self._replies) + sum(len(mailbox.samples) for mailbox in self._mailboxes.values())
         if waiting > 1:
             size, most = self._account.bytes / 1e6, self._account.limit / 1e6
@@ -149,20 +149,20 @@ class Outbox:
         self._mailboxes[key] = mailbox
 
     def close(self, key: Any) -> None:
-        """Drop a subscription's queue with what waits in it."""
+        """Remove a subscription's queue with its content."""
         mailbox = self._mailboxes.pop(key, None)
         if mailbox is not None:
             mailbox.clear(self._account)
 
     def shut(self) -> None:
-        """Drop all that waits, and take nothing more."""
+        """Drop everything, and refuse further messages."""
         self._is_shut = True
         for key in list(self._mailboxes):
             self.close(key)
         self._replies.clear()
 
     def acknowledge(self, key: Any, count: int) -> None:
-        """Take note that a subscription's client has dealt with messages."""
+        """Record that a subscription's client has processed messages."""
         mailbox = self._mailboxes.get(key)
         if mailbox is not None:
             mailbox.acknowledge(count)
@@ -180,11 +180,11 @@ class Outbox:
 
     @property
     def lost(self) -> int:
-        """Messages that gave way to newer ones, of the present subscriptions."""
+        """Number of messages dropped for newer ones, in the present subscriptions."""
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
     def pick(self) -> tuple[Frame | Parcel | None, float | None]:
-        """Return what is to be sent next; or None and the seconds until a throttled message is due, None if never."""
+        """Return what to send next; or None and the seconds until a throttled message is due, None if never."""
         if self._replies:
             frame = self._replies.popleft()
             self._account.give(sys.getsizeof(frame))
@@ -197,7 +197,7 @@ class Outbox:
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
     def take(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame, encoded here and now, as pick does."""
+        """Like pick, but return the frame already encoded."""
         found, delay_s = self.pick()
         return found.encode() if isinstance(found, Parcel) else found, delay_s
 

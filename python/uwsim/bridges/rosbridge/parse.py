@@ -1,4 +1,7 @@
-"""A client's frame as a dict: JSON from text, CBOR from bytes. Hostile frames are refused before they cost anything."""
+"""Decodes a client's frame to a dict: JSON from text, CBOR from bytes.
+
+Refuses hostile frames before they cost anything.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +19,20 @@ from uwsim.channels.message_cost import Meter
 from uwsim.channels.messages import typed_array
 
 SLOW_BYTES = 200_000
-"""Most of a frame with NaN or Infinity, which a decoder five times as slow must read."""
+"""Largest size of a frame with NaN or Infinity, which needs a decoder that is five times as slow."""
 
 
 def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
-    """Return the object that a frame of a peer that is trusted holds. Raises ValueError in words unless it is one."""
+    """Return the object in a frame from a trusted peer. Raises ValueError with a reason if there is none."""
     if isinstance(frame, bytes):
         walk_cbor(frame, nesting, math.inf)
     return _decode(frame, nesting, math.inf)
 
 
 def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Return the object that a client's frame holds, and what counts on from there. Raises ValueError likewise.
+    """Return the object in a client's frame, and a meter that continues counting. Raises ValueError in the same way.
 
-    pause: for the meter.
+    pause: passed to the meter.
     """
     weight = weigh(frame, limits)
     meter = Meter(limits.cost_of(len(frame)), weight.bytes, limits.objects, pause)
@@ -40,7 +43,7 @@ def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = 
 
 
 def parse_value(text: str, limits: Limits) -> Any:
-    """Return the value of any kind that JSON within a client's string holds. Raises ValueError."""
+    """Return the value of any type in a client's JSON string. Raises ValueError."""
     value = _from_json(text, SLOW_BYTES, remembers=weigh(text, limits).remembers)
     check_nesting(value, limits.nesting)
     return value
@@ -50,14 +53,14 @@ def _decode(frame: str | bytes, nesting: int, slow_bytes: float, *, remembers: b
     value = _from_cbor(frame) if isinstance(frame, bytes) else _from_json(frame, slow_bytes, remembers=remembers)
     if not isinstance(value, dict):
         raise ValueError("frame: must be a JSON object, or a CBOR map")
-    # Depth is at most the number of opening brackets: a scan has few, and a thousand numbers that need no look.
+    # Depth is at most the number of opening brackets: a scan has few, and a thousand numbers that need no check.
     if isinstance(frame, bytes) or frame.count("{") + frame.count("[") > nesting:
         check_nesting(value, nesting)
     return value
 
 
 def check_nesting(value: Any, nesting: int) -> None:
-    """Raise ValueError if lists and objects lie deeper in each other than `nesting`."""
+    """Raise ValueError if lists and objects are nested more deeply than `nesting`."""
     level = [value]
     for _ in range(nesting + 1):
         containers = [v for v in level if isinstance(v, dict | list)]
@@ -71,7 +74,7 @@ def check_nesting(value: Any, nesting: int) -> None:
 
 
 def _from_json(text: str, slow_bytes: float, *, remembers: bool = False) -> Any:
-    """Decode a text. remembers: with one string for each key, however often it comes, and no tree in between."""
+    """Decode a text. remembers: use one string for all occurrences of a key, and no intermediate tree."""
     if not remembers:
         try:
             return orjson.loads(text)
@@ -83,19 +86,19 @@ def _from_json(text: str, slow_bytes: float, *, remembers: bool = False) -> Any:
                 f"frame: {len(text)} bytes with NaN or Infinity: must be {slow_bytes} at most; null is NaN"
             )
     try:
-        return json.loads(text)  # Python's own json writes NaN and Infinity, which JSON lacks: so does roslibpy
+        return json.loads(text)  # like roslibpy, Python's own json accepts NaN and Infinity, which are not part of JSON
     except (ValueError, RecursionError) as error:
         raise ValueError(f"frame: not JSON ({error})") from None
 
 
 def _from_cbor(data: bytes) -> Any:
-    """Decode what walk_cbor has found good."""
+    """Decode data that walk_cbor has validated."""
     try:
         return cbor2.loads(data, tag_hook=_array_of)
-    except Exception as error:  # cbor2's own, and what typed_array raises inside it
+    except Exception as error:  # cbor2's own errors, and those that typed_array raises inside it
         raise ValueError(f"frame: not CBOR ({error})") from None
 
 
 def _array_of(*arguments: Any) -> Any:
-    """Make a tag's array; cbor2 passes the tag last, or first, depending on its version."""
+    """Make an array from a tag; cbor2 passes the tag last or first, depending on its version."""
     return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))

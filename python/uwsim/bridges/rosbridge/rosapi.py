@@ -1,4 +1,4 @@
-"""The services by which clients look into the graph (package rosapi): those that roslibpy and roslibjs offer.
+"""The services by which clients inspect the graph (package rosapi), as far as roslibpy and roslibjs use them.
 
 https://github.com/RobotWebTools/rosbridge_suite/tree/ros1/rosapi
 """
@@ -21,8 +21,8 @@ from uwsim.channels.messages import Ros, resolve, spelled
 
 OWNER = "/rosapi"
 MOST_TEXT = 1 << 20
-"""Characters of all definitions in one answer."""
-STANDARD = {  # std_srvs, which simulators' own services have
+"""Maximum length of all definitions in one answer."""
+STANDARD = {  # std_srvs, which the simulator's own services use
     "std_srvs/Empty": ("", ""),
     "std_srvs/SetBool": ("bool data\n", "bool success\nstring message\n"),
     "std_srvs/Trigger": ("", "bool success\nstring message\n"),
@@ -31,7 +31,7 @@ STANDARD = {  # std_srvs, which simulators' own services have
 
 Args = dict[str, Any]
 Query = tuple[str, str, Callable[[Args], Any]]
-"""A service: the fields of its request and its response, and what answers it, at once or by a future."""
+"""A service: the fields of its request and its response, and the function that answers it, at once or by a future."""
 
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
@@ -53,7 +53,7 @@ def _handler(name: str, query: Query) -> Handler:
         if not isinstance(arguments, dict):
             raise ValueError(f"{_type_of(name)}: args must be an object")
         answer = query[2](arguments)
-        if isinstance(answer, Future):  # of a command to the simulator
+        if isinstance(answer, Future):  # result of a command to the simulator
             loop = asyncio.get_running_loop()
             answer.add_done_callback(lambda done: post(loop, _reply_done, done, reply))
         else:

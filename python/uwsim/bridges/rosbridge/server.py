@@ -33,10 +33,10 @@ from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
-HANDSHAKE_S = 60.0  # within which an answer to a request must be made
-PING_S = 1.0  # between pings where guests watch for silence; a connection that does not answer ends after
+HANDSHAKE_S = 60.0  # time limit for an answer to a request
+PING_S = 1.0  # between pings if guests watch for silence; a connection that does not answer is closed after
 PONG_S = 24.0
-BEAT_S = 0.5  # in which silence is counted
+BEAT_S = 0.5  # interval at which silence is counted
 
 
 class RosbridgeServer:
@@ -45,13 +45,13 @@ class RosbridgeServer:
         with LiveSimulator("lake") as live, RosbridgeServer(live, port=9090):
             ...
 
-    live: the simulator that clients see; None: they see each other alone, or with a feed a recording. host, port: where
-    it listens; port 0 chooses one, see `port`. ros: whose spelling of times and headers a client gets that names its
-    types as both generations do ("sensor_msgs/LaserScan"). origins: web pages beyond this machine's own that may
-    connect. token: clients must know it: ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: which
-    topics, and where odom is: see uwsim.channels.Table; channels and services, such as those of a Table that others
-    share, replace them. feed: shared with other sinks. guests: other peers in this process. site: what is served over
-    HTTP on the same port, without a check of the token. Raises ValueError, OSError.
+    live: the simulator that clients see; None: they see only each other, or with a feed a recording. host, port: the
+    address on which it listens; port 0 chooses one, see `port`. ros: the generation whose spelling of times and headers
+    is used for clients whose type names fit both ("sensor_msgs/LaserScan"). origins: web pages, in addition to this
+    machine's own, that may connect. token: secret that clients must send: ws://HOST:PORT/?token=TOKEN. certfile,
+    keyfile: for wss. wire, origin: selection of topics and origin of odom, see uwsim.channels.Table; channels and
+    services, such as those of a shared Table, replace them. feed: shared with other sinks. guests: other peers in this
+    process. site: serves HTTP on the same port, without a check of the token. Raises ValueError, OSError.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class RosbridgeServer:
         if live is not None and channels is None:
             table = served_table(live, wire=wire, origin=origin)
             channels, services = table.channels, table.services
-        self.channels: list[Channel] = list(channels or ())  # others may be put here before start
+        self.channels: list[Channel] = list(channels or ())  # others may be assigned before start
         self.services: list[Service] = list(services)
         self._numbers = itertools.count(1)
         self._node: SimulatorNode | None = None
@@ -111,7 +111,7 @@ class RosbridgeServer:
 
     @property
     def port(self) -> int:
-        """Where it listens. Raises RuntimeError before start."""
+        """The port on which it listens. Raises RuntimeError before start."""
         return self._listener.port
 
     @property
@@ -120,7 +120,7 @@ class RosbridgeServer:
         return self._listener.url
 
     def start(self) -> Self:
-        """Listen; return itself. Raises OSError if it cannot, and warns (UserWarning) when others can connect."""
+        """Listen; return itself. Raises OSError if it cannot, and warns (UserWarning) if other machines can connect."""
         self._listener.start()
         return self
 
@@ -141,7 +141,7 @@ class RosbridgeServer:
 
     async def _serve(self, listener: Listener[Seat], ready: Callable[[], None]) -> None:
         loop = asyncio.get_running_loop()
-        ros1_typestore(), typestore()  # a third of a second, which the first client should not wait for
+        ros1_typestore(), typestore()  # takes a third of a second, for which the first client should not have to wait
         self.graph = Graph(Ledger(self._limits.total_bytes))
         self.graph.silence_s = self._silence_s
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="uwsim-rosbridge-desk")
@@ -179,9 +179,9 @@ class RosbridgeServer:
         services: Iterable[Service],
         feed: Readings | None = None,
     ) -> None:
-        """Give clients another simulator to see, or none; they stay connected and subscribed.
+        """Replace the simulator that clients see, with another or none; they stay connected and subscribed.
 
-        Not to be called on the network's thread.
+        Must not be called on the network thread.
         """
         loop = self._listener.loop
         if loop is None:
@@ -197,7 +197,7 @@ class RosbridgeServer:
         asyncio.run_coroutine_threadsafe(change(), loop).result(STOP_S)
 
     def _join(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Let the present simulator or recording, if there is one, be a peer of the clients."""
+        """Make the present simulator or recording, if any, a peer of the clients."""
         self._node = None
         if self._live is not None or self._feed is not None:
             self._node = SimulatorNode(self._live, self.channels, self.services, self._feed, self.graph, loop)

@@ -30,9 +30,9 @@ LEVELS = ("info", "warning", "error", "none")
 
 
 class Prepared(NamedTuple):
-    """A frame that has been read: its operation, or as much of it as is known, and what is wrong with it.
+    """A frame that has been read: its operation, or the readable part of it, and what is wrong with it.
 
-    spent_bytes: at most so many the operation takes.
+    spent_bytes: upper limit of the memory that the operation uses.
     """
 
     operation: dict[str, Any]
@@ -41,11 +41,13 @@ class Prepared(NamedTuple):
 
 
 class Session:
-    """A client. name: in the graph. agent: its User-Agent. ros: of type names that both generations write alike.
+    """A client. name: its name in the graph. agent: its User-Agent.
 
-    wake: called when the outbox has something to send; give_up: with the reason when the client must be disconnected.
-    A session that is given up does nothing more, and keeps nothing; close() must follow. roslibpy knows neither status
-    (unless it asks by set_level) nor png: both are kept from it.
+    ros: generation assumed for type names that are the same in both.
+
+    wake: called when the outbox has something to send; give_up: called with the reason when the client must be
+    disconnected. A session that is given up does nothing more and stores nothing; close() must follow. roslibpy
+    supports neither status (unless it asks for it by set_level) nor png: it is sent neither.
     """
 
     _calls: Calls
@@ -92,20 +94,20 @@ class Session:
         names = Names(graph, self.limits)
         self._calls = Calls(graph, name, names, *shared)
         self._topics = Topics(graph, name, names, *shared, ros=ros, png=not is_roslibpy)
-        self._whole: str | None = None  # a message put together from fragments
+        self._whole: str | None = None  # a message assembled from fragments
         self._is_over = False
         graph.nodes[name] = None
 
     def receive(self, frame: Frame) -> None:
-        """Do what a frame requests. Errors go to the client by status; raises nothing."""
+        """Handle a frame. Errors are reported to the client by status; never raises."""
         whole = self.perform(self.prepare(frame))
         if whole is not None:
             self.perform(self.prepare(whole, is_whole=True))
 
     def prepare(self, frame: Frame, pause: Callable[[], None] | None = None, *, is_whole: bool = False) -> Prepared:
-        """Read a frame, on any thread; raises nothing. pause: called between slices of the work.
+        """Read a frame, on any thread; never raises. pause: called between slices of the work.
 
-        is_whole: it has come in fragments.
+        is_whole: whether it was assembled from fragments.
         """
         operation: dict[str, Any] = {}
         try:
@@ -127,7 +129,7 @@ class Session:
         return Prepared(operation, None, int(meter.spent_bytes))
 
     def perform(self, prepared: Prepared) -> Frame | None:
-        """Do what a frame requests, on the graph's thread. Return the message that its fragment completes."""
+        """Handle a frame on the graph's thread. Return the message that its fragment completes, if any."""
         if self._is_over:
             return None
         try:
@@ -152,7 +154,7 @@ class Session:
         self._account.close()
 
     def _give_up(self, reason: str) -> None:
-        """Let go of a client that costs too much."""
+        """Disconnect a client that costs too much."""
         if not self._is_over:
             self._is_over = True
             self.outbox.shut()
@@ -171,7 +173,7 @@ class Session:
         perform(self)(operation)
 
     def _wrong_with(self, identity: object) -> str | None:
-        """Return what is wrong with an id, in words; None if answers can carry it."""
+        """Return as text what is wrong with an id; None if answers can carry it."""
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
         if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:

@@ -1,6 +1,6 @@
 """The simulator as a peer in the graph: its channels and services. A channel is read only while a peer subscribes.
 
-Readings come from the feed on the simulator's thread and are handed over through a bounded queue; commands and calls go
+Readings come from the feed on the simulator's thread and are passed on through a bounded queue; commands and calls go
 the other way. The simulator's thread never waits for the graph's.
 """
 
@@ -22,11 +22,11 @@ from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
 """Its names in the graph: with a live simulator, and with a recording."""
-WAITING = 1000  # messages on their way from the simulator's thread; the oldest give way
+WAITING = 1000  # messages on their way from the simulator's thread; beyond it the oldest are dropped
 
 
 class SimulatorNode(Bridge):
-    """Joins a live simulator's channels and services, or a recording's channels, to a graph, on the graph's loop."""
+    """Connects a live simulator's channels and services, or a recording's channels, to a graph, on the graph's loop."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class SimulatorNode(Bridge):
         self._graph = graph
         self._loop = loop
         self._arrived: deque[tuple[Reading, Sample]] = deque(maxlen=WAITING)
-        self._latched: dict[str, Reading] = {}  # the newest of each latched channel
+        self._latched: dict[str, Reading] = {}  # the newest message of each latched channel
         self._drain_is_due = False
         graph.nodes[self._name] = None
         graph.on_demand.append(self._notice_demand)
@@ -51,14 +51,14 @@ class SimulatorNode(Bridge):
         for channel in channels:
             try:
                 self._join(channel)
-            except ValueError as error:  # a client has the topic already, as something else
+            except ValueError as error:  # a client already uses the topic with a different type
                 self.log.error("%s", error)
         for service in self.services.values():
             graph.advertise_service(self._name, service.name, service.type, partial(self._serve, service))
         self.keep_up()
 
     def close(self) -> bool:
-        """Read nothing more, and leave the graph."""
+        """Stop reading, and leave the graph."""
         was_open = super().close()
         if was_open:
             self._graph.on_demand.remove(self._notice_demand)
@@ -70,7 +70,7 @@ class SimulatorNode(Bridge):
         if channel.direction == "in":
             self._graph.subscribe(self._name, channel.name, channel.name, channel.type, partial(self._apply, channel))
         elif self._graph.advertise(self._name, channel.name, channel.type, channel.latched).sinks:
-            self.demand(channel.name, True)  # a client has waited for it
+            self.demand(channel.name, True)  # a client has been waiting for it
 
     def _notice_demand(self, name: str, is_wanted: bool) -> None:
         if name in self.outputs:
@@ -98,13 +98,13 @@ class SimulatorNode(Bridge):
             if self.is_closed or topic is None or not (topic.sinks or latch):
                 continue
             if latch and self._latched.get(name) is reading:
-                continue  # subscribers have it from the graph
+                continue  # subscribers already get it from the graph
             if latch:
                 self._latched[name] = reading
             self._graph.publish(topic, sample, latch)
 
     def _apply(self, channel: Channel, sample: Sample) -> None:
-        """Apply a client's message. ValueErrors go to the client whose message it is."""
+        """Apply a client's message. A ValueError is reported to the client that sent the message."""
         try:
             self.apply(channel, sample.message)
         except NotRunningError as error:

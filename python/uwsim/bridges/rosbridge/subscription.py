@@ -1,4 +1,4 @@
-"""A client's subscription to one topic, which may have several ids with options of their own."""
+"""A client's subscription to one topic, which may have several ids, each with its own options."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ CREDIT_MAX = 100
 
 
 class Options(NamedTuple):
-    """Terms of one id. throttle_s: least time between messages. queue_length: 0 for the default.
+    """Options of one id. throttle_s: minimum time between messages. queue_length: 0 for the default.
 
-    credit: how many messages may be sent that the client has not acknowledged; None: any number. Ours, not rosbridge's.
+    credit: how many unacknowledged messages may be sent; None: unlimited. This is our extension of rosbridge.
     """
 
     throttle_s: float
@@ -53,7 +53,7 @@ def _is_number(value: Any) -> bool:
 
 @dataclass
 class Subscription:
-    """A topic under its name as the client wrote it, and the options of each id."""
+    """A topic, under its name as written by the client, and the options of each id."""
 
     topic: str
     ros: Ros

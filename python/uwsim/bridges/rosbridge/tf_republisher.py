@@ -1,8 +1,8 @@
-"""Transforms for clients that keep no tree of their own: tf2_web_republisher, which tf clients call.
+"""Transforms for clients without their own tree: the services of tf2_web_republisher, which tf clients call.
 
-A client names frames, a target, a rate and thresholds, and gets what changes: by the service (roslibpy) on a topic of
-its own, by the action (roslibjs) as feedback. It ends after a while without subscribers, or when the goal is cancelled.
-https://github.com/RobotWebTools/tf2_web_republisher
+A client specifies frames, a target, a rate and thresholds, and receives changes: through the service (roslibpy) on a
+separate topic, through the action (roslibjs) as feedback. This ends after a while without subscribers, or when the goal
+is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ACTIVE = 1  # actionlib_msgs/GoalStatus
 MOST = 100  # requests at a time
 MOST_FRAMES = 1000
 FRAMES_DEEP = 64
-LONGEST_NAME = 256  # of a frame or a goal; what has a longer one is left out, or refused
+LONGEST_NAME = 256  # of a frame or a goal; longer ones are skipped or refused
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Transform:
     stamp: Any = None
 
     def __mul__(self, other: Transform) -> Transform:
-        """Chain: a_from_b * b_from_c."""
+        """Chain transforms: a_from_b * b_from_c."""
         moved = self.translation_m + self.rotation.apply(other.translation_m)
         return Transform(moved, self.rotation * other.rotation, other.stamp or self.stamp)
 
@@ -57,7 +57,7 @@ IDENTITY = Transform(np.zeros(3), Rotation.identity())
 
 @dataclass(eq=False)
 class Request:
-    """One client's request, and what it last got of each frame. goal_id: of an action's, else ""."""
+    """One client's request, and what was last sent for each frame. goal_id: of an action's goal, else ""."""
 
     topic: Topic
     frames: list[str]
@@ -77,7 +77,7 @@ class TfRepublisher:
     def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._graph = graph
         self._loop = loop
-        self._parents: dict[str, tuple[str, Any]] = {}  # and the stamped transform, made when it is asked for
+        self._parents: dict[str, tuple[str, Any]] = {}  # with the stamped transform, computed on demand
         self._requests: list[Request] = []
         self._numbers = itertools.count()
         graph.nodes[OWNER] = None
@@ -126,11 +126,11 @@ class TfRepublisher:
             ):
                 continue
             turned = stamped.transform.rotation
-            if 0.25 < turned.x**2 + turned.y**2 + turned.z**2 + turned.w**2 < 4.0:  # else it is no rotation
+            if 0.25 < turned.x**2 + turned.y**2 + turned.z**2 + turned.w**2 < 4.0:  # otherwise it is not a rotation
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
-        """Publish what has changed, then be due again; end after a while without subscribers."""
+        """Publish the changes, then schedule the next tick; end after a while without subscribers."""
         if request not in self._requests:
             return
         now_s = time.monotonic()
@@ -169,7 +169,7 @@ class TfRepublisher:
         self._graph.publish(request.topic, Sample(message))
 
     def _find(self, target: str, frame: str) -> Transform | None:
-        """Return target_from_frame, over their common ancestor, if the tree connects them."""
+        """Return target_from_frame through their common ancestor, or None if the tree does not connect them."""
         of_target, of_frame = self._ancestors(target), self._ancestors(frame)
         for ancestor, from_frame in of_frame.items():
             if ancestor in of_target:
@@ -177,7 +177,7 @@ class TfRepublisher:
         return None
 
     def _ancestors(self, frame: str) -> dict[str, Transform]:
-        """Return ancestor_from_frame for the frame itself and all above it, nearest first."""
+        """Return ancestor_from_frame for the frame itself and all its ancestors, nearest first."""
         found = {frame: IDENTITY}
         ancestor, transform = frame, IDENTITY
         while ancestor in self._parents and len(found) < FRAMES_DEEP:

@@ -1,4 +1,4 @@
-"""One client's topics: those that it publishes, and those that it subscribes to."""
+"""One client's topics: those that it publishes and those that it subscribes to."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Operation = dict[str, Any]
 
 
 class Made(NamedTuple):
-    """A message of a type that a client publishes. size: bytes that it holds."""
+    """A message object for a type that a client publishes. size: its bytes in memory."""
 
     message: Any
     type: str
@@ -27,7 +27,7 @@ class Made(NamedTuple):
 
 
 class Topics:
-    """A client's topics. name: the client's, in the graph. png: whether it can read that compression."""
+    """A client's topics. name: the client's name in the graph. png: whether it can read that compression."""
 
     def __init__(
         self,
@@ -54,13 +54,13 @@ class Topics:
         self._names.advertised[name] = latch
 
     def unadvertise(self, operation: Operation) -> None:
-        """Let the client publish on a topic no longer."""
+        """Stop the client's publishing on a topic."""
         name = plain_name(operation.get("topic"))
         self._names.advertised.pop(name, None)
         self._graph.unadvertise(self._name, name)
 
     def publish(self, operation: Operation) -> None:
-        """Publish what has been made of a message; a topic that has a type need not be advertised."""
+        """Publish the object made from a message; a topic that has a type need not be advertised."""
         topic, made = self._graph.typed_topic(operation.get("topic")), operation["msg"]
         if topic.type != made.type:
             raise ValueError(f"topic '{topic.name}': its type has just changed from {made.type} to {topic.type}")
@@ -73,7 +73,7 @@ class Topics:
         self._graph.publish(topic, sample, latch, (self._name, self._account))
 
     def subscribe(self, operation: Operation) -> None:
-        """Send a topic's messages to the client, on the terms of this id and those before."""
+        """Send a topic's messages to the client, with the options of this id combined with earlier ones."""
         name, type_name = operation.get("topic"), operation.get("type") or None
         options = read_options(operation, self._limits)
         plain_name(name)
@@ -109,7 +109,10 @@ class Topics:
             self._graph.unsubscribe(self._name, subscription.topic, subscription.topic)
 
     def acknowledge(self, operation: Operation) -> None:
-        """Give credit back: ours, not rosbridge's. The client has dealt with messages of a subscription."""
+        """Restore credit after the client has processed messages of a subscription.
+
+        This is our extension of rosbridge.
+        """
         name, count = operation.get("topic"), operation.get("count", 1)
         if not isinstance(name, str) or name not in self._names.subscriptions:
             raise ValueError(f"topic = {shortened(name)}: you do not subscribe to it")

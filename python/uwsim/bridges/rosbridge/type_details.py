@@ -1,4 +1,4 @@
-"""The description of a type that rosapi gives: its fields, and those of the types in it."""
+"""The description of a type for rosapi: its fields, and those of the types in it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ EXAMPLES = {"string": "", "wstring": "", "bool": "False", "float32": "0.0", "flo
 
 
 def message_details(type_name: Any, ros: Ros) -> list[dict[str, Any]]:
-    """Return the typedefs of a message type and of all in it, each once. Raises ValueError."""
+    """Return the typedefs of a message type and of all types in it, each once. Raises ValueError."""
     return _typedefs([resolve(type_name)[0]], ros)
 
 

@@ -1,7 +1,7 @@
 """The memory that a client's frame will take once decoded, from a scan of its characters or of its items' heads.
 
-A list of nothing is two characters, or one byte, and seventy in memory. So the scan comes first: what holds too many
-objects, or would take too many times its own size, is refused before anything is made of it.
+An empty list is two characters, or one byte, but takes seventy bytes in memory. So the scan comes first: a frame with
+too many objects, or one that would expand too much, is refused before it is decoded.
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ import numpy as np
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
 
-CONTAINER_BYTES = 184  # of an object with up to five members, the garbage collector's share included
-MEMBER_BYTES = 48  # of an object beyond that
-KEY_BYTES = 176  # of a key that the decoder remembers
-NODE_BYTES = 16  # of the tree that orjson makes first; it asks for twelve times the text, and uses that much a value
+CONTAINER_BYTES = 184  # of an object with up to five members, including the garbage collector's share
+MEMBER_BYTES = 48  # of each member beyond that
+KEY_BYTES = 176  # of a key that the decoder caches
+NODE_BYTES = 16  # of the tree that orjson builds first; it asks for twelve times the text, and uses this much per value
 KEY_ENDS = 8  # characters at either end, by which keys are distinguished
-ITEMS_PER_OBJECT = 5  # of CBOR, whose walk takes a microsecond an item
+ITEMS_PER_OBJECT = 5  # of CBOR, whose walk takes a microsecond per item
 SLOW_VALUES = 200_000  # for a decoder that takes 80 ns for each
-FRACTIONS = 300_000  # for one that takes 16 ns for an integer and 57 ns for these, in one call that nothing interrupts
-TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references of other tags
+FRACTIONS = 300_000  # for one that takes 16 ns for an integer and 57 ns for these, in one uninterruptible call
+TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references from other tags
 
 
 class Load(NamedTuple):
-    """What a frame holds. values: elements and members. strings: values, and keys of which each is a string of its own.
+    """The content of a frame. values: elements and members. strings: values, and keys that each need a separate string.
 
-    keys: those that are remembered. nodes: what a tree of the text has, if there is one.
+    keys: those that are cached. nodes: of a tree of the text, if there is one.
     """
 
     containers: int
@@ -39,27 +39,27 @@ class Load(NamedTuple):
     nodes: int = 0
 
     def decoded_bytes(self, frame: str | bytes) -> int:
-        """Return an upper bound of the memory that the frame takes, with what is made of it."""
+        """Return an upper bound on the memory that the frame takes, including the objects made from it."""
         texts = (2 if isinstance(frame, bytes) or frame.isascii() else 3) * sys.getsizeof(frame)
         own = CONTAINER_BYTES * self.containers + STRING_BYTES * self.strings + KEY_BYTES * self.keys
         many = MEMBER_BYTES * max(0, self.members - 5 * self.containers)
         numbers = max(0, self.values - self.containers - self.strings)
-        if isinstance(frame, str):  # Python has small numbers once, and others have three characters at least
+        if isinstance(frame, str):  # Python shares small numbers, and others have at least three characters
             numbers = min(numbers, max(0, (len(frame) - 2 * numbers) // 2))
         return texts + own + many + SLOT_BYTES * self.values + NUMBER_BYTES * numbers
 
 
 class Weight(NamedTuple):
-    """What a frame takes once it is decoded, at most. remembers: whether only if the decoder makes each key once."""
+    """The maximum memory of a decoded frame. remembers: valid only if the decoder makes each key once."""
 
     bytes: int
     remembers: bool
 
 
 def weigh(frame: str | bytes, limits: Limits) -> Weight:
-    """Return what a frame will take. Raises ValueError if that is too much for its size.
+    """Return the memory that a frame will take. Raises ValueError if that is too much for its size.
 
-    CBOR is checked on the way: lengths fit the data, nesting is bounded, tags are arrays'.
+    CBOR is validated on the way: lengths fit the data, nesting is bounded, all tags are those of arrays.
     """
     allowed, remembers = limits.cost_of(len(frame)), False
     if isinstance(frame, bytes):
@@ -86,7 +86,7 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
 
 def _check_fractions(text: str) -> None:
     """Raise ValueError if a JSON text has more numbers with a fraction or an exponent than are decoded in 20 ms."""
-    if text.count(".") + text.count("e") + text.count("E") <= FRACTIONS:  # those within strings as well
+    if text.count(".") + text.count("e") + text.count("E") <= FRACTIONS:  # including those within strings
         return
     data = _bytes_of(text)
     outside = _outside(_quotes(data))
@@ -103,16 +103,16 @@ def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
 
 
 def _quick_load(text: str) -> Load:
-    """Return an upper bound: characters within strings are counted, too, and each key as a string of its own."""
+    """Return an upper bound: characters within strings are counted as well, and each key as a separate string."""
     containers = text.count("{") + text.count("[")
     commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
     values = commas + containers + 1
-    # Where a key is taken for a string value there is a value more: it must not hide a number.
+    # If a key is counted as a string value, one value too many is counted: it must not hide a number.
     return Load(containers, quotes // 2, colons, values + quotes // 2, nodes=values + quotes // 2)
 
 
 def exact_load(text: str) -> Load:
-    """Return what a JSON text holds, characters within its strings left out."""
+    """Return the content of a JSON text, ignoring characters within its strings."""
     data = _bytes_of(text)
     quotes = _quotes(data)
     bounds, outside = np.flatnonzero(quotes), _outside(quotes)
@@ -148,7 +148,7 @@ def _quotes(data: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> np.ndarray[tupl
 
 
 def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
-    """Return how many keys differ in length, or at either end: to differ only between, they must be long."""
+    """Return how many keys differ in length or at either end; keys that differ only in between must be long."""
     closing = np.searchsorted(bounds, colons) - 1
     closing = closing[closing >= 1]
     starts, ends = bounds[closing - 1] + 1, bounds[closing]
@@ -162,13 +162,14 @@ def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
 
 
 def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
-    """Walk over the items' heads (RFC 8949, appendix C): lengths fit the data, nesting is bounded, tags are arrays'.
+    """Walk over the items' heads (RFC 8949, appendix C).
 
-    Ends with a ValueError as soon as there are more lists and maps than `objects`, or five times as many items.
+    Check lengths, the depth of nesting, and that tags are arrays'. Raises ValueError as soon as there are more lists
+    and maps than `objects`, or five times as many items.
     """
     at, size = 0, len(data)
     containers = strings = members = items = 0
-    open_items = [1]  # items still to come, of the frame and of each container around the present place
+    open_items = [1]  # remaining items of the frame and of each container around the present position
     while open_items:
         if open_items[-1] == 0:
             open_items.pop()
@@ -187,7 +188,7 @@ def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
             at += argument
             strings += 1
         elif major in (4, 5):
-            if argument > size - at:  # an item takes a byte at least
+            if argument > size - at:  # an item takes at least one byte
                 raise ValueError("frame: CBOR that announces more items than it has bytes")
             containers += 1
             count = argument * (2 if major == 5 else 1)
@@ -199,7 +200,7 @@ def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
         elif major == 6:
             if argument not in TYPED_ARRAYS:
                 raise ValueError(f"frame: CBOR tag {argument}: only typed arrays of RFC 8746 are accepted")
-            containers += 1  # an array takes as much
+            containers += 1  # an array takes as much as a container
             open_items.append(1)
         if at > size:
             raise ValueError("frame: CBOR that ends too early")
