@@ -16,7 +16,7 @@ Distro = Literal["humble", "jazzy"]
 """A distribution of ROS 2. Messages here are Jazzy's; Humble lacks a few of their fields."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
-LARGE_BYTES = 1 << 16  # from this size on, it pays not to zero bytes that are overwritten
+LARGE_BYTES = 1 << 16  # from this size it pays not to zero bytes that are overwritten
 BIG_ENDIAN = b"\x00\x00\x00\x00"
 
 

@@ -26,7 +26,7 @@ class Channel:
     """A topic.
 
     name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
-    simulated time; None: one reading when the first subscriber arrives. latched: later subscribers get the newest
+    simulated time; None: one reading when the first subscriber connects. latched: later subscribers get the newest
     message at once. over_link: whether it goes over the acoustic link; priority: then, COMMAND to PICTURE, the lowest
     number goes first; packing: how its messages are packed into few bytes, a name in uwsim.link.packing.PACKINGS, or ""
     for messages that no modem can carry. late: whether, on the wall clock, messages come when they are ready, or not at

@@ -1,4 +1,4 @@
-"""Channels that a vehicle hears: /cmd_vel, wrench, thruster and fin commands, the sonar's tilt."""
+"""Channels that a vehicle receives: /cmd_vel, wrench, thruster and fin commands, the sonar's tilt."""
 
 from __future__ import annotations
 

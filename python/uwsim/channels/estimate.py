@@ -1,4 +1,4 @@
-"""The vehicle's own estimate of its motion as nav_msgs/Odometry, beside the true one of `odom`."""
+"""The vehicle's own estimate of its motion as nav_msgs/Odometry, next to the true one in `odom`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TOPIC = "odometry/filtered"  # robot_localization's name
 
 
 def has_estimate(source: Source) -> bool:
-    """Return whether a vehicle has what its navigation needs."""
+    """Return whether a vehicle has the instruments that its navigation needs."""
     return any(sensor.kind == "imu" for sensor in source.entry.model.sensors.values())
 
 
@@ -62,8 +62,8 @@ def _odometry(source: Source, sim: Simulator) -> Any:
 def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the covariances of pose and twist, (6, 6) each, as ROS has them.
 
-    Pose: position, then rotation about the fixed axes of odom. Twist: in the body's axes; the velocity there errs by
-    the attitude, too.
+    Pose: position, then rotation about the fixed axes of odom. Twist: in the body's axes, where the velocity also
+    contains the attitude error.
     """
     errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
     x, y, z = estimate.velocity.linear_body_m_s

@@ -32,7 +32,7 @@ class Reading:
         cdr: memoryview | None = None,
         make: Callable[[], Any] | None = None,
     ) -> None:
-        """message: None if cdr has it already, or if it is made when it is first needed."""
+        """message: None if cdr is given, or if the message is made when it is first needed."""
         self._make = make
         self.channel = channel
         self.time_ns = time_ns
@@ -56,7 +56,7 @@ class Reading:
             return self._cdr
 
     def caught_up(self) -> Reading:
-        """Return a reading, of this one's time, with all that a channel's messages have built up."""
+        """Return a reading with this one's time that combines everything in a channel's messages so far."""
         catch_up = self.channel.catch_up
         assert catch_up is not None
         return Reading(self.channel, None, self.time_ns, self.tick, make=lambda: catch_up(None)[0])
@@ -76,13 +76,16 @@ class Readings(Protocol):
     """A source of readings for bridges: a live simulator's feed, or a recording that is played."""
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Hand each reading of a channel to a sink from now on, of a latched one the newest at once; return the end."""
+        """Pass each reading of a channel to a sink from now on; return a function that ends this.
+
+        A latched channel's newest reading is passed at once.
+        """
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return what a sink needs that comes late to a latched channel."""
+        """Return the reading for a sink that joins a latched channel late."""
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Give a sink the simulated time [ns] at each period of it; return what ends that."""
+        """Report the simulated time [ns] to a sink once per period of it; return a function that ends this."""
 
 
 class Feed:
@@ -95,10 +98,10 @@ class Feed:
         self._fresh: dict[str, Reading] = {}
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Hand each reading of a channel to a sink from now on; return what ends that.
+        """Pass each reading of a channel to a sink from now on; return a function that ends this.
 
-        A latched channel's newest reading comes at once, on the thread that calls; a channel without a rate is read
-        when its first sink comes, and any channel while the simulator is paused. Raises NotRunningError.
+        A latched channel's newest reading comes at once, on the calling thread; a channel without a rate is read when
+        its first sink joins, as is any channel while the simulator is paused. Raises NotRunningError.
         """
         with self._lock:
             tap = self._taps.get(channel.name)
@@ -120,17 +123,23 @@ class Feed:
         return lambda: self._leave(tap, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return what a sink needs that comes late to a latched channel: all so far, if its messages build up."""
+        """Return the reading for a late sink of a latched channel: everything so far, if its messages build up."""
         with self._lock:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
 
     def share(self, reading: Reading) -> None:
-        """Hand on a reading that a recorder has just taken, not one more of that tick. On the stepping thread."""
+        """Pass on a reading that a recorder has just taken, instead of reading again at that tick.
+
+        On the stepping thread.
+        """
         self._fresh[reading.channel.name] = reading
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Give a sink the simulated time [ns] at each period of it; return what ends that. Raises NotRunningError."""
+        """Report the simulated time [ns] to a sink once per period of it; return a function that ends this.
+
+        Raises NotRunningError.
+        """
         return self._live.every(period_s, lambda sim: sim.time_ns, sink).cancel
 
     def _leave(self, tap: _Tap, sink: Sink) -> None:
@@ -141,10 +150,10 @@ class Feed:
 
 
 class _Tap:
-    """One channel's subscription. sinks: replaced as a whole, for the stepping thread reads them without a lock."""
+    """One channel's subscription. sinks: replaced as a whole, since the stepping thread reads them without a lock."""
 
     def __init__(self, live: LiveSimulator, channel: Channel, fresh: Mapping[str, Reading]) -> None:
-        """fresh: what others have just read, by the channel's name."""
+        """fresh: readings that others have just taken, by channel name."""
         self._fresh = fresh
         self.newest: Reading | None = None
         self.sinks: tuple[Sink, ...] = ()
@@ -154,7 +163,7 @@ class _Tap:
         self._is_first = True
 
     def open(self) -> None:
-        """Begin to read."""
+        """Start reading."""
         self._is_first = True  # while paused, a reading of this tick may be older than the commands since
         if self._channel.rate_hz is not None:
             self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
@@ -162,7 +171,7 @@ class _Tap:
             self.read_once(self._hand_on)
 
     def read_once(self, sink: Sink) -> None:
-        """Read now, for a sink that would wait long for the next reading."""
+        """Read now, for a sink that would have to wait long for the next reading."""
 
         def take(done: Future[Reading | None]) -> None:
             error = done.exception()
@@ -176,12 +185,12 @@ class _Tap:
         self._live.read(self._read).add_done_callback(take)
 
     def late(self) -> Reading | None:
-        """Return what a sink needs that comes later."""
+        """Return the reading for a sink that joins later."""
         newest = self.newest
         return newest if newest is None or self._channel.catch_up is None else newest.caught_up()
 
     def close(self) -> None:
-        """Read no more."""
+        """Stop reading."""
         if self._subscription is not None:
             self._subscription.cancel()
             self._subscription = None

@@ -1,4 +1,4 @@
-"""Peers of a graph that are no simulator and outlive one, such as the operator's station."""
+"""Peers of a graph other than simulators, which outlive them, such as the operator's station."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CatchUp = Callable[[Any], tuple[Any, Any]]
 
 @dataclass(frozen=True)
 class GuestTopic:
-    """A topic that a guest publishes. latched: a late subscriber gets the newest message at once."""
+    """A topic that a guest publishes. latched: a late subscriber gets the newest message immediately."""
 
     name: str
     type: str
@@ -25,7 +25,7 @@ class GuestTopic:
 class GuestService:
     """A service. call: with the caller's name and the request; returns the response, or a Future of it; ValueError.
 
-    is_brief: it is called on the network's thread, which it must not keep waiting.
+    is_brief: it is called on the network thread, which it must not block.
     """
 
     name: str
@@ -36,13 +36,13 @@ class GuestService:
 
 
 class Node(Protocol):
-    """A guest's end of the graph; all may be called on any thread."""
+    """A guest's end of the graph; all methods may be called on any thread."""
 
     def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
-        """Publish a message on a topic that is offered. catch_up: as a Channel's, of messages that build up."""
+        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build up."""
 
     def offer_topics(self, topics: Iterable[GuestTopic]) -> None:
-        """Offer these topics, instead of those before."""
+        """Offer these topics, replacing the previous ones."""
 
     def is_wanted(self, name: str) -> bool:
         """Return whether a topic has subscribers."""
@@ -51,11 +51,11 @@ class Node(Protocol):
         """Return whether a subscriber was ready for the last message of a topic, or there has been none."""
 
     def silence_s(self, client: str) -> float:
-        """Return for how long [s] nothing at all has come from a client, answers to pings included."""
+        """Return how long [s] nothing has been received from a client, including answers to pings."""
 
 
 class Guest(Protocol):
-    """What takes part in a graph under a name."""
+    """A participant in a graph under its own name."""
 
     @property
     def name(self) -> str:
@@ -63,13 +63,13 @@ class Guest(Protocol):
 
     @property
     def services(self) -> Sequence[GuestService]:
-        """What it offers."""
+        """The services that it offers."""
 
     def connect(self, node: Node) -> None:
-        """Take its node, once."""
+        """Receive its node; called once."""
 
     def demanded(self) -> None:
-        """Take note, on the network's thread, that a topic has got its first subscriber."""
+        """Called on the network thread when a topic has got its first subscriber."""
 
     def left(self, client: str) -> None:
-        """Take note, on the network's thread, that a client has gone."""
+        """Called on the network thread when a client has left."""

@@ -17,7 +17,7 @@ from uwsim.instruments.sensors import Sample
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.simulator.simulator import Simulator
 
-DEFAULT_HZ = 10.0  # for sensors without a rate of their own
+DEFAULT_HZ = 10.0  # for sensors without their own rate
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
 DVL_MODE_BOTTOM = 1
@@ -39,7 +39,7 @@ Write = Callable[[Any, Any, Errors], Any]
 
 
 class Kind(NamedTuple):
-    """The messages of a kind of sensor. write(value, header, errors): the message. even_invalid: also without a fix."""
+    """The messages of a kind of sensor. write(value, header, errors): makes one. even_invalid: also without a fix."""
 
     type: str
     write: Write
@@ -84,7 +84,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Return whether a sample is invalid because nothing answered, not because it was lost."""
+    """Return whether a sample is invalid because nothing answered, as opposed to being lost."""
     return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
 
 

@@ -12,7 +12,7 @@ POSE = "geometry_msgs/msg/Pose"
 
 
 class Function(IntEnum):
-    """What the message asks for in orientation.w."""
+    """The function that the message requests in orientation.w."""
 
     NONE = 0
     RELEASE = 1

@@ -59,8 +59,8 @@ class _Late:
 class PingMap:
     """A map, in the odom frame, of every ping since a server began to offer it, with or without subscribers.
 
-    Each ping costs the steps the casting of its rays and the chain; inserting and writing happen in order on a
-    separate thread. A published map arrives one ping later, the first at once.
+    For each ping the steps only wait for ray casting and the chain; inserting and writing happen in order on a separate
+    thread. A published map arrives one ping later, the first at once.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:
@@ -75,11 +75,11 @@ class PingMap:
 
     @property
     def is_begun(self) -> bool:
-        """Whether it holds pings."""
+        """Whether it contains any pings."""
         return self._map is not None
 
     def channels(self) -> list[Channel]:
-        """Return the channels of the map, and of the pings from which another map can be made."""
+        """Return the channels of the map, and of the pings from which another map can be built."""
         placed = Channel(
             self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,

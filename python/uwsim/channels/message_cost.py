@@ -89,11 +89,11 @@ def element_cost(kind: Kind) -> Cost:
 
 
 class Meter:
-    """Counts what one frame creates, and refuses what would be too much before it is made.
+    """Counts the objects that one frame creates, and refuses excessive ones before they are made.
 
     limit_bytes: for the decoded frame and the message together, and later for the message and its written form.
-    spent_bytes: of the decoded frame. objects: the most messages within the message. pause: called between slices of
-    the work. made_bytes: counted size of the message.
+    spent_bytes: of the decoded frame. objects: maximum number of messages within the message. pause: called between
+    slices of the work. made_bytes: counted size of the message.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Meter:
         self._pause = pause
 
     def charge(self, cost: Cost, count: int, path: str) -> None:
-        """Count elements that are about to be made. Raises ValueError if they are too many."""
+        """Count elements that are about to be made. Raises ValueError if there are too many."""
         self.objects += count * cost.objects
         self.made_bytes += count * cost.made_bytes
         self._written_bytes += count * cost.written_bytes
@@ -152,7 +152,7 @@ def _holder(name: str) -> Callable[[Any], int]:
 
 
 def _part_holder(kind: Kind) -> Callable[[Any], int] | None:
-    """Return a function that measures a field beyond its type's share; None if it has nothing more."""
+    """Return a function that measures a field beyond its type's share; None if there is nothing more."""
     if kind.is_message:
         if kind.length is None:
             return lambda value: _holder(kind.base)(value) if _varies(kind.base) else 0

@@ -37,7 +37,7 @@ from uwsim.channels.message_types import TIMES, Field, Kind, Ros, fields, shorte
 
 Reader = Callable[[Any, str, Meter], Any]  # value, path, what counts
 
-SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # for times, in ROS 1 and elsewhere
+SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # of times in ROS 1
 IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's, which is not used
 _ARRAYS = {tag: np.dtype(name).newbyteorder("<") for name, tag in TYPED_ARRAY_TAGS.items()} | {
     64: np.dtype("u1"),
@@ -50,7 +50,7 @@ _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
     """Return the message of type `name` for plain values, in ROS 1's or ROS 2's spelling of fields.
 
-    meter: bounds what is made; None: no bound. Raises ValueError, which names path, value and rule.
+    meter: limits the objects made; None: no limit. Raises ValueError, which names path, value and rule.
     """
     meter = Meter() if meter is None else meter
     meter.charge(cost_of(name), 1, path)
@@ -158,7 +158,7 @@ def _read_float(value: Any, path: str, base: str) -> float:
 def _read_int(value: Any, path: str, base: str, low: int, high: int) -> int:
     whole = value
     if isinstance(value, float) and value.is_integer():
-        whole = int(value)  # JavaScript knows only floats
+        whole = int(value)  # JavaScript has only floats
     if isinstance(whole, bool) or not isinstance(whole, int) or not low <= whole <= high:
         raise ValueError(f"{path} = {shortened(value)}: must be a whole number in [{low}, {high}] ({base})")
     return whole

@@ -116,7 +116,7 @@ def _scalar_writer(base: str, form: Form) -> Writer | None:
         return None
     if base == "bool":
         return bool
-    return float if base.startswith("float") else int  # cbor2 knows no NumPy numbers
+    return float if base.startswith("float") else int  # cbor2 does not support NumPy numbers
 
 
 def _array_writer(base: str, form: Form) -> Writer:

@@ -1,7 +1,7 @@
-"""The ROS message types that are spoken here: names, fields and classes, from the typestores of `rosbags`.
+"""The ROS message types in use: names, fields and classes, from the typestores of `rosbags`.
 
-A message is an object of `typestore().types[name]`, whatever the client: the classes of ROS 2 Jazzy, in whose spelling
-names are written here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` says how it is spelled for a client of ROS 1
+A message is an object of `typestore().types[name]`, whatever the client: the classes of ROS 2 Jazzy, whose spelling of
+names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its spelling for a client of ROS 1
 (Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or of ROS 2.
 """
 
@@ -17,7 +17,7 @@ from rosbags.typesys.store import Typestore
 from uwsim.channels.own_types import OWN_TYPES
 
 Ros = Literal[1, 2]
-"""The generation of ROS that a client speaks."""
+"""The generation of ROS that a client uses."""
 
 ADDED = {
     **OWN_TYPES,
@@ -75,7 +75,7 @@ NEWEST_ONLY = frozenset(
         "octomap_msgs/msg/OctomapWithPose",
     }
 )
-"""Large messages, of which a slow reader gets the newest one and not the last ten."""
+"""Large messages, of which a slow reader gets the newest one instead of the last ten."""
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # ROS 2's only field of a message without fields
@@ -100,7 +100,7 @@ class Kind(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One field. name: as the client spells it. attribute: of the message object; None if the object lacks it."""
+    """One field. name: in the client's spelling. attribute: of the message object; None if the object lacks it."""
 
     name: str
     attribute: str | None
@@ -119,7 +119,7 @@ def typestore() -> Typestore:
 
 @cache
 def ros1_typestore() -> Typestore:
-    """Return the types as ROS 1 Noetic has them, with those that it lacks: for bytes in ROS 1's format."""
+    """Return the types of ROS 1 Noetic, with those that it lacks, for bytes in ROS 1's format."""
     store = get_typestore(Stores.ROS1_NOETIC)
     jazzy = get_typestore(Stores.ROS2_JAZZY).fielddefs
     missing = {name: jazzy[name] for name in jazzy.keys() - store.fielddefs.keys()}
@@ -134,15 +134,15 @@ def _add(store: Typestore) -> None:
 
 
 def without_placeholder(parts: Any) -> Any:
-    """Return the fields of rosbags' definition without the one that stands for none."""
+    """Return the fields of rosbags' definition without the placeholder for no fields."""
     return [part for part in parts if part[0] != EMPTY_PLACEHOLDER]
 
 
 def resolve(name: object) -> tuple[str, Ros | None]:
     """Return a type's name in ROS 2's spelling, and the ROS that the spelling is of; None if it may be either's.
 
-    Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for a name
-    that is no type's.
+    Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for an
+    invalid name.
     """
     match = _NAME.fullmatch(name) if isinstance(name, str) and len(name) < 200 else None
     if match is None:
@@ -196,8 +196,8 @@ def is_unicode(text: str) -> bool:
 
 
 def shortened(value: object) -> str:
-    """Return a value as an error message shows it."""
+    """Return a value in the form used in error messages."""
     if isinstance(value, str):
-        value = value[:61]  # what is longer would be written whole before it is cut
+        value = value[:61]  # longer ones would be formatted completely before they are cut
     text = repr(value) if isinstance(value, str | int | float | bool | None) else type(value).__name__
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -18,15 +18,15 @@ logger = logging.getLogger("uwsim.channels")
 
 
 def queue_of(type_name: str) -> int:
-    """Return how many messages of a type may wait to be written: of large ones, few."""
+    """Return how many messages of a type may wait to be written: few if they are large."""
     return LARGE_QUEUE if type_name in NEWEST_ONLY else QUEUE
 
 
 class Line:
     """One topic's queue of jobs. length: how many may wait.
 
-    A job encodes and writes a message, and returns whether it was taken. written, dropped: how many messages left, and
-    how many gave way to newer ones or were not taken.
+    A job encodes and writes a message, and returns whether it was accepted. written, dropped: how many messages were
+    written, and how many were dropped for newer ones or not accepted.
     """
 
     def __init__(self, name: str, length: int) -> None:
@@ -38,7 +38,7 @@ class Line:
 
 
 class Outgoing:
-    """Does jobs on a thread of its own, in the order in which they came. Whoever offers never waits."""
+    """Does jobs on a separate thread in order of arrival. Offering a job never blocks."""
 
     def __init__(self, thread_name: str) -> None:
         self._lock = threading.Lock()
@@ -48,17 +48,17 @@ class Outgoing:
         self._thread.start()
 
     def offer(self, line: Line, job: Callable[[], bool]) -> None:
-        """Queue a message, from any thread. The oldest of a full queue gives way."""
+        """Queue a message, from any thread. If the queue is full, the oldest is dropped."""
         with self._lock:
             line.waiting.append(job)
             if len(line.waiting) > line.length:
                 line.waiting.popleft()
                 line.dropped += 1
-                return  # the turn of the one that gave way is this one's
+                return  # it takes the turn of the dropped one
         self._turns.put(line)
 
     def close(self) -> None:
-        """End after the message that is being written."""
+        """End after the message being written."""
         self._is_closed = True
         self._turns.put(None)
         self._thread.join(CLOSE_S)

@@ -1,4 +1,4 @@
-"""Message types of our own, as .msg texts, for which no package has a type.
+"""Our own message types, as .msg texts, for content that no package has a type for.
 
 docs/connections/station-wire.md explains the fields.
 """

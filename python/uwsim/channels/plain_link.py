@@ -16,7 +16,7 @@ NONE = "none"
 
 
 def plain_link_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channel; none if the scenario has a link, which has a channel of its own."""
+    """Return the channel; none if the scenario has a link, which provides its own channel."""
     if sim.link is not None:
         return []
 

@@ -133,7 +133,7 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
 
 def _model_number(source: Source, sim: Simulator) -> Any:
     number = source.of(sim).sonar.model.number
-    return build.text(str(number)) if number in ranging.MODELS else None  # its parameters may make it another
+    return build.text(str(number)) if number in ranging.MODELS else None  # it may change with the sonar's parameters
 
 
 def _fov_deg(source: Source, sim: Simulator) -> float:
@@ -156,7 +156,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
-    """Return the published picture: of the camera over the station's deck if there is one, else of its first."""
+    """Return the published picture: from the camera over the station's deck if there is one, else from the first."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
@@ -206,7 +206,7 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
 
 
 def let_go(live: LiveSimulator, steering: Steering) -> None:
-    """Set efforts to zero if they came from the keyboard: it is gone, and with it the pilot."""
+    """Set efforts to zero if they came from the keyboard, which is gone, and the pilot with it."""
     if steering.by_keys:
         steering.give(live, "set_effort")
 

@@ -1,4 +1,4 @@
-"""Requests to services: their fields, checked, and answers that say whether it could be done."""
+"""Requests to services: their fields, checked, and answers that report success or the reason for a failure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Request = dict[str, Any]
 
 
 def answered(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveSimulator, Request], Request]:
-    """Return a service that acts and says whether it could."""
+    """Return a service that acts and reports whether it succeeded."""
 
     def call(live: LiveSimulator, request: Request) -> Request:
         try:
@@ -29,7 +29,7 @@ def field(request: Request, name: str, kind: type, default: Any) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if kind is int and isinstance(value, float) and value.is_integer():
-        value = int(value)  # JavaScript knows only floats
+        value = int(value)  # JavaScript has only floats
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
         raise ValueError(f"{name} = {value!r}: must be given, as {kind.__name__}")
     return value

@@ -1,4 +1,4 @@
-"""The multibeam's channels, and the messages that depend on a ping alone."""
+"""The multibeam's channels, and the messages that depend only on a ping."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic whose messages depend on a ping: live, on the newest; of a recording, on each ping in it.
+    """A topic whose messages depend on a ping: the newest if live, each ping in a recording.
 
     rate_hz: at which the newest is published; None: each ping once. make: called with head, ping and frame; returns
     None for no message. packing: see Channel.

@@ -15,8 +15,8 @@ def served_table(
 ) -> Table:
     """Return a table, the pace, and /clock with any wire, since clients are set to use simulated time.
 
-    On the wall clock steps do not wait for pictures: the pace comes first. While it is paused, the steps that a client
-    requests do. Raises ValueError.
+    On the wall clock steps do not wait for pictures, since the pace comes first. While paused, the steps that a client
+    requests do wait. Raises ValueError.
     """
 
     def may_wait() -> bool:

@@ -18,7 +18,7 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 SET_STREAM = "set_stream"
-"""The name under which a recording knows that a stream of pictures was changed."""
+"""The name under which recordings store a change of a picture stream."""
 STEPS_MAX = 1_000_000
 
 
@@ -138,7 +138,7 @@ def _set_stream(key: str, pictures: Pictures) -> Callable[[LiveSimulator, Reques
             sim.journal.note(SET_STREAM, key=key, **asdict(chosen))
 
         if live.running:
-            live.read(change).result()  # between two steps, as a replay does it
+            live.read(change).result()  # between two steps, as in a replay
         else:
             change(live.simulator)
 

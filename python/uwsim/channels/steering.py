@@ -1,4 +1,4 @@
-"""Commands of a vehicle that come as messages: one way of steering at a time, and /cmd_vel's control loop."""
+"""Steering commands of a vehicle that arrive as messages: one kind at a time, and /cmd_vel's control loop."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ logger = logging.getLogger("uwsim.channels")
 class Steering:
     """Steers a vehicle: by the last effort, wrench or thruster command, or a velocity that is held until the next.
 
-    Commands do not wait for their step; one that fails there is logged. by_keys: whether the efforts are those of the
+    Commands do not wait for their step; failures there are logged. by_keys: whether the efforts are those of the
     published keyboard.
     """
 
@@ -33,12 +33,12 @@ class Steering:
         self._source = source
         self._lock = threading.Lock()
         self._loop: Subscription | None = None
-        self._stops = 0  # of the vehicle, when the loop began
+        self._stops = 0  # stops of the vehicle when the loop began
         self._wanted = np.zeros(6)
         self.by_keys = False
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Give a command that does not steer. While the vehicle's link is down it is lost, without a word."""
+        """Issue a command that does not steer. While the vehicle's link is down it is lost silently."""
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
@@ -50,10 +50,10 @@ class Steering:
         return future
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Give a command that steers; a velocity is no longer held. Raises ValueError while all stop is set."""
+        """Issue a steering command; a velocity is no longer held. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return nothing_done()
-        if live.simulator.link is None and _moves(arguments):  # over a link nobody knows here what is set aboard
+        if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
             self._gate(live).require_no_stop(name)
         with self._lock:
             self.by_keys = False
@@ -82,44 +82,44 @@ class Steering:
         efforts = hold.efforts(self._wanted)
         with self._lock:
             self._end_if_stopped(self._gate(live))
-            if self._loop is not None:  # no other command has come meanwhile
+            if self._loop is not None:  # unless another command has come in the meantime
                 self._command(live, "set_effort", **efforts)
 
     def _gate(self, live: LiveSimulator) -> CommandGate:
         return live.simulator.vehicles[self._source.name].gate
 
     def _end_if_stopped(self, gate: CommandGate) -> None:
-        """Hold a velocity no longer if all stop has been set since, even if it is released again."""
+        """Stop holding a velocity if all stop has been set since, even if it has been released again."""
         if self._loop is not None and gate.stops != self._stops:
             self._loop.cancel()
             self._loop = None
 
 
 def _moves(arguments: Mapping[str, Any]) -> bool:
-    """Whether a command that steers asks for anything but zero."""
+    """Return whether a steering command asks for anything but zero."""
     return any(np.any(list(each.values()) if isinstance(each, Mapping) else each) for each in arguments.values())
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:
-    """Whether a fault has a vehicle's link down; where the scenario has a link, its packets are lost instead."""
+    """Return whether a fault has cut a vehicle's link; if the scenario has a link, its packets are lost instead."""
     return sim.link is None and sim.faults.link_is_down(vehicle)
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
-    """Raise ValueError while a fault has the link to a vehicle down: whoever waits for its answer waits in vain."""
+    """Raise ValueError while a fault has cut the link to a vehicle, since no answer would come."""
     if is_cut_off(live.simulator, vehicle):
         raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
 
 
 def nothing_done() -> Future[Any]:
-    """Return the future of a command that was lost: it has come to an end, and nobody knows."""
+    """Return the future of a lost command: it is finished, although its fate is unknown to the sender."""
     future: Future[Any] = Future()
     future.set_result(None)
     return future
 
 
 def log_error(future: Future[Any]) -> None:
-    """Log the error of a command that nobody waits for."""
+    """Log the error of a command that nothing waits for."""
     error = None if future.cancelled() else future.exception()
     if error is not None:
         logger.error("a command failed: %s", error)

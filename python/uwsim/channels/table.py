@@ -32,20 +32,20 @@ from uwsim.simulator.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
 ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "published": (0.0, 0.0, 75.3)}
-"""Where the world's origin is in odom, by name. published: that world's water surface is at z = 75.3 m."""
+"""The world's origin in odom, by name. published: that world's water surface is at z = 75.3 m."""
 
 
 class Table:
     """The channels and services of one simulator, which share its newest pings, pictures and maps.
 
-    Made once by whatever serves, records or replays, and handed to all that need a part of it. wire: "published" is
-    that of the paper's simulator, "standard" ROS's usual topics. origin: where the world's origin is in the odom frame,
-    (3,) [m], or a name in ORIGINS. A scenario with several vehicles has their names before topics and frames. may_wait:
-    whether the steps may wait for pictures; if not, those that are late are left out. truth: whether /telemetry carries
-    the true position. Raises ValueError.
+    Made once by the server, recorder or replay, and passed to all that need a part of it. wire: "published" selects the
+    topics of the paper's simulator, "standard" ROS's usual ones. origin: the world's origin in the odom frame, (3,)
+    [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. may_wait: whether
+    the steps may wait for pictures; if not, late ones are skipped. truth: whether /telemetry carries the true position.
+    Raises ValueError.
 
-    channels, services: what clients see. A link replaces them by those that cross it, a recorder by those that it
-    listens to.
+    channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
+    that it listens to.
     """
 
     def __init__(
@@ -74,18 +74,18 @@ class Table:
         self.services: list[Service] = self._services(sim)
 
     def look_anew(self) -> None:
-        """Forget the newest pings and pictures: a recording begins with its own. On the simulator's thread."""
+        """Forget the newest pings and pictures, so that a recording starts with its own. On the simulator's thread."""
         for pings in self.pings.values():
             pings.forget()
         self.pictures.forget()
 
     @property
     def has_map(self) -> bool:
-        """Whether a map has been begun."""
+        """Whether any map has been started."""
         return any(ping_map.is_begun for ping_map in self.maps.values())
 
     def _published(self, sim: Simulator) -> list[Channel]:
-        """Return the wire of the paper's simulator."""
+        """Return the topics of the paper's simulator."""
         found = station_picture(self.pictures, sim)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
@@ -138,7 +138,7 @@ def channels(sim: Simulator, **options: Any) -> list[Channel]:
 
 
 def services(sim: Simulator) -> list[Service]:
-    """Return everything that can be requested of a simulator, from a table of their own.
+    """Return everything that can be requested of a simulator, from a new table.
 
     To save the maps, or set the pictures, of given channels, take both from one Table; this warns (FutureWarning).
     """

@@ -1,4 +1,4 @@
-"""Command: an entry of the table. Argument: a value that it takes, with its unit and bounds."""
+"""Command: an entry of the table. Argument: one of its values, with unit and bounds."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 class Argument:
     """A value that a command takes.
 
-    low, high: bounds of each number, included. length: of "numbers". default: used where the argument is missing;
-    REQUIRED if it must be given. One whose default is None may be None.
+    low, high: inclusive bounds of each number. length: of "numbers". default: used if the argument is missing; REQUIRED
+    if it must be given. An argument whose default is None may be None.
     """
 
     name: str
@@ -79,15 +79,15 @@ VEHICLE, ANY_VEHICLE = Argument("vehicle", "text"), Argument("vehicle", "text", 
 class Command:
     """A command.
 
-    name: in Python, in logs and recordings, and on every wire. of: what it is given to: a vehicle, the simulator, or
-    either, depending on whether the argument `vehicle` names one. apply: changes that; called with it and with the
+    name: in Python, in logs and recordings, and on every wire. of: its target: a vehicle, the simulator, or either,
+    depending on whether the argument `vehicle` names one. apply: changes the target; called with it and with the
     arguments by name; raises ValueError, changing nothing. None: the vehicle's method of this name. notes_itself:
-    whether `apply` reports to the simulator's journal, as methods do.
-    takes_more: whether arguments that are not listed are passed on.
-    crosses_link: whether it goes over the link to its vehicle. replaces: whether it takes the place of an older one
-    that still waits to be sent. is_vital: whether it is accepted however many wait, and sent until it has surely come.
-    steers: whether it drives the vehicle, so that it ends what steered before. service: the ROS type of the vehicle's
-    service of this name; "" for none. is_piloted: whether the station's pilot may give it by name.
+    whether `apply` reports to the simulator's journal, as methods do. takes_more: whether arguments that are not listed
+    are passed on. crosses_link: whether it goes over the link to its vehicle. replaces: whether it replaces an older
+    one that is still waiting to be sent. is_vital: whether it is accepted however many are waiting, and sent repeatedly
+    so that it arrives. steers: whether it drives the vehicle, and thus ends any earlier steering command. service: the
+    ROS type of the vehicle's service of this name; "" for none. is_piloted: whether the station's pilot may issue it by
+    name.
     """
 
     name: str
@@ -106,7 +106,7 @@ class Command:
 
     @property
     def all_arguments(self) -> tuple[Argument, ...]:
-        """The arguments as logs have them: with the vehicle's name."""
+        """The arguments as in logs, including the vehicle's name."""
         vehicle = {"vehicle": (VEHICLE,), "simulator": (), "either": (ANY_VEHICLE,)}[self.of]
         return (*vehicle, *self.arguments)
 
@@ -115,7 +115,7 @@ class Command:
         return next(argument for argument in self.all_arguments if argument.name == name)
 
     def check(self, arguments: Mapping[str, Any]) -> None:
-        """Raise ValueError unless these arguments can be given."""
+        """Raise ValueError unless these arguments are allowed."""
         known = {argument.name: argument for argument in self.all_arguments}
         for name in arguments:
             if name not in known and not self.takes_more:
@@ -138,7 +138,10 @@ class Command:
         return give
 
     def named(self, vehicle: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the arguments with a vehicle's name, checked. Raises ValueError, also if it is the simulator's."""
+        """Return the arguments with a vehicle's name, checked.
+
+        Raises ValueError, also for a command of the simulator.
+        """
         if self.of == "simulator":
             raise ValueError(f"command '{self.name}': is given to the simulator, not to vehicle '{vehicle}'")
         given = {"vehicle": vehicle, **arguments}
@@ -146,11 +149,11 @@ class Command:
         return given
 
     def __call__(self, sim: Any, /, **arguments: Any) -> Any:
-        """Give it to a simulator. Raises ValueError, changing nothing."""
+        """Apply it to a simulator. Raises ValueError, changing nothing."""
         return self.bound(arguments)(sim)
 
     def give(self, target: Any, journal: Any, arguments: Mapping[str, Any]) -> Any:
-        """Give it to its vehicle or simulator, with arguments that `check` has seen, and report it to the journal."""
+        """Apply it to its vehicle or simulator, with arguments accepted by `check`, and report it to the journal."""
         values = {name: value for name, value in arguments.items() if name != "vehicle" or self.of == "simulator"}
         if self.apply is None:
             return getattr(target, self.name)(**values)

@@ -1,7 +1,7 @@
 """The commands that a vehicle has as methods: written once, for simulated, live and remote vehicles and missions.
 
-They are protocols with bodies: a class that inherits one gets its methods, and gives commands by its own `command`;
-a class that has the methods itself, such as the simulated vehicle, fits without inheriting.
+They are protocols with bodies: a class that inherits one gets its methods, which call its own `command`; a class that
+has the methods itself, such as the simulated vehicle, conforms without inheriting.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 
 
 class Steerable(Protocol):
-    """A vehicle that takes efforts."""
+    """A vehicle that accepts efforts."""
 
     def set_effort(
         self,
@@ -32,10 +32,10 @@ class Steerable(Protocol):
 
 
 class Commandable(Steerable, Protocol):
-    """A vehicle that takes every command that a real one could take. All raise ValueError, changing nothing."""
+    """A vehicle that accepts every command that a real one could. All raise ValueError, changing nothing."""
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Give a command of uwsim.commands by its name."""
+        """Issue a command of uwsim.commands by name."""
 
     def release(self) -> None:
         """Leave the station; the mission time starts."""
@@ -73,7 +73,7 @@ class Commandable(Steerable, Protocol):
 
 
 class Placeable(Commandable, Protocol):
-    """A simulated vehicle: it can also be put anywhere."""
+    """A simulated vehicle, which can also be placed anywhere."""
 
     def place(
         self,
@@ -81,7 +81,7 @@ class Placeable(Commandable, Protocol):
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given."""
+        """Place the vehicle at a pose instantly, at rest unless velocity_body (6,) is given."""
         self.command(
             "place",
             position_world_m=position_world_m,
@@ -91,5 +91,5 @@ class Placeable(Commandable, Protocol):
 
 
 def _give(vehicle: Any, name: str, **arguments: Any) -> None:
-    """Give a command without making `command` a part of the protocol: a controller needs no more than `set_effort`."""
+    """Issue a command without making `command` a part of the protocol: a controller needs no more than `set_effort`."""
     vehicle.command(name, **arguments)

@@ -1,4 +1,4 @@
-"""The link in use: what passes between station and vehicles goes through it, packed, late, or never."""
+"""The link in use: messages between station and vehicles pass through it packed, delayed, or not at all."""
 
 from uwsim.link.carrier import Carrier
 from uwsim.link.seen import is_seen, seen_channels

@@ -1,4 +1,4 @@
-"""The map that the station makes: of the pings that have arrived, with the pose of the sonar in each."""
+"""The map built at the station from the pings that have arrived, each with the pose of its sonar."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from uwsim.link.carried import Carried
 from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
-RANGE_MAX_M = 1000.0  # of a scan whose sender's limit has been applied
+RANGE_MAX_M = 1000.0  # of a scan whose sender has already applied its limit
 
 LookedFor = Callable[[str, Simulator], object]
-"""Is told of each look for a channel's messages."""
+"""Called at each look for a channel's messages."""
 
 
 class MapAshore(PingMap):
     """A map in the odom frame of the pings that have arrived at the station.
 
-    Over a modem, whose next ping may be long in coming, what a ping changed is told at once; else as aboard.
+    Over a modem, whose next ping may take long to arrive, a ping's changes are published at once; otherwise as aboard.
     """
 
     def __init__(
@@ -43,13 +43,19 @@ class MapAshore(PingMap):
         self._changes_said: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
-        """Return the map if pings have arrived since the last one, once a second at most; the same to all of a time."""
+        """Return the map if pings have arrived since the last one, at most once a second.
+
+        The same to all readers at one time.
+        """
         if self._whole_said[0] != sim.time_ns:
             self._whole_said = sim.time_ns, self._new_map(sim)
         return self._whole_said[1]
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Return what the pings that have arrived since the last call changed; the same to all of a time."""
+        """Return the changes made by the pings that arrived since the last call.
+
+        The same to all readers at one time.
+        """
         if self._changes_said[0] != sim.time_ns:
             self._changes_said = sim.time_ns, self._new_changes(sim)
         return self._changes_said[1]
@@ -74,9 +80,9 @@ class MapAshore(PingMap):
         return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
 
     def keep_up(self, sim: Simulator) -> None:
-        """Insert the pings that have arrived: into a new map if time has gone back."""
+        """Insert the pings that have arrived, into a new map if time has gone back."""
         if self._looked_for is not None:
-            self._looked_for(self._carried.channel.name, sim)  # a cable carries what somebody looks for
+            self._looked_for(self._carried.channel.name, sim)  # a cable carries the channels that are looked for
         if sim.time_ns < self._looked_ns:
             self._map, self._looked_ns, self._told_ns = None, 0, 0
         for message in arrived(self._network, self._carried, self._looked_ns):
@@ -109,7 +115,7 @@ def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64
 
 
 def with_scans(seen: Iterable[Channel]) -> list[Channel]:
-    """Return channels as the station has them, in which `ping` is made of the placed pings, if it is not carried."""
+    """Return channels as the station has them, with `ping` derived from the placed pings if it is not carried."""
     found = list(seen)
     names = {channel.name for channel in found}
     for channel in list(found):
@@ -146,7 +152,7 @@ def maps_ashore(
     carried: dict[str, Carried],
     looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return channels whose maps are made ashore, as are those that the table's services save; none without pings."""
+    """Return channels with maps made ashore, which the table's services also save; unchanged without pings."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

@@ -1,4 +1,4 @@
-"""Which channels go over a link, whose they are, and how they are packed."""
+"""Which channels go over a link, which vehicle they belong to, and how they are packed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Carried(NamedTuple):
 
 
 def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
-    """Return the vehicle whose channel it is, by its prefix; None for one of several vehicles together."""
+    """Return the vehicle that a channel belongs to, by its prefix; None for a channel of several vehicles."""
     names = list(sim.vehicles)
     if len(names) == 1:
         return names[0]
@@ -29,7 +29,7 @@ def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
 
 
 def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carried]:
-    """Return the channels that the scenario's link carries. Those of several vehicles together do not go over it."""
+    """Return the channels that the scenario's link carries. Channels of several vehicles do not go over it."""
     network, setup = sim.link, sim.scenario.link
     if network is None or setup is None:
         return []
@@ -43,5 +43,5 @@ def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carrie
 
 
 def is_chosen(name: str, patterns: Iterable[str]) -> bool:
-    """Whether one of the patterns matches a channel's name."""
+    """Return whether one of the patterns matches a channel's name."""
     return any(fnmatch.fnmatchcase(name, pattern.removeprefix("/")) for pattern in patterns)

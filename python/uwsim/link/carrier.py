@@ -1,4 +1,4 @@
-"""Carrier: sends what vehicles say over the link, and gives them what the station says when it arrives."""
+"""Carrier: sends the vehicles' messages over the link, and applies the station's when they arrive."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 COMMAND_LIFE_S = 5.0
-"""After which a command that still waits is not sent any more, or after two rounds of all nodes."""
+"""Time after which a waiting command is no longer sent, unless two rounds of all nodes take longer."""
 VITAL_REPEATS = 2
-"""Of an all stop, which is not acknowledged either: three copies, of which any will do."""
+"""Repeats of an all stop, which is not acknowledged: three copies in all, any of which suffices."""
 LISTENED_S = 2.0
-"""For so long after somebody looked for a channel it is taken to be listened to."""
+"""After a look for a channel, it counts as listened to for this long."""
 ONCE_HZ = 1.0
-"""Of channels without a rate of their own, over a cable or the ideal link."""
+"""Rate of channels without one of their own, over a cable or the ideal link."""
 
 logger = logging.getLogger("uwsim.link")
 
@@ -43,11 +43,11 @@ class Carrier:
         with LiveSimulator("lake", ...) as live, Carrier(live, table) as carrier:
             table.channels, table.services = carrier.channels, carrier.over(table.services)
 
-    simulator: live, or one that its owner steps. table: of all its channels. All that is sent is a command of the log,
-    so that a replay sends the same; what arrives is unpacked from what was carried. Over a modem every channel that the
-    scenario names is sent at a rate that the modem has room for (`rates`); over a cable or the ideal link, what is
-    read at the station. A picture is sent when it has been read there since the one before. only: how the names end of
-    what vehicles may send, where the scenario does not choose by `carries`.
+    simulator: live, or one that its owner steps. table: of all its channels. Everything sent is a command in the log,
+    so that a replay sends the same; arriving messages are unpacked from the bytes carried. Over a modem every channel
+    named in the scenario is sent at a rate that the modem has capacity for (`rates`); over a cable or the ideal link,
+    the channels read at the station. A picture is sent if the previous one has been read there. only: name endings of
+    the channels that vehicles may send, if the scenario does not select them by `carries`.
     """
 
     def __init__(
@@ -73,11 +73,11 @@ class Carrier:
         self._sim = sim
         self._turns: list[Turn] = []
         self._arrived_ns = 0
-        self._tick = -1  # at which arrivals were last given to the vehicles
+        self._tick = -1  # tick at which arrivals were last applied to the vehicles
         self._awaited_tick = NEVER
 
     def _require_known(self, patterns: Iterable[str]) -> None:
-        """Raise ValueError for a pattern without effect."""
+        """Raise ValueError for a pattern that matches nothing."""
         topics = [*self._carried, *(remote.TOPIC + name for name in COMMANDS if remote.crosses_link(name))]
         for pattern in patterns:
             if not any(is_chosen(topic, (pattern,)) for topic in topics):
@@ -85,17 +85,20 @@ class Carrier:
                 raise ValueError(f"link.repeats: '{pattern}': must match a channel that goes over the link{hint}")
 
     def start(self, saved: dict[str, Any] | None = None) -> Self:
-        """Begin to carry, or go on from what `save` returned; return itself. Raises NotRunningError."""
+        """Start carrying, or continue from the result of `save`; return itself. Raises NotRunningError."""
         self._live.read(lambda sim: self._begin(sim, saved)).result()
         return self
 
     def save(self) -> dict[str, Any]:
-        """Return when what is due next, as JSON values; the messages themselves are in the simulator's state."""
+        """Return when each message is due next, as JSON values.
+
+        The messages themselves are in the simulator's state.
+        """
         due = [[list(turn.names), turn.due_tick] for turn in self._turns]
         return {"rates": self.rates, "schedule": due, "tick": self._tick, "arrived_ns": self._arrived_ns}
 
     def close(self) -> None:
-        """Carry no more."""
+        """Stop carrying."""
         for item in (self, *self._turns):
             self._sim.agenda.remove(item)
 
@@ -105,11 +108,11 @@ class Carrier:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Carry no more."""
+        """Stop carrying."""
         self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
-        """Return services whose commands go over the link: when one is queued they answer that it is sent."""
+        """Return services whose commands go over the link: they answer that the command is sent once it is queued."""
         return [replace(service, call=self._called(service)) for service in services]
 
     def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
@@ -122,7 +125,7 @@ class Carrier:
         return call
 
     def remote(self) -> LiveSimulator:
-        """Return the simulator as it is from the station: commands to vehicles go over the link."""
+        """Return the simulator as seen from the station: commands to vehicles go over the link."""
         return remote.RemoteSimulator(self._live, self.command)  # type: ignore[return-value]
 
     @property
@@ -139,7 +142,7 @@ class Carrier:
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
         """Send a command of uwsim.commands to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
-        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # its release may get lost
+        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # the release may get lost
         return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, is_vital=is_vital)
 
     def _heard(self, channel: Channel) -> Channel:
@@ -156,7 +159,7 @@ class Carrier:
         return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Give the link a message. is_vital: it is sent however late, and again."""
+        """Submit a message to the link. is_vital: it is sent however late, and repeated."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
@@ -164,7 +167,7 @@ class Carrier:
         )  # fmt: skip
 
     def _repeats(self, topic: str) -> int:
-        """Return how often a message of a topic is sent again."""
+        """Return how many times a message of a topic is repeated."""
         patterns = self._setup.repeats.items()
         return max((times for pattern, times in patterns if is_chosen(topic, (pattern,))), default=0)
 
@@ -174,7 +177,7 @@ class Carrier:
         return max(COMMAND_LIFE_S, 2.0 * turn_s) if modem.kind == "modem" else COMMAND_LIFE_S
 
     def look_for(self, name: str, sim: Simulator) -> None:
-        """Take note that a channel's messages are looked for at the station. On the simulator's thread."""
+        """Record that the station looks for a channel's messages. On the simulator's thread."""
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
     def _begin(self, sim: Simulator, saved: dict[str, Any] | None) -> None:
@@ -214,25 +217,28 @@ class Carrier:
 
     @property
     def due_tick(self) -> int:
-        """The tick at which a message may arrive; once it has, it is no longer the network's next, but still due."""
+        """The tick at which a message may arrive.
+
+        After its arrival the network has a new one, but this is still due.
+        """
         arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
         self._awaited_tick = min(self._awaited_tick, arrival)
         return max(self._awaited_tick, self._tick + 1)
 
     def act(self, tick: int) -> None:
-        """Give the vehicles what has arrived. On the simulator's thread, between two steps."""
+        """Apply arrived messages to the vehicles. On the simulator's thread, between two steps."""
         self._tick, self._awaited_tick = tick, NEVER
         for vehicle in self._sim.vehicles:
             self._receive(vehicle)
         self._arrived_ns = max(self._arrived_ns, self._sim.time_ns)
 
     def jump(self, tick: int) -> None:
-        """Begin with what arrives from now on, as time has jumped."""
+        """Ignore earlier arrivals, since time has jumped."""
         self._tick, self._awaited_tick, self._arrived_ns = tick - 1, NEVER, self._sim.time_ns
         self._listened.clear()
 
     def _say(self, name: str) -> bool:
-        """Send the present message of a channel; return whether it has one."""
+        """Send the present message of a channel; return whether there is one."""
         one, sim = self._carried[name], self._sim
         channel = one.channel
         only_if_heard = self._network.modem.kind != "modem" or channel.late
@@ -251,7 +257,7 @@ class Carrier:
                 repeats=self._repeats(channel.name),
             )  # fmt: skip
             if channel.late:
-                self._listened.pop(channel.name, None)  # another picture is for the next look
+                self._listened.pop(channel.name, None)  # another picture is sent at the next look
         return payload is not None
 
     def _receive(self, vehicle: str) -> None:
@@ -268,7 +274,7 @@ class Carrier:
 
 
 def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
-    """Return the channels without those over the link that are not wanted."""
+    """Return the channels without those that would cross the link but are not wanted."""
     setup, ends = sim.scenario.link, None if only is None else tuple(only)
     if ends is None or setup is None or "carries" in setup.model_fields_set:
         return list(channels)
@@ -276,7 +282,7 @@ def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | N
 
 
 def _size(one: Carried, sim: Simulator) -> int:
-    """Return how many bytes a message of a channel has, packed: of one that is made now if that is cheap."""
+    """Return the packed size of a channel's messages in bytes, from a message made now if that is cheap."""
     if one.packing.usual_bytes is not None:
         return one.packing.usual_bytes
     message = one.channel.read(sim)

@@ -1,4 +1,4 @@
-"""A simulator that its owner steps, as a Carrier needs it."""
+"""A simulator stepped by its owner, with the interface that a Carrier needs."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ T = TypeVar("T")
 
 
 class Offline:
-    """The names of a LiveSimulator that a Carrier uses: everything happens at once, in the caller's thread."""
+    """The methods of a LiveSimulator that a Carrier uses; everything happens immediately, in the caller's thread."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Give a command; its error goes to the future."""
+        """Issue a command; its error goes to the future."""
         return self.read(bound_command(name, arguments))
 
     def read(self, function: Callable[[Simulator], T]) -> Future[T]:

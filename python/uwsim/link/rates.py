@@ -11,28 +11,31 @@ from uwsim.link.carried import Carried
 from uwsim.scenario.spec.modem import Access, ModemModel
 
 WANTED_HZ = {COMMAND: 10.0, PANEL: 1.0, INSTRUMENT: 1.0, PING: 1.0, PICTURE: 0.5}
-"""Of channels by priority; more would only make the others wait."""
+"""Wanted rates of channels by priority; higher ones would only make the others wait."""
 SHARE = 0.6
-"""Of what is left, that the channels of one priority may take."""
+"""Share of what is left that the channels of one priority may use."""
 FULL = 0.9
-"""Of what nobody else has use for."""
+"""Share of what no other channel needs."""
 EVEN_S = 10.0
-"""Channels of one priority share evenly as long as each is sent so often; if not, the first takes its SHARE first."""
+"""Channels of one priority share evenly as long as each is sent this often.
+
+Otherwise the first gets its SHARE first.
+"""
 ALOHA_PEAK = 0.5 / math.e
-"""Share of the time in which pure ALOHA delivers at best, 18 % (Abramson 1970)."""
+"""Share of time in which pure ALOHA delivers at best, 18 % (Abramson 1970)."""
 LONGEST_S = 120.0
-"""Between two messages; a channel that could be sent more rarely only is not sent."""
+"""Longest time between two messages; a channel that could only be sent more rarely is not sent."""
 
 
 def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
-    """Return the share of the time in which one of `nodes` can send with success."""
+    """Return the share of time in which one of `nodes` can send successfully."""
     if access == "aloha":
         return ALOHA_PEAK / nodes
     return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
 
 
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
-    """Return how long a message of so many bytes keeps the modem busy, seconds; in TDMA slots are not cut."""
+    """Return how long a message of this size keeps the modem busy, in seconds; TDMA slots are not split."""
     full, rest = divmod(size, modem.packet_bytes)
     packets = [modem.packet_bytes] * full + ([rest] if rest or not full else [])
     lengths_s = [modem.packet_s(part) for part in packets]
@@ -53,10 +56,10 @@ def send_rates(
 ) -> dict[str, float]:
     """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
 
-    The most urgent first: those of one priority get what they want, but at most SHARE of what others left. The last who
-    get anything have what is then unused. Pictures take turns, so each has the rate of all. sizes: of packed messages,
-    bytes. times: how often each message is sent, by default once. taken: share of the time that the vehicle's
-    instruments take.
+    The most urgent come first: channels of one priority get what they want, but at most SHARE of the remainder. The
+    last ones to get anything also get what is unused. Pictures take turns, so each has the rate of all. sizes: of
+    packed messages, bytes. times: how often each message is sent, by default once. taken: share of time used by the
+    vehicle's instruments.
     """
     left = max(airtime_share(modem, access, nodes) - taken, 0.0)
     times = times or {}
@@ -83,7 +86,7 @@ def send_rates(
 
 
 def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
-    """Return the rates of channels of one priority: the same, or if that is too rare each SHARE of what is left."""
+    """Return the rates of channels of one priority: equal, or if these are too low, SHARE of the remainder for each."""
     even_hz = min(wanted_hz, budget / sum(costs_s.values()))
     if even_hz * EVEN_S >= 1.0:
         return dict.fromkeys(costs_s, even_hz)

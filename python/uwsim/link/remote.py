@@ -1,4 +1,4 @@
-"""The simulator as the station commands it: commands to vehicles go over the link, all others at once."""
+"""The simulator as commanded by the station: commands to vehicles go over the link, all others apply at once."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ TOPIC = "command/"
 
 
 class RemoteSimulator:
-    """A LiveSimulator whose commands to vehicles are sent.
+    """A LiveSimulator whose commands to vehicles are sent over the link.
 
-    They resolve when they are queued: nobody knows whether they arrive. has_sent: whether one has gone over the link.
+    They resolve when they are queued, since their arrival is unknown. has_sent: whether one has gone over the link.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
@@ -27,11 +27,11 @@ class RemoteSimulator:
         self.has_sent = False
 
     def __getattr__(self, name: str) -> Any:
-        """Return anything else of the simulator itself."""
+        """Return any other attribute of the simulator."""
         return getattr(self._live, name)
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Send a command to a vehicle, or give it at once if it is for the simulator. Raises ValueError."""
+        """Send a command to a vehicle, or apply it at once if it is for the simulator. Raises ValueError."""
         vehicle = arguments.get("vehicle")
         if vehicle is None or not crosses_link(name):
             return self._live.command(name, **arguments)
@@ -43,12 +43,12 @@ class RemoteSimulator:
 
 
 def crosses_link(name: str) -> bool:
-    """Return whether a command is one that a vehicle gets; the others, such as `place`, are for the simulator."""
+    """Return whether a command goes to a vehicle; the others, such as `place`, are for the simulator."""
     return name in COMMANDS and COMMANDS[name].crosses_link
 
 
 def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:
-    """Return a command's topic, which names it, and its arguments as JSON, deflated where that is shorter."""
+    """Return a command's topic, which names it, and its arguments as JSON, deflated if that is shorter."""
     text = json.dumps(_rounded(arguments), separators=(",", ":")).encode() if arguments else b""
     deflated = zlib.compress(text, 9)
     return TOPIC + name, b"\x01" + deflated if len(deflated) < len(text) else b"\x00" + text
@@ -61,7 +61,7 @@ def unpacked(topic: str, payload: bytes) -> tuple[str, dict[str, Any]]:
 
 
 def _rounded(value: Any) -> Any:
-    """Return plain values with five significant digits: what a modem is spared."""
+    """Return plain values rounded to five significant digits, to save a modem's capacity."""
     if isinstance(value, float):
         return float(f"{value:.5g}")
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""The station's end: the channels of a simulator as they are seen through its link."""
+"""The station's end: the channels of a simulator as seen through its link."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 MODEM_HZ, QUICK_HZ = 20.0, 100.0
-"""How often the station looks for what has arrived, in simulated time: it is seen up to one period later."""
+"""How often the station checks for arrivals, in simulated time: they appear up to one period later."""
 
 
 def seen_channels(
     sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
 ) -> list[Channel]:
-    """Return a table's channels as the station has them: what goes over the link is what has arrived.
+    """Return a table's channels as the station has them: those that cross the link have the messages that arrived.
 
-    Channels that could go over the link, but do not, are not seen at all; maps are made ashore, the table's own, too.
-    What is read depends on the simulator's state alone, so that a replay reads the same. given: some of the table's
-    channels, by default all. looked_for: called with each look for a channel's messages.
+    Channels that could go over the link, but do not, are missing; maps, including the table's own, are made ashore.
+    Readings depend only on the simulator's state, so that a replay reads the same. given: some of the table's channels,
+    by default all. looked_for: called with each look for a channel's messages.
     """
     network = sim.link
     given = list(table.channels if given is None else given)
@@ -44,7 +44,7 @@ def seen_channels(
 
 
 def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
-    """Whether channels are as the station has them through a link."""
+    """Return whether channels are those that the station has through a link."""
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 

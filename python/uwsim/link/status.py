@@ -1,4 +1,4 @@
-"""The `link` channel: how well a vehicle and the station hear each other, as both ends know together."""
+"""The `link` channel: how well a vehicle and the station receive each other, combining both ends."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RATE_HZ = 2.0
 
 
 def status_channels(sim: Simulator, network: Network) -> list[Channel]:
-    """Return a channel for each vehicle. It does not go over the link: it is for whoever watches it."""
+    """Return a channel for each vehicle. It does not go over the link, and is meant for observers."""
     alone = len(sim.vehicles) == 1
     return [
         Channel(

@@ -1,4 +1,4 @@
-"""The table of a run that used a link: what became of the messages, by topic and sender."""
+"""The table of a run with a link: the fate of its messages, by topic and sender."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ HEADINGS = ("channel", "from", "given", "sent", "delivered", "lost", "late", "by
 class LinkRow(NamedTuple):
     """The messages of one topic and sender.
 
-    given: to the modem; those that a newer one replaced before they were sent are neither sent nor late. lost: of those
-    sent, in the water. late: not sent, since their lifetime was over or the queue full. bytes_delivered: of payloads.
-    delay_s: mean, from when they were given to their arrival.
+    given: submitted to the modem; messages replaced by a newer one before they were sent are neither sent nor late.
+    lost: sent, but lost in the water. late: not sent, since their lifetime was over or the queue was full.
+    bytes_delivered: payloads only. delay_s: mean time from submission to arrival.
     """
 
     topic: str
@@ -36,7 +36,7 @@ class LinkRow(NamedTuple):
 
 
 def link_rows(sim: Simulator) -> list[LinkRow]:
-    """Return the table of a simulator's link so far, the station's messages last; empty without a link."""
+    """Return the table of a simulator's link so far, with the station's messages last; empty without a link."""
     counts = [] if sim.link is None else sim.link.counts()
     rows = [
         LinkRow(

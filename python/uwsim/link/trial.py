@@ -1,4 +1,4 @@
-"""A vehicle that goes away from the station and comes back while its modem sends all it can: what arrives, and when."""
+"""A vehicle moves away from the station and back while its modem sends as much as it can: what arrives, and when."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """What one place gave: its range from the station's transducer, and what arrived of what was sent there.
+    """The result at one place: its range from the station's transducer, and how much of what was sent there arrived.
 
-    delay_s: the sound's, NaN where there is no path. waited_s: mean from `send` to the arrival. goodput_bit_s: of
+    delay_s: of the sound, NaN if there is no path. waited_s: mean time from `send` to the arrival. goodput_bit_s: of
     payloads.
     """
 
@@ -48,7 +48,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Curve:
-    """What the equations say for water without a bed, by range: the share of packets that arrive, and the delay."""
+    """Theoretical values for water without a bed, by range: the share of packets that arrive, and the delay."""
 
     range_m: Floats
     delivery: Floats
@@ -57,7 +57,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Trial:
-    """A trial of a link. message_bytes: of each message. table: of all that was sent, a USBL's pings included."""
+    """A trial of a link. message_bytes: size of each message. table: everything sent, including a USBL's pings."""
 
     scenario: Scenario
     modem: str
@@ -71,7 +71,7 @@ class Trial:
 def run_trial(
     scenario: str | Path | Scenario, modem: str | None, *, seed: int | None = None, depth_m: float = 10.0
 ) -> Trial:
-    """Go out along the longest clear way at a depth, and back; at each place send for a while. Raises ValueError."""
+    """Move out along the longest clear path at a depth, and back; send for a while at each place. Raises ValueError."""
     sim = Simulator(scenario, link=modem, seed=seed)
     network, rov = sim.link, sim.rov
     if network is None or sim.scenario.link is None:
@@ -87,7 +87,7 @@ def run_trial(
 
 
 def _places(sim: Simulator, depth_m: float) -> list[Floats]:
-    """Return places along the bearing on which a vehicle gets farthest at that depth."""
+    """Return places along the bearing in which a vehicle gets farthest at that depth."""
     start = np.asarray(sim.scenario.station.position_m, np.float64)
     best: list[Floats] = []
     for bearing in np.linspace(0.0, 2.0 * np.pi, BEARINGS, endpoint=False):
@@ -107,13 +107,13 @@ def _places(sim: Simulator, depth_m: float) -> list[Floats]:
 
 
 def _is_clear(sim: Simulator, place: Floats) -> bool:
-    """Whether the bed is known there, and well below."""
+    """Return whether the bed is known there, and well below."""
     (height_m,) = sim.world.height_at(place[None, :2])
     return bool(np.isfinite(height_m) and height_m < place[2] - MARGIN_M)
 
 
 def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
-    """Send as much as the modem takes, and wait until it has arrived."""
+    """Send as much as the modem accepts, and wait until it has arrived."""
     began_s, modem = sim.time_s, network.modem
     station = in_world(sim.scenario.station, sim.scenario.link.station_transducer_m)  # type: ignore[union-attr]
     place = sim.rov.pose.position_world_m.copy()
@@ -161,7 +161,7 @@ def _counts(network: Network) -> _Sums:
 
 
 def _settled(counts: _Sums) -> bool:
-    """Whether nothing is on its way."""
+    """Return whether nothing is on its way."""
     return counts.sent == counts.delivered + counts.lost
 
 
@@ -182,7 +182,7 @@ def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
 
 
 def summary(trial: Trial) -> str:
-    """Return a line on what was found."""
+    """Return a one-line summary of the results."""
     sent, delivered = sum(leg.sent for leg in trial.legs), sum(leg.delivered for leg in trial.legs)
     farthest_m = max(leg.range_m for leg in trial.legs)
     heard = trial.open_water.delivery >= 0.5

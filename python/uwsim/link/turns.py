@@ -10,7 +10,7 @@ from uwsim.channels.channel import PICTURE
 from uwsim.link.carried import Carried
 
 AGAIN_S = 0.25
-"""After which a picture that was not ready, or for which there was no listener, is looked for again."""
+"""Delay after which a picture that was not ready, or had no listener, is checked again."""
 
 Send = Callable[[str], bool]
 """Sends the present message of a channel; returns whether there was one."""
@@ -38,7 +38,7 @@ class Turn:
         self.due_tick = next_tick(tick, self._period_ns if is_sent else self._again_ns, self._step_ns)
 
     def jump(self, tick: int) -> None:
-        """Be due at once, as time has jumped."""
+        """Become due at once, since time has jumped."""
         self.due_tick = tick
 
 

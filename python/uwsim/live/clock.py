@@ -1,4 +1,4 @@
-"""Clocks of missions on a live simulator: they wait, and let the stepping thread step."""
+"""Clocks of missions on a live simulator: they wait and let the stepping thread step."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from uwsim.live.step_loop import StepLoop
 class LiveClock:
     """A Clock (uwsim.navigation.control.Clock) of one mission on one thread: simulated time as it passes.
 
-    A wait ends duration_s after the last one ended if that is still to come, else after now: a control loop keeps its
-    period although it thinks between waits.
+    A wait ends duration_s after the previous one ended if that is in the future, else duration_s from now, so that a
+    control loop keeps its period although it computes between waits.
     """
 
     def __init__(self, loop: StepLoop) -> None:
@@ -24,7 +24,7 @@ class LiveClock:
     def wait(self, duration_s: float) -> None:
         """Return when duration_s simulated seconds, rounded to whole steps, have passed.
 
-        While the simulator is paused, so does this. Raises ValueError; NotRunningError when the simulator stops,
+        The wait is longer if the simulator is paused. Raises ValueError; NotRunningError when the simulator stops,
         RuntimeError when it is reset, and the error that stopped the simulation.
         """
         steps = duration_s / self._loop.sim.step_s
@@ -55,5 +55,5 @@ class MissionClock(LiveClock):
         self._loop.in_turn(lambda: self._loop.alarm(until, holder=self)).result()
 
     def close(self) -> None:
-        """Let time pass freely again."""
+        """Let time pass freely."""
         self._loop.release(self)

@@ -1,4 +1,4 @@
-"""The log of everything that was asked of a live simulator, by tick, and its replay."""
+"""The log of all commands to a live simulator, by tick, and its replay."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ class Entry(NamedTuple):
 class CommandLog:
     """The entries of one live run, in the order in which they took effect, and the state at its start.
 
-    Commands that raised an error changed nothing and are not in it. It holds the newest ENTRIES_MAX entries, and of
-    what a link was given PAYLOAD_BYTES_MAX: pictures over a cable are large. forgotten counts the older ones.
+    Commands that raised an error changed nothing and are not included. The log holds the newest ENTRIES_MAX entries,
+    and at most PAYLOAD_BYTES_MAX of messages to a link, since pictures over a cable are large. forgotten counts the
+    dropped ones.
     """
 
     def __init__(self, start_state: bytes, start_tick: int) -> None:
@@ -54,7 +55,7 @@ class CommandLog:
         return len(self._entries)
 
     def __iter__(self) -> Iterator[Entry]:
-        """Return an iterator over a copy: the log may grow meanwhile."""
+        """Return an iterator over a copy, since the log may grow meanwhile."""
         return iter(list(self._entries.copy()))
 
 
@@ -67,8 +68,9 @@ def replay(
 ) -> Simulator:
     """Repeat a log; return the simulator at until_tick, in the state of the original to the last bit.
 
-    simulator: of the same scenario, seed and build. A CommandLog begins with its own start; other entries begin with
-    the simulator as it is. until_tick: after the last entry. Raises ValueError if the log cannot be repeated.
+    simulator: of the same scenario, seed and build. A CommandLog starts from its own initial state; other entries start
+    from the simulator's present state. until_tick: after the last entry. Raises ValueError if the log cannot be
+    repeated.
     """
     sim = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
     start = sim.save_state()

@@ -1,4 +1,4 @@
-"""LiveSimulator, the front door of a simulator that runs on the wall clock."""
+"""LiveSimulator, the interface to a simulator that runs on the wall clock."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ class LiveSimulator:
             live.command("set_effort", vehicle="rov", surge=0.5).result()
             live.every(0.1, lambda sim: sim.rov.pose, poses.append)
 
-    simulator: a Simulator, which belongs to this from now on, or what one is made of. speed: simulated seconds per wall
-    second, or "max". paused: whether it starts so.
+    simulator: a Simulator, which this takes over, or the arguments to make one. speed: simulated seconds per wall
+    second, or "max". paused: whether it starts paused.
 
-    Commands of all threads form one queue, in the order in which they come; they take effect between two steps, of a
-    paused simulator at once. Each is logged with its tick: `replay(scenario, live.log, tick)` gives the same bytes. If
-    the pace cannot be held, short delays are made up for and longer ones slip: `factor`, `lateness`, `slipped_s` say
-    so. If a step fails, the simulator pauses; `error` says why, and `reset` continues.
+    Commands of all threads form one queue in order of arrival; they take effect between two steps, or immediately while
+    paused. Each is logged with its tick: `replay(scenario, live.log, tick)` gives the same bytes. If the pace cannot be
+    held, short delays are made up for and longer ones slip: `factor`, `lateness`, `slipped_s` report this. If a step
+    fails, the simulator pauses; `error` has the reason, and `reset` continues.
 
-    simulator: for reading what is fixed, and for single readings; do not step or command it. vehicles, rov: the same
+    simulator: for reading fixed properties, and for single readings; do not step or command it. vehicles, rov: the same
     names for commands from other threads; log: the CommandLog.
     """
 
@@ -72,13 +72,13 @@ class LiveSimulator:
 
     @contextmanager
     def mission_clock(self) -> Iterator[MissionClock]:
-        """Give the clock of one mission, for which simulated time stands still while the mission thinks.
+        """Return the clock of one mission, for which simulated time stands still while the mission computes.
 
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
 
-        So the mission flies as on a Simulator, to the same bytes, however busy the machine is. A mission that thinks
-        for long makes the simulator late.
+        So the mission gives the same bytes as on a Simulator, however busy the machine is. A mission with long
+        computations makes the simulator late.
         """
         clock = MissionClock(self._loop)
         try:
@@ -87,7 +87,7 @@ class LiveSimulator:
             clock.close()
 
     def start(self) -> Self:
-        """Start stepping; return itself. Raises RuntimeError if it has started already, or has not yet stopped."""
+        """Start stepping; return itself. Raises RuntimeError if it has already started, or has not yet stopped."""
         if self.running:
             raise RuntimeError("the live simulator runs already")
         self._pace.restart()
@@ -95,12 +95,12 @@ class LiveSimulator:
         self.simulator.journal.listen(self._loop)
         self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
         self._thread.start()
-        # A thread that is in native code when the interpreter ends would abort the process.
+        # A thread that is in native code when the interpreter shuts down would abort the process.
         weakref.finalize(self, _end, self._loop, self._thread)
         return self
 
     def stop(self) -> None:
-        """Stop stepping, within a second; what still waits raises NotRunningError. `start` continues."""
+        """Stop stepping, within a second; requests that still wait raise NotRunningError. `start` continues."""
         self._loop.close()
         if self._thread is None or self._on_loop:
             return
@@ -120,22 +120,25 @@ class LiveSimulator:
 
     @property
     def running(self) -> bool:
-        """Whether its thread is at work, paused or not."""
+        """Whether its thread is running, paused or not."""
         return self._thread is not None and self._thread.is_alive()
 
     @property
     def tick(self) -> int:
-        """The number of steps since the start, as of the last; unlike a simulator's own, it never waits for a step."""
+        """The number of steps since the start, after the last one.
+
+        Unlike a simulator's own, reading it never waits for a step.
+        """
         return self._loop.tick
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start, nanoseconds; never waits for a step."""
+        """Simulated time since the start, nanoseconds; reading it never waits for a step."""
         return self.tick * round(self.simulator.step_s * 1e9)
 
     @property
     def speed(self) -> Speed:
-        """The pace that is asked for: simulated seconds per wall second, or "max". Raises ValueError when set so."""
+        """The requested pace: simulated seconds per wall second, or "max". Setting an invalid one raises ValueError."""
         return self._pace.speed
 
     @speed.setter
@@ -146,22 +149,22 @@ class LiveSimulator:
 
     @property
     def factor(self) -> float:
-        """The speed that was achieved over the last second; 0 while paused."""
+        """The speed achieved over the last second; 0 while paused."""
         with self._loop.lock:
             return 0.0 if self.paused or not self.running else self._pace.factor
 
     @property
     def lateness(self) -> float:
-        """The worst delay of a step behind its schedule, seconds, since the start or `forget_delays`."""
+        """The worst delay of a step behind its schedule, in seconds, since the start or `forget_delays`."""
         return self._pace.lateness_s
 
     @property
     def slipped_s(self) -> float:
-        """The wall time that the schedule has slipped by, in all, since the start or `forget_delays`."""
+        """The total wall time by which the schedule has slipped since the start or `forget_delays`."""
         return self._pace.slipped_s
 
     def forget_delays(self) -> None:
-        """Measure `lateness` and `slipped_s` anew."""
+        """Restart the measurement of `lateness` and `slipped_s`."""
         self._pace.forget_delays()
 
     @property
@@ -175,13 +178,13 @@ class LiveSimulator:
         return self._loop.error
 
     def pause(self) -> None:
-        """Stand still; return when no step is under way."""
+        """Pause; return when no step is under way."""
         self._loop.set_paused(True)
         if self.running and not self._on_loop:
             self.read(lambda sim: None).result()
 
     def resume(self) -> None:
-        """Run again, after all commands so far. Raises the error that stopped the simulation, if one did."""
+        """Run again, after all earlier commands. Raises the error that stopped the simulation, if any."""
         if self.running and not self._on_loop:
             self._loop.in_turn(lambda: self._loop.set_paused(False))
         else:
@@ -196,32 +199,32 @@ class LiveSimulator:
         self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
 
     def reset(self, state: bytes | None = None) -> None:
-        """Go to a state of save_state, by default to the start, and return when there. Raises ValueError."""
+        """Go to a state of save_state, by default to the start; return when there. Raises ValueError."""
         future = self._submit(lambda sim: sim.restore_state(state or self.log.start_state), RESET, {"state": state})
         future.result()
 
     def call(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call function(simulator) at the start of the next step. The log cannot be written to a file then.
+        """Call function(simulator) at the start of the next step. Afterwards the log cannot be written to a file.
 
         The function must be brief: it delays the steps. Its error goes to the future. Raises NotRunningError.
         """
         return self._submit(function, CALL, {"function": function, "raised": False})
 
     def read(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Like `call`, between two steps, for a function that changes nothing: it is not logged."""
+        """Like `call`, between two steps, for a function that changes nothing and is not logged."""
         return self._submit(function, None, {})
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Give one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON's types or arrays.
+        """Issue one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON types or arrays.
 
-        Raises ValueError for an unknown name, and for arguments that the table of commands does not allow; what the
-        command itself raises goes to the future.
+        Raises ValueError for an unknown name, and for arguments that the table of commands does not allow; exceptions
+        of the command itself go to the future.
         """
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         return self._submit(bound_command(name, kept), name, kept)
 
     def every(self, period_s: float, read: Callable[[Simulator], T], sink: Callable[[T], object]) -> Subscription:
-        """Take a reading now, after each jump of time, and at all multiples of period_s, and hand it to the sink.
+        """Take a reading now, after each jump of time, and at all multiples of period_s, and pass it to the sink.
 
         In simulated time: the first step at or after each multiple. Both run on the stepping thread and must be brief;
         the sink must not block. Their errors are logged and kept in the subscription. Raises ValueError,
@@ -240,7 +243,7 @@ class LiveSimulator:
     def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
         is_vital = name in COMMANDS and COMMANDS[name].is_vital
         request = Request(function, name, arguments, is_vital=is_vital)
-        if self._on_loop:  # a sink commands: that is between two steps
+        if self._on_loop:  # a sink issues commands between two steps
             self._loop.answer(request)
         else:
             self._loop.submit(request)

@@ -9,20 +9,20 @@ from typing import Literal
 Speed = float | Literal["max"]
 
 SLIP_S = 0.25
-"""Delays up to this are made up for afterwards; beyond it the schedule slips: simulated time stays behind."""
+"""Delays up to this are made up for; beyond it the schedule slips, and simulated time stays behind."""
 REST_S = 0.02
-"""What is read without a request may be this old: the steps that nobody waits for are made together."""
+"""Maximum age of values read without a request: steps that nothing waits for are made together."""
 WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S
-BATCH_S = 1e-3  # steps that are due together run in batches of about this, so that commands do not wait longer
+BATCH_S = 1e-3  # steps that are due together run in batches of about this length, so that commands wait no longer
 BATCH_STEPS_MAX = 10_000
 
 
 class Pace:
     """The schedule of steps at a speed: simulated seconds per wall second, or "max".
 
-    Times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule, and behind the
-    moment until which it was to wait. slipped_s: the wall time that the schedule has slipped by in all. factor: the
-    speed that was achieved over the last second.
+    All times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule and behind
+    the time until which it had to wait. slipped_s: total wall time by which the schedule has slipped. factor: the speed
+    achieved over the last second.
     """
 
     def __init__(self, speed: Speed, step_s: float) -> None:
@@ -31,8 +31,8 @@ class Pace:
         self.slipped_s = 0.0
         self._step_s = step_s
         self._start_s = math.nan  # wall time at which the schedule starts; nan: at the next step
-        self._steps = 0  # that have been made since then
-        self._rest_s = -math.inf  # wall time until which steps may wait: nobody needs them before
+        self._steps = 0  # made since then
+        self._rest_s = -math.inf  # wall time until which steps may wait, because nothing needs them earlier
         self._step_cost_s = 1e-5
         self._marks: deque[tuple[float, float]] = deque()  # (wall time, simulated time made until then)
         self._made_s = 0.0
@@ -46,21 +46,21 @@ class Pace:
         return (made_last_s - made_first_s) / (last_s - first_s)
 
     def restart(self) -> None:
-        """Start the schedule anew at the next step: after a pause, or when time has jumped."""
+        """Restart the schedule at the next step: after a pause, or when time has jumped."""
         self._start_s, self._rest_s = math.nan, -math.inf
         self._marks.clear()
 
     def set_speed(self, speed: Speed) -> None:
-        """Change the speed from now on. Raises ValueError, changing nothing."""
+        """Change the speed. Raises ValueError, changing nothing."""
         self.speed = checked_speed(speed)
         self.restart()
 
     def forget_delays(self) -> None:
-        """Measure lateness and slip anew."""
+        """Restart the measurement of lateness and slip."""
         self.lateness_s = self.slipped_s = 0.0
 
     def due(self, now_s: float) -> int:
-        """Return the number of steps to make now, at most a batch; 0: none is due yet."""
+        """Return the number of steps to make now, at most a batch; 0 if none is due yet."""
         if math.isnan(self._start_s):
             self._start_s, self._steps = now_s, 0
         if self.speed == "max":
@@ -76,10 +76,10 @@ class Pace:
         return min(self.batch, 1 + int(late_s * self.speed / self._step_s))
 
     def wait_s(self, now_s: float, steps: int | None) -> float:
-        """Return the time until steps must be made; not positive if it is now.
+        """Return the time until steps must be made; zero or less if they are due.
 
-        steps: after so many somebody waits for them; None: nobody does. All those of REST_S may be made together, since
-        to wake up costs more than to step.
+        steps: number of steps after which something waits for them; None: nothing does. All steps within REST_S may be
+        made together, since waking up costs more than stepping.
         """
         if self.speed == "max" or math.isnan(self._start_s):
             return 0.0

@@ -1,4 +1,4 @@
-"""Requests of other threads to the thread that owns the simulator, in the order in which they ask."""
+"""Requests from other threads to the thread that owns the simulator, in order of arrival."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class NotRunningError(RuntimeError):
 
 @dataclass(eq=False)
 class Request:
-    """A function of the simulator, to be called between two steps; the future receives its result or its error.
+    """A function of the simulator to call between two steps; the future receives its result or its error.
 
-    name, arguments: what the log says about it; None: it changes nothing and is not logged. is_vital: it is accepted
-    however many others wait.
+    name, arguments: its entry in the log; None: it changes nothing and is not logged. is_vital: it is accepted however
+    many others wait.
     """
 
     function: Callable[[Simulator], Any]

@@ -20,19 +20,20 @@ from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 
-REQUESTS_MAX = 10_000  # that may wait; more are refused, so that a flood cannot fill the memory
-REQUESTS_PER_STEP = 1_000  # that are answered between two steps, so that a flood cannot stop the time
+REQUESTS_MAX = 10_000  # that may wait; further ones are refused, so that a flood cannot fill the memory
+REQUESTS_PER_STEP = 1_000  # answered between two steps, so that a flood cannot stop time
 START_NAVIGATION = "start_navigation"
-AWAITED = (Rank.READING, Rank.DELIVERY)  # of the agenda: what others wait for, so that it is on time and not batched
+# of the agenda: others wait for these, so they must be on time and are not batched
+AWAITED = (Rank.READING, Rank.DELIVERY)
 
 logger = logging.getLogger("uwsim.live")
 
 
 class StepLoop:
-    """Everything that the stepping thread and the others share; `lock` guards it.
+    """Everything shared by the stepping thread and the others, guarded by `lock`.
 
-    An alarm is a future that resolves when the loop has made a number of steps. steps_made counts up, also when a reset
-    takes simulated time back. holds: the steps_made beyond which their keys let no step be made. error: why the
+    An alarm is a future that resolves when the loop has made a number of steps. steps_made keeps counting up when a
+    reset takes simulated time back. holds: by holder, the steps_made beyond which no step may be made. error: why the
     simulation stopped stepping, if it did.
     """
 
@@ -58,7 +59,7 @@ class StepLoop:
         return self._tick
 
     def open(self) -> None:
-        """Accept requests, before `run`."""
+        """Accept requests before `run` starts."""
         with self.lock:
             self._is_open = True
 
@@ -78,13 +79,13 @@ class StepLoop:
             self.lock.notify_all()
 
     def in_turn(self, function: Callable[[], T]) -> T:
-        """Call a function on the stepping thread after all requests so far; return its result or raise its error."""
+        """Call a function on the stepping thread after all earlier requests; return its result or raise its error."""
         request = Request(lambda sim: function())
         self.submit(request)
         return request.future.result()  # type: ignore[no-any-return]
 
     def subscribe(self, subscription: Subscription) -> None:
-        """Take the subscription's readings from now on. Raises NotRunningError."""
+        """Start taking the subscription's readings. Raises NotRunningError."""
         with self.lock:
             self._require_open()
             read = partial(self._read, subscription)
@@ -96,9 +97,10 @@ class StepLoop:
         subscription.act(tick)
 
     def alarm(self, until: int, *, holder: object = None) -> Future[None]:
-        """Return a future that resolves when steps_made is `until`; holder: no step is made beyond that meanwhile.
+        """Return a future that resolves when steps_made is `until`.
 
-        Raises NotRunningError, and the error that stopped the simulation.
+        holder: no step beyond that is made for it meanwhile. Raises NotRunningError, and the error that stopped the
+        simulation.
         """
         with self.lock:
             self._require_open()
@@ -107,7 +109,10 @@ class StepLoop:
             return self._alarm(until)
 
     def hold(self, holder: object) -> int:
-        """Make no more steps until `release` or an `alarm` of this holder; return steps_made, once it stands."""
+        """Make no more steps until `release` or an `alarm` of this holder.
+
+        Return steps_made once stepping has stopped.
+        """
         with self.lock:
             self._require_open()
             while self._stepping:
@@ -116,13 +121,16 @@ class StepLoop:
             return self.steps_made
 
     def release(self, holder: object) -> None:
-        """Let steps be made again."""
+        """Allow steps again."""
         with self.lock:
             self.holds.pop(holder, None)
             self.lock.notify_all()
 
     def step_when_paused(self, steps: int) -> Future[None]:
-        """Make steps; the future resolves after the last. Raises ValueError unless paused, and as `alarm`."""
+        """Make steps; the future resolves after the last one.
+
+        Raises ValueError unless paused, and the errors of `alarm`.
+        """
         with self.lock:
             self._require_open()
             if not self.paused:
@@ -152,12 +160,12 @@ class StepLoop:
             self.lock.notify_all()
 
     def run(self) -> None:
-        """Work until closed. No error of a request, a reading or a step ends it."""
+        """Work until closed. Errors of requests, readings and steps do not end it."""
         try:
             while self._wait_for_work():
-                self._make_steps()  # those that are due before what is asked now
+                self._make_steps()  # those due before the present requests
                 self._answer_requests()
-                act(self.sim.agenda.of(*AWAITED), self._tick)  # what a request has made due
+                act(self.sim.agenda.of(*AWAITED), self._tick)  # items that a request has made due
         finally:
             self._refuse_what_waits()
 
@@ -166,7 +174,7 @@ class StepLoop:
             raise NotRunningError("the live simulator is not running: start it first")
 
     def _wait_for_work(self) -> bool:
-        """Sleep until there is something to do; return whether to go on."""
+        """Sleep until there is something to do; return whether to continue."""
         with self.lock:
             while self._is_open:
                 if self._requests or self._awaited_tick <= self._tick:
@@ -214,12 +222,12 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log the start of navigation, which any look at an estimate causes: a replay has to start it there, too."""
+        """Log the start of navigation, which reading an estimate causes, since a replay must start it there as well."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
 
     def _notice_jump(self, request: Request, before: int) -> None:
-        """After a request that moved the time: end every wait for a time that is no more."""
+        """After a request that changed the time, end every wait for a time that no longer exists."""
         tick = self.sim.tick
         if tick == before and request.name != RESET:
             return
@@ -263,7 +271,7 @@ class StepLoop:
         return min(steps, *self._steps_awaited(), steps)
 
     def _steps_awaited(self) -> Iterator[int]:
-        """After how many steps a reading or delivery is due, each alarm rings and each hold begins."""
+        """Yield after how many steps a reading or delivery is due, each alarm rings and each hold begins."""
         yield self._awaited_tick - self._tick
         yield from (until - self.steps_made for until, _ in self._alarms)
         yield from (until - self.steps_made for until in self.holds.values())

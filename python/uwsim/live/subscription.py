@@ -1,4 +1,4 @@
-"""Subscriptions: readings taken at a rate in simulated time and handed on."""
+"""Subscriptions: readings taken at a rate in simulated time and passed on."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ logger = logging.getLogger("uwsim.live")
 
 
 class Subscription:
-    """A reading that is taken at all multiples of a period and handed to a sink; see LiveSimulator.every.
+    """A reading that is taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
 
-    error: the last error of read or sink, and errors: how many there were. They end nothing: the next reading is tried.
+    error: the last error of read or sink; errors: their number. Errors do not end the subscription.
     """
 
     def __init__(
@@ -25,7 +25,7 @@ class Subscription:
         read: Callable[[Simulator], Any],
         sink: Callable[[Any], object],
     ) -> None:
-        """period_ns: None: it is read now and after each jump of time alone."""
+        """period_ns: None: read only now and after each jump of time."""
         self.error: Exception | None = None
         self.errors = 0
         self.cancelled = False
@@ -37,16 +37,16 @@ class Subscription:
         self._sink = sink
 
     def cancel(self) -> None:
-        """Take no more readings. One that is being taken may still arrive."""
+        """Take no more readings. One that is under way may still arrive."""
         self.cancelled = True
         self._sim.agenda.remove(self)
 
     def jump(self, tick: int) -> None:
-        """Be due at once, as time has jumped."""
+        """Become due at once, since time has jumped."""
         self.due_tick = tick
 
     def act(self, tick: int) -> None:
-        """Read and hand on, then be due at the next multiple of the period; log a new error once."""
+        """Read and pass on, then be due at the next multiple of the period; log a new error once."""
         if self.cancelled:
             return
         self.due_tick = NEVER if self._period_ns is None else next_tick(tick, self._period_ns, self._step_ns)

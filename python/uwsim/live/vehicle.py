@@ -1,4 +1,4 @@
-"""A vehicle of a live simulator: what it reads comes at once, what it commands goes through the log."""
+"""A vehicle of a live simulator: readings return at once, commands go through the log."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 class LiveVehicle(Placeable):
     """A vehicle with the public names of a Simulator's Vehicle, for missions and controllers on other threads.
 
-    Readings are of the last step, which may be 20 ms ago; two of them may be of two ticks. Commands take effect at the
-    start of the next step, return when they have, and raise what the command raises.
+    Readings come from the last step, which may be 20 ms ago; two of them may be from different ticks. Commands take
+    effect at the start of the next step, return after that, and raise the command's exceptions.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: Vehicle) -> None:
@@ -34,7 +34,7 @@ class LiveVehicle(Placeable):
         self.lamps = {name: LiveLamp(live, vehicle.name, lamp) for name, lamp in vehicle.lamps.items()}
 
     def __getattr__(self, name: str) -> Any:
-        """Return a reading, such as `thrusters` or `authority`, of the vehicle itself."""
+        """Return an attribute of the vehicle itself, such as `thrusters` or `authority`."""
         return getattr(self._vehicle, name)
 
     @property
@@ -49,7 +49,7 @@ class LiveVehicle(Placeable):
 
     @property
     def estimate(self) -> Navigator:
-        """See Vehicle.estimate. The first look is a command, since it starts the navigation."""
+        """See Vehicle.estimate. The first access is a command, since it starts the navigation."""
         if not self._vehicle.navigation.has_begun:
             self.command("start_navigation")
         return self._vehicle.estimate
@@ -74,7 +74,7 @@ class LiveVehicle(Placeable):
         return self._vehicle.telemetry()
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Give a command of uwsim.commands by its name; return when it has taken effect. Raises ValueError."""
+        """Issue a command of uwsim.commands by name; return when it has taken effect. Raises ValueError."""
         return self._live.command(name, **command_named(name).named(self.name, arguments)).result()
 
 
@@ -87,7 +87,7 @@ class LiveSonar:
         self._sonar = sonar
 
     def __getattr__(self, name: str) -> Any:
-        """Return a reading of the sonar itself."""
+        """Return an attribute of the sonar itself."""
         return getattr(self._sonar, name)
 
     def aim(self, elevation_rad: float) -> None:
@@ -109,7 +109,7 @@ class LiveCamera:
         self._camera = camera
 
     def __getattr__(self, name: str) -> Any:
-        """Return a reading of the camera itself, such as `capture` or `info`."""
+        """Return an attribute of the camera itself, such as `capture` or `info`."""
         return getattr(self._camera, name)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
@@ -130,7 +130,7 @@ class LiveLamp:
 
     @property
     def on(self) -> bool:
-        """Whether they shine."""
+        """Whether they are on."""
         return self._lamp.on
 
     @on.setter

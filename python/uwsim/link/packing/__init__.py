@@ -1,4 +1,4 @@
-"""How messages become few bytes for a modem, and messages again: what arrives is what was carried."""
+"""Packing of messages into few bytes for a modem, and unpacking: only the carried content arrives."""
 
 from uwsim.link.packing.packings import PACKINGS, Packing, packing_of
 

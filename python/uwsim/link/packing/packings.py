@@ -1,6 +1,6 @@
 """The table of packings: each turns a message into bytes and back. A new one is one line here.
 
-What is left out or rounded is gone: whoever listens gets the unpacked bytes, not the original.
+Anything left out or rounded is lost: listeners get the unpacked bytes, not the original.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Packing(NamedTuple):
     """A way to pack the messages of a kind of channel.
 
     pack(message): bytes; ValueError. unpack(bytes, channel): the message. may_replace(message): whether a newer one of
-    its channel may take its place while it waits. usual_bytes: for channels whose messages are costly to make.
+    its channel may replace it while it waits. usual_bytes: for channels whose messages are costly to make.
     """
 
     pack: Callable[[Any], bytes]
@@ -46,7 +46,7 @@ def _inflated(data: bytes, channel: Channel) -> Any:
 
 
 WHOLE = Packing(_whole, _from_whole)
-"""ROS's own bytes, for links that have room for everything."""
+"""ROS's own bytes, for links that have capacity for everything."""
 PACKINGS: dict[str, Packing] = {
     "deflate": Packing(_deflated, _inflated),
     "key": Packing(poses.pack_key, poses.unpack_key, may_replace=poses.is_plain_key),
@@ -63,11 +63,11 @@ PACKINGS: dict[str, Packing] = {
 
 
 SHORT_BYTES = 64
-"""Modems with smaller packets use a packing NAME_short where there is one."""
+"""Modems with smaller packets use a packing NAME_short if there is one."""
 
 
 def packing_of(channel: Channel, modem: ModemModel) -> Packing | None:
-    """Return how a channel's messages are packed, or None if the modem cannot carry them. Other links have room."""
+    """Return how a channel's messages are packed, or None if the modem cannot carry them. Other links have no limit."""
     if modem.kind != "modem":
         return WHOLE
     short = PACKINGS.get(f"{channel.packing}_short") if modem.packet_bytes < SHORT_BYTES else None

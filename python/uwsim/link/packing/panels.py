@@ -18,7 +18,7 @@ STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)
 LIMITS = {"B": (0, 254), "H": (0, 65534), "h": (-32767, 32766), "I": (0, 2**32 - 2), "i": (1 - 2**31, 2**31 - 2),
           "b": (-127, 126)}  # fmt: skip
 NONE = {"B": 255, "H": 65535, "h": 32767, "I": 2**32 - 1, "i": 2**31 - 1, "b": 127}
-"""Stand for what is not finite: nan and infinity."""
+"""Values that represent nan and infinity."""
 
 
 def quantised(value: float, quantum: float, code: str) -> int:
@@ -49,18 +49,18 @@ FLOATS = (
     ("distance_to_port", "H", 0.1), ("mission_time", "I", 0.1), ("battery", "B", 0.5), ("link_delay", "H", 0.001),
     ("tilt", "h", 0.001),
 )  # fmt: skip
-"""Fields of /telemetry: struct's code and quantum."""
+"""Fields of /telemetry, each with struct's code and quantum."""
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
 HEAD = struct.Struct("<q3i3i3H4bBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
 DOES = ("", "hold", "surface", "return", "go_on")
 CAUSES = ("", "silence", "battery", "leak", "thruster", "sensor")
 INFINITE = ("distance_to_seabed",)
-"""Fields that are infinite rather than nan where there is nothing."""
+"""Fields that are infinite instead of nan if there is nothing."""
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return some 100 bytes: positions in cm, attitude to 1/127, commands to 1 %; alarms as text."""
+    """Return about 100 bytes: positions in cm, attitude to 1/127, commands to 1 %; alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
@@ -121,7 +121,7 @@ def unpack_failsafe(byte: int) -> dict[str, str]:
 
 
 def _pack_notices(message: Any) -> bytes:
-    """Return the failsafe, then the alarms as text: as a rule none."""
+    """Return the failsafe, followed by the alarms as text, usually none."""
     return bytes([pack_failsafe(message)]) + "\n".join(message.alarms).encode()
 
 
@@ -130,5 +130,5 @@ def _unpack_notices(data: bytes) -> dict[str, Any]:
 
 
 def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
-    """Return the value of a whole number of quanta, or what stands for no value."""
+    """Return the value of a whole number of quanta, or the value that represents none."""
     return none if whole == NONE[code] else whole * quantum

@@ -17,7 +17,7 @@ from uwsim.link.packing import poses
 EVERY = 8
 QUANTUM_M = 0.01
 NO_ECHO = 65535
-DEPTHS = struct.Struct("<Hf")  # beams, and the range that stands for no echo
+DEPTHS = struct.Struct("<Hf")  # number of beams, and the range that represents no echo
 PLACED = struct.Struct("<q2f")  # stamp [ns]; first angle, increment [rad]
 SCAN = struct.Struct("<q2f2f2f")  # stamp [ns]; first angle, increment [rad]; times [s]; least and greatest range [m]
 

@@ -10,7 +10,7 @@ import numpy as np
 from uwsim.channels import Channel, build
 
 POSE = struct.Struct("<3i4h")  # mm, and 1/32767 of a unit quaternion's components
-KEY = struct.Struct("<6bB")  # 1/127 of full effort; the function
+KEY = struct.Struct("<6bB")  # efforts in 1/127 of full effort; the function
 TWIST = struct.Struct("<6h")
 TWIST_QUANTUM = 0.005  # m/s, rad/s
 INT32, INT16 = 2**31 - 1, 2**15 - 1
@@ -32,7 +32,7 @@ def unpack_pose(data: bytes, channel: Channel) -> Any:
 
 
 def pack_key(message: Any) -> bytes:
-    """Return 7 bytes: six efforts, which saturate at 1, and the function."""
+    """Return 7 bytes: six efforts, limited to 1, and the function."""
     linear, angular = message.position, message.orientation
     efforts = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     if not np.isfinite(efforts).all():
@@ -50,7 +50,7 @@ def unpack_key(data: bytes, channel: Channel) -> Any:
 
 
 def is_plain_key(message: Any) -> bool:
-    """Whether a key has efforts alone, which the next one's replace; a function must not get lost so."""
+    """Return whether a key has only efforts, which the next one's replace; a function must not be lost that way."""
     return bool(message.orientation.w == 0)
 
 

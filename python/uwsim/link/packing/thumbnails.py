@@ -12,7 +12,7 @@ from uwsim.channels import Channel, build
 
 WIDTH = 96
 QUALITY = 25
-USUAL_BYTES = 1200  # of the lake's pictures
+USUAL_BYTES = 1200  # for pictures of the lake
 HEAD = struct.Struct("<qB")  # stamp [ns], length of the frame's name
 
 
