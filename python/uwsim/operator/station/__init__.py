@@ -1,4 +1,4 @@
-"""The operator's station: a web page to fly by, and the part of the server that serves it."""
+"""The operator's station: a web page for flying, and the part of the server that serves it."""
 
 from uwsim.operator.station.hub import Station
 from uwsim.operator.station.site import Site

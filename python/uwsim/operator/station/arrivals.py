@@ -1,4 +1,4 @@
-"""Pictures of vehicles' cameras that have come over the link: all that a pilot has of them."""
+"""Pictures of vehicles' cameras that have come over the link, the only ones that a pilot gets."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from uwsim.simulator.simulator import Simulator
 SUFFIX = "image_raw/compressed"
 LOOK_S = 0.05
 SMALL_S = 2.0
-"""Between pictures of a view that nobody has as his large one, in simulated time."""
+"""Between pictures of a view that no pilot shows large, in simulated time."""
 
 
 class Arrivals:
     """The pictures that arrive for the views of vehicles' cameras.
 
-    A view's pictures are sent while somebody has it as his large one; the newest is kept, for whoever looks next and as
-    the small one. A cable and the ideal link carry those of small views, too, one in SMALL_S; a modem has no time for
-    them. describe: how often one comes.
+    A view's pictures are sent while any page shows it large; the newest is kept for later viewers and as the small
+    picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem has no capacity
+    for them. describe: how often one comes.
     """
 
     def __init__(self, live: LiveSimulator, carrier: Carrier, views: Iterable[View], node: Node) -> None:
@@ -57,23 +57,23 @@ class Arrivals:
         ]
 
     def start(self) -> None:
-        """Show what arrives, from now on."""
+        """Start showing arriving pictures."""
         for name, channel in self._channels.items():
             if channel is not None:
                 self._live.every(LOOK_S, self._reader(name, channel.name), self._shower(name))
 
     def describe(self, view: str) -> Values:
-        """Return what `describe` says of a view besides."""
+        """Return additional entries of `describe` for a view."""
         return {"link": self.pace(getattr(self._channels[view], "name", ""))}
 
     def pace(self, channel: str) -> Values:
-        """Return the modem, the seconds from picture to picture (None: it has no room for any), and `large_only`."""
+        """Return the modem, the seconds between pictures (None: it has no capacity for any), and `large_only`."""
         rate_hz = self._carrier.rates.get(channel)
         period_s = None if rate_hz is None else 1.0 / rate_hz
         return {"modem": self._carrier.modem, "period_s": period_s, "large_only": self._large_only}
 
     def snapshot(self, view: str) -> tuple[bytes, Values]:
-        """Return the newest picture as a PNG, and what the panel said last. Raises ValueError if none has come."""
+        """Return the newest picture as a PNG, and the panel at that time. Raises ValueError if none has come."""
         from PIL import Image
 
         if view not in self._newest:
@@ -85,7 +85,7 @@ class Arrivals:
         return png.getvalue(), to_plain(said[0]) if said else {}
 
     def _reader(self, name: str, channel: str) -> Any:
-        """Look for pictures while somebody wants them: that lets the vehicle send them."""
+        """Look for pictures while any page wants them, which lets the vehicle send them."""
 
         def read(sim: Simulator) -> Any:
             if self._is_due(name, sim.time_ns):
@@ -95,7 +95,7 @@ class Arrivals:
         return read
 
     def _is_due(self, name: str, time_ns: int) -> bool:
-        """Whether another picture of a view is wanted."""
+        """Return whether another picture of a view is wanted."""
         if self._node.is_wanted(f"station/view/{name}"):
             return True
         due_ns = self._small_due_ns.get(name, 0)

@@ -1,4 +1,4 @@
-"""The services of the station: names, requests and answers. `wire_js` makes the page's functions of them."""
+"""The services of the station: names, requests and answers. `wire_js` generates the page's functions from them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from uwsim.operator.station.wire import (
 class Call:
     """A service `/station/NAME`.
 
-    request, answer: their fields; what cannot be done answers Refused. is_brief: it is answered on the network's
-    thread. is_start_screen: a server with one scenario does not offer it.
+    request, answer: their fields; a failure answers Refused. is_brief: it is answered on the network thread.
+    is_start_screen: a server with one scenario does not offer it.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What is chosen on the start screen: checked field by field, then made into a scenario."""
+"""The choice on the start screen: checked field by field, then made into a scenario."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
 class ChoiceError(ValueError):
-    """What is wrong with a choice, by field."""
+    """The errors in a choice, by field."""
 
     def __init__(self, errors: dict[str, str]) -> None:
         super().__init__("; ".join(errors.values()))
@@ -28,8 +28,8 @@ class ChoiceError(ValueError):
 def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
     """Return the scenario and the speed of a choice. Raises ChoiceError.
 
-    offered: a scenario that may be chosen besides the packaged ones. Names alone are accepted: who sits at the page
-    need not be allowed to read this machine's files.
+    offered: a scenario that may be chosen in addition to the packaged ones. Only names are accepted, since the user of
+    the page may not be allowed to read this machine's files.
     """
     errors: dict[str, str] = {name: "unknown field" for name in choice if name not in FIELDS}
     values = {name: choice.get(name) for name in FIELDS}
@@ -72,7 +72,7 @@ def scenarios(offered: str) -> list[str]:
 
 @cache
 def catalog(offered: str = "lake") -> Values:
-    """Return what can be chosen, and the choice to begin with: that of the scenario `offered`. Made once."""
+    """Return the possible choices, and the initial one: that of the scenario `offered`. Computed once."""
     return {
         "scenarios": [_described(name) for name in scenarios(offered)],
         "vehicles": [

@@ -1,4 +1,4 @@
-"""Files that a pilot takes home: the map in several formats, and snapshots with what the panel said."""
+"""Files for pilots to download: the map in several formats, and snapshots with the panel's values."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
 
 
 def snapshot_png(running: Running, view: str) -> bytes:
-    """Return a picture of a view, without loss, and keep what the panel said at that moment. Raises ValueError.
+    """Return a lossless picture of a view, and store the panel's values at that moment. Raises ValueError.
 
-    Over a link these are the last picture and the last panel that came.
+    Over a link these are the last picture and the last panel that arrived.
     """
     shown = running.views.view(view)
     if running.arrivals is not None and view in running.arrivals:
@@ -51,7 +51,7 @@ def snapshot_png(running: Running, view: str) -> bytes:
 
 
 def snapshot_json(running: Running, view: str) -> bytes:
-    """Return what the panel said when the last picture of a view was taken. Raises ValueError without one."""
+    """Return the panel's values at the last picture of a view. Raises ValueError if there is none."""
     if running.views.view(view).name not in running.snapshots:
         raise ValueError(f"there is no snapshot of '{view}' yet")
     import orjson

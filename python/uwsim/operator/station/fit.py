@@ -1,16 +1,16 @@
-"""How large a picture can be so that its stream keeps its rate on the machine as it is now."""
+"""Chooses the largest picture for which a stream keeps its rate under the machine's present load."""
 
 from __future__ import annotations
 
 SHARES = (1.0, 0.75, 0.5)  # of the width
 TOO_LONG, SHORT = 0.8, 0.65  # shares of a period: below the second a larger size is tried
 SMOOTHING = 0.25
-LEAST_PICTURES = 4  # before another size; the first one fills caches
-PATIENCE, PATIENCE_MAX = 20, 640  # pictures before a larger size is tried; twice as many after each that failed
+LEAST_PICTURES = 4  # before the size changes; the first picture fills caches
+PATIENCE, PATIENCE_MAX = 20, 640  # pictures before a larger size is tried; doubled after each failure
 
 
 class Fit:
-    """Chooses the share of the full width from how long pictures take; their time goes with the number of pixels."""
+    """Chooses the share of the full width from how long pictures take, which is proportional to their pixels."""
 
     def __init__(self) -> None:
         self._step = 0
@@ -24,7 +24,7 @@ class Fit:
         return SHARES[self._step]
 
     def note(self, took_s: float, period_s: float) -> None:
-        """Take note of how long a picture of the present share took, and choose the share of the next."""
+        """Record how long a picture of the present share took, and choose the share of the next."""
         self._pictures += 1
         self._took_s = took_s if self._pictures <= 2 else self._took_s + SMOOTHING * (took_s - self._took_s)
         if self._pictures < LEAST_PICTURES:

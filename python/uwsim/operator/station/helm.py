@@ -1,4 +1,4 @@
-"""What the pilot's hands do: efforts that are fresh, held while they are repeated, and zero when they are not."""
+"""The pilot's efforts: they must be fresh, are held while they are repeated, and are zero otherwise."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from uwsim.live import LiveSimulator, NotRunningError
 
 SILENCE_S = 0.5
 """The age beyond which a command is refused, and the time without one after which efforts are zero."""
-RETRY_S = 0.05  # until efforts that could not be set to zero are tried again
+RETRY_S = 0.05  # until a failed attempt to set efforts to zero is repeated
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class LeastDelay:
-    """How much later than it could a message comes, by its sender's own clock.
+    """Estimates how late a message is, using its sender's own clock.
 
-    The clocks are not the same: the least difference between the two of the last WINDOW_S to 2 WINDOW_S is taken for
-    the delay of a message that waited for nothing, so that clocks may drift.
+    The two clocks differ: the least difference between them in the last WINDOW_S to 2 WINDOW_S counts as the delay of
+    an undelayed message, so that clocks may drift.
     """
 
     def __init__(self) -> None:
-        self._least = [math.inf, math.inf]  # of the present window and of the one before
+        self._least = [math.inf, math.inf]  # of the present and of the previous window
         self._began_s = -math.inf
 
     def age_s(self, sent_s: float, now_s: float) -> float:
-        """Return the age of a message that was sent at sent_s and came now."""
+        """Return the age of a message that was sent at sent_s and arrived now."""
         if now_s - self._began_s > WINDOW_S:
             self._least = [math.inf, self._least[0]]
             self._began_s = now_s
@@ -45,9 +45,9 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    Each command is given, also one that repeats the last: others may have commanded the vehicle since, its failsafe may
-    wait for a sign of life, and over a link one before may be lost. `beat` must be called at least twice a second, and
-    when it says: it sets efforts to zero when commands have ceased.
+    Every command is issued, even one that repeats the last: others may have commanded the vehicle since, its failsafe
+    may wait for a sign of life, and over a link an earlier one may be lost. `beat` must be called at least twice a
+    second, and when it asks to be: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -78,11 +78,11 @@ class Helm:
             return self._set(vehicle, efforts, {"age_s": age_s})
 
     def all_stop(self, request: Values, text: str = "") -> Future[Values]:
-        """Set or release all stop, by request["on"]; text: the answer's message. Raises ValueError."""
+        """Set or release all stop, by request["on"]; text: the message of the answer. Raises ValueError."""
         vehicle, on = self._named(request), wants_stop(request)
         require_link(self._live, vehicle, ALL_STOP)
         with self._lock:
-            self._efforts[vehicle] = ZERO  # all stop sets them to zero itself, and its release leaves them there
+            self._efforts[vehicle] = ZERO  # all stop itself sets them to zero, and its release leaves them there
         return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
 
     def _named(self, request: Values) -> str:
@@ -92,7 +92,7 @@ class Helm:
         return vehicle
 
     def beat(self) -> float:
-        """Set efforts to zero if no command has come for SILENCE_S; return when to look again [s]."""
+        """Set efforts to zero if no command has come for SILENCE_S; return when to check again [s]."""
         with self._lock:
             left_s = self._heard_s + SILENCE_S - self._clock()
             if left_s <= 0:
@@ -101,7 +101,7 @@ class Helm:
             return max(left_s, RETRY_S) if is_held else math.inf
 
     def let_go(self) -> None:
-        """Set efforts to zero now, and judge delays anew: another pilot has another clock."""
+        """Set efforts to zero now, and restart the estimate of delays: another pilot has another clock."""
         with self._lock:
             self._delay = LeastDelay()
             self._zero()
@@ -111,7 +111,7 @@ class Helm:
             if efforts != ZERO:
                 try:
                     self._set(vehicle, ZERO, {})
-                except (NotRunningError, RuntimeError):  # it stands still, or is flooded: the next beat tries again
+                except (NotRunningError, RuntimeError):  # it is paused or overloaded: the next beat tries again
                     return
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
@@ -121,7 +121,7 @@ class Helm:
 
 
 def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
-    """Return what a service answers when a command has taken effect: success, message (an error, or text), the tick."""
+    """Return a service's answer after a command has taken effect: success, message (an error, or text), the tick."""
     said: Future[Values] = Future()
 
     def say(done: Future[Any]) -> None:  # on the simulator's thread: the tick is that of the command
@@ -134,7 +134,7 @@ def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = N
 
 
 def wants_stop(request: Values) -> bool:
-    """Return whether all stop is to be set, as by default, or released. Raises ValueError."""
+    """Return whether all stop is to be set (the default) or released. Raises ValueError."""
     on = request.get("on", True)
     if not isinstance(on, bool):
         raise ValueError(f"on = {str(on)[:40]!r}: must be true or false")

@@ -1,4 +1,4 @@
-"""The station's end of the graph: it starts and ends simulators, and knows the pilot."""
+"""The station's end of the graph: it starts and ends simulators, and keeps track of the pilot."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ Show = Callable[[LiveSimulator | None, list[Channel], list[Service], Feed | None
 
 
 class Station:
-    """The operator's station: a guest of a rosbridge server, which `show` gives simulators to.
+    """The operator's station: a guest of a rosbridge server, to which `show` passes simulators.
 
         station = Station()
         with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
             ...
 
-    offered, link: the scenario that the start screen begins with, and the modem, if not the scenario's. is_fixed: it
-    runs one simulator, which `run` is given: no start screen. truth: whether pilots may see the vehicle's true
+    offered, link: the initial scenario of the start screen, and the modem, if different from the scenario's. is_fixed:
+    it runs one simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
     position. wire, origin: see uwsim.channels; others raise ValueError. threads: of simulators. folder: where `save`
     writes. phase: "idle" (the start screen), "starting", "running". session: a number that changes with each simulator
     and each restart.
@@ -56,7 +56,7 @@ class Station:
         threads: int | None = None,
         folder: Path | None = None,
     ) -> None:
-        checked_wire(wire, origin)  # now, and not when a pilot starts the first simulator
+        checked_wire(wire, origin)  # now, instead of when a pilot starts the first simulator
         self.folder = folder or Path.cwd()
         self.offered = offered
         self.link = link
@@ -77,30 +77,30 @@ class Station:
     # The graph's side
 
     def connect(self, node: Node) -> None:
-        """Take the end of the graph."""
+        """Receive the end of the graph."""
         self.node = node
         node.offer_topics(self._topics(None))
 
     def left(self, client: str) -> None:
-        """A connection is gone; a pilot's takes the efforts with it."""
+        """Called when a connection is gone; a pilot's takes the efforts with it."""
         if self.lease.leave(client):
             self.let_go()
         if not self.lease.members:
-            self.prepared.forget()  # nobody is at the start screen
+            self.prepared.forget()  # no client is left at the start screen
         self.tell()
 
     def demanded(self) -> None:
-        """Somebody wants what nobody wanted before: a picture may be due."""
+        """Called when a topic gets its first subscriber: a picture may be due."""
         self._pulse.stir()
 
     def serving(self, show: Show) -> Self:
-        """Give simulators to a server from now on."""
+        """Start passing simulators to a server."""
         self._show = show
         return self
 
     def __enter__(self) -> Self:
         self._pulse.start()
-        if not self.is_fixed:  # reading all files takes half a second, which the first page should not wait for
+        if not self.is_fixed:  # reading all files takes half a second, for which the first page should not have to wait
             threading.Thread(target=catalog, args=(self.offered,), name="uwsim-catalog", daemon=True).start()
         return self
 
@@ -114,7 +114,7 @@ class Station:
     # Simulators
 
     def start(self, choice: Values) -> None:
-        """Run a simulator of the user's choice instead of the present one. Raises ChoiceError, RuntimeError."""
+        """Run a simulator of the user's choice, replacing the present one. Raises ChoiceError, RuntimeError."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
         if choice.get("saved") is not None:
@@ -149,9 +149,9 @@ class Station:
         prepare: Callable[[Running], object] = lambda running: None,
         feed: Feed | None = None,
     ) -> None:
-        """Run the simulator that `make` makes, instead of the present one, which runs on until then.
+        """Run the simulator returned by `make`, replacing the present one, which keeps running until then.
 
-        prepare: called when its channels are there and before its map begins to grow. feed: shared with other sinks.
+        prepare: called when its channels exist and before its map starts to grow. feed: shared with other sinks.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -174,13 +174,13 @@ class Station:
             self._starting.release()
 
     def preview(self, scenario: str) -> bytes:
-        """Return a PNG from above of a scenario that may be chosen. Raises LookupError, ScenarioError, OSError."""
+        """Return a PNG from above of an available scenario. Raises LookupError, ScenarioError, OSError."""
         if self.is_fixed or scenario not in scenarios(self.offered):
             raise LookupError(scenario)
         return self.prepared.afterwards(lambda: preview_png(scenario))  # the simulator is needed sooner
 
     def quit(self) -> None:
-        """End the simulator: back to the start screen. Raises ValueError if there is none."""
+        """End the simulator and return to the start screen. Raises ValueError if there is none."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: there is nothing else to show")
         with self._starting:
@@ -189,12 +189,12 @@ class Station:
             self._enter("idle")
 
     def begin_anew(self) -> None:
-        """Take note that simulated time began anew: pages ask for everything again."""
+        """Record that simulated time has restarted, so that pages request everything again."""
         self.session = next(self._numbers)
         self.tell()
 
     def present(self) -> Running:
-        """Return what runs. Raises ValueError if nothing does."""
+        """Return the running simulator. Raises ValueError if there is none."""
         if self.running is None:
             raise ValueError("no simulator runs: start one")
         return self.running
@@ -216,7 +216,7 @@ class Station:
             running.helm.let_go()
 
     def tell(self) -> None:
-        """Tell the state, for it has changed."""
+        """Publish the state, since it has changed."""
         self._pulse.tell()
 
     def _topics(self, running: Running | None) -> list[GuestTopic]:

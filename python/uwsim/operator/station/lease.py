@@ -1,4 +1,4 @@
-"""Who has the controls: one pilot at a time; the others watch."""
+"""The lease of the controls: one pilot at a time; the others watch."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ NAME_MAX = 40
 
 
 class Lease:
-    """The members of a station, by connection, and which of them is the pilot; pilot: "" for nobody.
+    """The members of a station, by connection, and which of them is the pilot; pilot: "" for none.
 
-    asking: members who want the controls, in the order in which they asked.
+    asking: members who have asked for the controls, in order.
     """
 
     def __init__(self) -> None:
@@ -17,13 +17,13 @@ class Lease:
         self.asking: list[str] = []
 
     def join(self, client: str, name: object) -> None:
-        """Let a connection take part under a name. Raises ValueError."""
+        """Add a connection as a member with a name. Raises ValueError."""
         if not isinstance(name, str) or not name.strip() or len(name) > NAME_MAX or not name.isprintable():
             raise ValueError(f"name = {str(name)[:NAME_MAX]!r}: must have 1 to {NAME_MAX} printable characters")
         self.members[client] = name.strip()
 
     def leave(self, client: str) -> bool:
-        """Take note that a connection is gone; return whether it was the pilot's."""
+        """Remove a connection that is gone; return whether it was the pilot's."""
         self.members.pop(client, None)
         if client in self.asking:
             self.asking.remove(client)
@@ -33,9 +33,9 @@ class Lease:
         return was_pilot
 
     def take(self, client: str, *, is_silent: bool = False) -> None:
-        """Give the controls to a member if nobody has them, or a pilot who is silent: whose connection seems dead.
+        """Give the controls to a member if they are free, or held by a pilot whose connection seems dead (is silent).
 
-        Raises ValueError, and takes note of the wish, if somebody has them.
+        Raises ValueError, and records the request, if they are taken.
         """
         self._require_member(client)
         if self.pilot not in ("", client) and not is_silent:
@@ -45,7 +45,7 @@ class Lease:
         self._give(client)
 
     def hand_over(self, client: str, to: object) -> None:
-        """Pass the controls on to a member, or with "" to nobody. Raises ValueError."""
+        """Pass the controls to a member, or with "" release them. Raises ValueError."""
         self.require_pilot(client)
         if to != "" and to not in self.members:
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is no member")

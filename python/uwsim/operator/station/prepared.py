@@ -1,4 +1,4 @@
-"""A simulator that is made while the start screen is still open, so that Start need not wait for it."""
+"""A simulator that is prepared while the start screen is still open, so that Start need not wait for it."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ T = TypeVar("T")
 
 
 class Prepared:
-    """One simulator at most: that of the choice which was checked last. A choice is known by its scenario's content.
+    """At most one simulator: that of the last checked choice. A choice is identified by its scenario's content.
 
-    make: makes the simulator of a scenario. May be asked on any thread.
+    make: makes the simulator of a scenario. Methods may be called on any thread.
     """
 
     def __init__(self, make: Callable[[Scenario], Simulator]) -> None:
@@ -28,7 +28,7 @@ class Prepared:
         self._made: Future[Simulator] | None = None
 
     def want(self, scenario: Scenario) -> None:
-        """Begin to make a simulator, instead of that of another scenario. Raises OSError if a file is gone."""
+        """Start making a simulator, replacing that of another scenario. Raises OSError if a file is gone."""
         key = scenario_fingerprint(scenario)
         with self._lock:
             if key != self._key:
@@ -43,12 +43,12 @@ class Prepared:
             if made is None:
                 self._drop()
             self._key, self._made = "", None
-        if made is None or made.cancel():  # it would wait for the one before it
+        if made is None or made.cancel():  # it would have to wait for the previous one
             return self._make(scenario)
         return made.result()
 
     def afterwards(self, function: Callable[[], T]) -> T:
-        """Return what a function returns, which is called when nothing is being prepared any more."""
+        """Call a function when nothing is being prepared any more; return its result."""
         return self._worker.submit(function).result()
 
     def forget(self) -> None:
@@ -57,7 +57,7 @@ class Prepared:
             self._drop()
 
     def close(self) -> None:
-        """Make nothing more."""
+        """Prepare nothing more."""
         self.forget()
         self._worker.shutdown(wait=False, cancel_futures=True)
 
@@ -67,7 +67,10 @@ class Prepared:
         self._key, self._made = "", None
 
     def _warm(self, scenario: Scenario) -> Simulator:
-        """Make a simulator and take a small picture, since the first one takes long; looking changes nothing."""
+        """Make a simulator and render a small picture, since the first one takes long.
+
+        This does not change its state.
+        """
         simulator = self._make(scenario)
         for camera in list(simulator.rov.cameras.values())[:1]:
             camera.resized(64).capture().jpeg(80)

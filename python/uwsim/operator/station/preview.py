@@ -25,7 +25,7 @@ Points = NDArray[np.float64]
 
 @cache
 def preview_png(name: str) -> bytes:
-    """Return the picture of a scenario by its name; made once. Raises ScenarioError, OSError."""
+    """Return the picture of a scenario by name; drawn once. Raises ScenarioError, OSError."""
     return draw(load(name))
 
 
@@ -50,7 +50,7 @@ def draw(scenario: Scenario) -> bytes:
 
 
 class Plan:
-    """A picture of a terrain that more can be drawn on, in world coordinates."""
+    """A picture of a terrain on which more can be drawn, in world coordinates."""
 
     def __init__(self, terrain: Terrain) -> None:
         rows, columns = terrain.heights_m.shape
@@ -80,7 +80,7 @@ class Plan:
         self._pen.rectangle((x - 8, y - 8, x + 8, y + 8), fill=STATION, outline=INK, width=2)
 
     def vehicle(self, position_m: Points, yaw_deg: float, ahead: float = 0.0) -> None:
-        """Mark where a vehicle starts, as an arrow along its bow; ahead: pixels by which it is drawn off its place."""
+        """Mark where a vehicle starts, as an arrow along its bow. ahead: offset of the arrow in pixels."""
         along = np.array([math.cos(math.radians(yaw_deg)), -math.sin(math.radians(yaw_deg))])
         across = np.array([-along[1], along[0]])
         middle = self._at(position_m) + ahead * along
@@ -88,7 +88,7 @@ class Plan:
         self._pen.polygon([tuple(corner) for corner in corners], fill=START, outline=INK)
 
     def scale(self) -> None:
-        """Draw a bar with its length, and say how deep it is."""
+        """Draw a bar with its length, and a legend of depths."""
         most_m = 0.25 * self._image.width / self._pixels_per_m
         power = 10.0 ** math.floor(math.log10(most_m))
         length_m = max(step * power for step in (1, 2, 5) if step * power <= most_m)

@@ -1,4 +1,4 @@
-"""The station's pulse: it ends efforts that nobody holds, begins the pictures that are due and tells the state."""
+"""The station's pulse: ends efforts that no pilot holds, starts the pictures that are due and publishes the state."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 STATE = "station/state"
 STATE_S = 0.5
-SILENT_S = 1.5  # without anything from a pilot, who is pinged every second
+SILENT_S = 1.5  # without anything received from a pilot, who is pinged every second
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 class Pulse:
-    """A thread that beats when something is due, or when it is stirred; twice a second while there is nothing to do."""
+    """A thread that beats when something is due, or when stirred; twice a second while idle."""
 
     def __init__(self, station: Station) -> None:
         self._station = station
@@ -35,11 +35,11 @@ class Pulse:
         self._thread = threading.Thread(target=self._run, name="uwsim-station", daemon=True)
 
     def start(self) -> None:
-        """Begin to beat."""
+        """Start beating."""
         self._thread.start()
 
     def close(self) -> None:
-        """Beat no more."""
+        """Stop beating."""
         self._is_closing = True
         self._stirred.set()
         if self._thread.ident is not None:
@@ -50,7 +50,7 @@ class Pulse:
         self._stirred.set()
 
     def tell(self) -> None:
-        """Tell the state now, for it has changed. On any thread."""
+        """Publish the state now, since it has changed. On any thread."""
         self._is_changed = True
         self._stirred.set()
 
@@ -69,7 +69,7 @@ class Pulse:
                 rest_s = STATE_S
 
     def _beat(self, running: Running | None, now_s: float) -> float:
-        """Do what is due; return how long [s] nothing will be."""
+        """Do what is due; return the time [s] until something is due again."""
         if self._is_changed or now_s >= self._told_s + STATE_S:
             self._is_changed, self._told_s = False, now_s
             self._tell_state(running)
@@ -109,7 +109,7 @@ class Pulse:
 
 
 def _progress(running: Running) -> Values:
-    """Return how a simulator gets on."""
+    """Return a simulator's progress."""
     live = running.live
     return {
         "scenario": live.simulator.scenario.name,

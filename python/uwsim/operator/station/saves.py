@@ -1,4 +1,4 @@
-"""Sessions on disk: a folder with the maps, the state to go on from, the scenario with its files, and the commands."""
+"""Sessions on disk: a folder with maps, the state to continue from, the scenario with its files, and the commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STATE = "state"
 
 
 def save(running: Running, target: Path) -> None:
-    """Write a session, whole or not at all. Raises OSError, ValueError."""
+    """Write a session, completely or not at all. Raises OSError, ValueError."""
     live = running.live
     state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
     commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
@@ -29,7 +29,7 @@ def save(running: Running, target: Path) -> None:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
         for vehicle, ping_map in running.maps.items():
-            for suffix in ("bt", "ot"):  # for everyone; with every probability, to go on from
+            for suffix in ("bt", "ot"):  # one for other programs; one with all probabilities, to continue from
                 ping_map.write(folder / f"{vehicle}.{suffix}")
         folder.chmod(0o755)
         folder.rename(target)
@@ -54,7 +54,7 @@ def load_saved(folder: Path, threads: int | None) -> Simulator:
 
 
 def go_on_with_maps(running: Running, folder: Path) -> None:
-    """Let a session's maps grow on."""
+    """Continue a session's maps."""
     for vehicle, ping_map in running.maps.items():
         if (folder / f"{vehicle}.ot").is_file():
             ping_map.go_on_from(folder / f"{vehicle}.ot")

@@ -23,7 +23,7 @@ Mesh = tuple[NDArray[np.float64], NDArray[np.integer]]
 
 
 class Scene:
-    """Parts of a simulator's world, made when first asked for and kept. May be asked on any thread."""
+    """Parts of a simulator's world, made on first request and cached. Methods may be called on any thread."""
 
     def __init__(self, sim: Simulator, sources: list[Source]) -> None:
         self._scenario = sim.scenario
@@ -33,7 +33,7 @@ class Scene:
         self._made: dict[str, Any] = {}
 
     def described(self) -> Values:
-        """Return `scene.json`. Positions are in odom, in which everything else is told."""
+        """Return `scene.json`. Positions are in odom, like everything else on the wire."""
         grid = self.grid()
         rows, columns = grid.heights_m.shape
         west_m, south_m = (float(value) for value in grid.origin_m + self._origin_m[:2])

@@ -19,7 +19,7 @@ from uwsim.operator.station.saves import saved_names
 if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
 
-DEAD_S = 3.0  # without anything from a pilot, not even an answer to a ping: others may take the controls
+DEAD_S = 3.0  # without anything received from a pilot, not even an answer to a ping: others may take the controls
 
 
 class Services:
@@ -29,7 +29,7 @@ class Services:
         self._station = station
 
     def all(self) -> list[GuestService]:
-        """Return what the station offers."""
+        """Return the services that the station offers."""
         return [
             GuestService(
                 f"station/{name}", call.ros_type, _said(getattr(self, f"_{name}")), call.description, call.is_brief
@@ -123,12 +123,12 @@ class Services:
 
 
 def _sent(running: Running) -> str:
-    """Return what is answered to a command that has been given to the link, if there is one."""
+    """Return the answer to a command that has been passed to the link, if there is one."""
     return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
 
 
 def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
-    """Return a service whose mistakes are said in its answer."""
+    """Return a service that reports its errors in its answer."""
 
     def answer(caller: str, request: Values) -> Any:
         try:

@@ -1,4 +1,4 @@
-"""What the station serves over HTTP: the page's own files, previews of scenarios, the scene, maps and snapshots."""
+"""The station's HTTP content: the page's own files, previews of scenarios, the scene, maps and snapshots."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ TYPES = {
     ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
-WAITING_MAX = 40  # requests for what must be made
+WAITING_MAX = 40  # requests waiting for content that must be made
 DATA = re.compile(r"/(scene|map|snapshot|preview)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
 class File(NamedTuple):
-    """What is sent. name: as which a browser saves it, "" if it shows it."""
+    """The content of a response. name: under which a browser saves it, "" if it displays it."""
 
     body: bytes
     type: str
@@ -40,9 +40,9 @@ class File(NamedTuple):
 
 
 class Site:
-    """Answers the server's HTTP requests; what takes time is made on threads of its own.
+    """Answers the server's HTTP requests; slow content is made on separate threads.
 
-    may_load: whether a request may have more than the page's own files: such as one with the token.
+    may_load: whether a request may load more than the page's own files, for example because it has the token.
     """
 
     def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:
@@ -74,7 +74,7 @@ class Site:
         return _answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
 
     def _made(self, path: str) -> File:
-        """Make what a path stands for. Raises LookupError if nothing, ValueError if it cannot be made now."""
+        """Make the content for a path. Raises LookupError if there is none, ValueError if it cannot be made now."""
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._station.preview(asked[1]), TYPES[".png"])
@@ -141,7 +141,7 @@ def _answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, s
 
 def _safe(request: Request) -> dict[str, str]:
     """Return the headers that keep everything on this server: no foreign scripts, pictures, sockets or frames."""
-    host = request.headers["Host"]  # known, or an address: the door has seen it
+    host = request.headers["Host"]  # known, or an address: the door has checked it
     sockets = [f"ws://{host}", f"wss://{host}"]
     other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")
     if OTHER_BRIDGE.fullmatch(other):
@@ -151,7 +151,7 @@ def _safe(request: Request) -> dict[str, str]:
         f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
-    origin = request.headers.get("Origin")  # of a page that the door let in: it may read what it loads
+    origin = request.headers.get("Origin")  # of a page admitted by the door, which may read what it loads
     return {
         "Content-Security-Policy": policy,
         "X-Content-Type-Options": "nosniff",

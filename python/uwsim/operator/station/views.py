@@ -1,4 +1,4 @@
-"""The pictures that the page shows: rendered at the wall clock's pace, and only while somebody looks."""
+"""The pictures shown by the page: rendered at the wall clock's pace, and only while they are viewed."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
-UNAWAITED_PERIOD_S = 0.5  # of pictures that nobody takes, and of those in which nothing can have changed
-SMALL_PATIENCE_S = 1.0  # after which a small picture no longer gives way to large ones
-POLL_S = 0.03  # between looks whether a picture that is due can be made
+UNAWAITED_PERIOD_S = 0.5  # of pictures without a viewer, and of those in which nothing can have changed
+SMALL_PATIENCE_S = 1.0  # after which a small picture no longer waits for large ones
+POLL_S = 0.03  # between checks whether a due picture can be made
 JPEG = "sensor_msgs/msg/CompressedImage"
-THREADS = max(1, (os.cpu_count() or 2) - 1)  # the steps keep a core
+THREADS = max(1, (os.cpu_count() or 2) - 1)  # leaves a core for the steps
 
 
 @dataclass(frozen=True)
 class Size:
-    """How a view is rendered, and how often. width 0: the camera's own, or as much of it as the rate allows."""
+    """How a view is rendered, and how often. width 0: the camera's own width, or as much of it as the rate allows."""
 
     rate_hz: float = RATE_HZ
     width: int = 0
@@ -58,28 +58,28 @@ class Stream:
         self.show(self.camera, self.size)
 
     def fitted(self) -> Camera:
-        """Return the camera in the size of the next picture."""
+        """Return the camera at the size of the next picture."""
         width = self.camera.mount.width
         if self.fit is not None:
             width = round(self.fit.share * width)
         if self._fitted is None or self._fitted.mount.width != width:
-            self._fitted = self.camera.resized(width)  # which has a table of rays to be made
+            self._fitted = self.camera.resized(width)  # building its table of rays takes time
         return self._fitted
 
     def show(self, camera: Camera, size: Size) -> None:
-        """Take pictures of another camera or size from now on."""
+        """Switch to pictures of another camera or size."""
         self.camera, self.size, self._fitted = camera, size, None
         self.fit = None if size.width else Fit()
 
     @property
     def is_free(self) -> bool:
-        """Whether no picture of it is being made."""
+        """Whether none of its pictures is being made."""
         return self.job is None or self.job.done()
 
 
 @dataclass(eq=False)
 class View:
-    """A camera as the page knows it. kind: "camera", "station" or "chase". vehicle: "" for the station's."""
+    """A camera as described to the page. kind: "camera", "station" or "chase". vehicle: "" for the station's."""
 
     name: str
     title: str
@@ -94,14 +94,14 @@ class View:
         self.call("view", "small")
 
     def call(self, large: str, small: str) -> None:
-        """Let its topics be of these kinds."""
+        """Set the types of its topics."""
         small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
         whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
         self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
         self.small = Stream(f"station/{small}/{self.name}", reduced, small_size, self.frame_id)
 
     def described(self) -> Values:
-        """Return what `describe` says."""
+        """Return its entry in `describe`."""
         mount = self.camera.mount
         return {
             "name": self.name, "title": self.title, "kind": self.kind, "vehicle": self.vehicle,
@@ -111,10 +111,10 @@ class View:
 
 
 class Views:
-    """The views of one simulator. `beat` must be called when it says, and when `stir` was; it does not wait.
+    """The views of one simulator. `beat` must be called when it asks to be, and after `stir`; it does not block.
 
-    over_link: pictures of vehicles' cameras come over a link; those that are made here have other topics then, and
-    there are none without the truth.
+    over_link: whether pictures of vehicles' cameras come over a link; those made here then have other topics, and exist
+    only with the truth.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self, now_s: float) -> float:
-        """Begin the pictures that are due; return how long [s] none will be, unless `stir` is called."""
+        """Start the pictures that are due; return the time [s] until the next, unless `stir` is called."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
         for view in passing:
@@ -151,7 +151,7 @@ class Views:
         return min((max(stream.due_s - now_s, POLL_S) for stream in wanted if stream.is_free), default=math.inf)
 
     def _begin_small(self, wanted: list[Stream], now_s: float) -> None:
-        """Begin one small picture at a time, and only while no large one is being made."""
+        """Start one small picture at a time, and only while no large one is being made."""
         due = [stream for stream in wanted if self._is_due(stream, now_s)]
         if not due or not all(view.small.is_free for view in self.views.values()):
             return
@@ -178,7 +178,7 @@ class Views:
         view.large.show(view.camera.resized(int(size.width) or view.camera.mount.width), size)
 
     def renew(self) -> None:
-        """Take note that cameras may have other lenses."""
+        """Account for changed camera lenses."""
         for view in self.views.values():
             for stream in (view.large, view.small):
                 stream.show(view.camera.resized(int(stream.size.width) or view.camera.mount.width), stream.size)
@@ -190,7 +190,7 @@ class Views:
         return self.views[name]
 
     def capture(self, view: View, also: Callable[[Simulator], Any]) -> tuple[Frame, Any]:
-        """Return a picture in the camera's own size, and what `also` reads at the same moment. Waits."""
+        """Return a picture at the camera's full size, and the result of `also` at the same moment. Blocks."""
         snapshot, read = self._live.read(lambda sim: (view.camera.snapshot(), also(sim))).result()
         camera = view.camera.resized(view.camera.mount.width)
         return self._pictures.submit(lambda: camera.capture(at=snapshot, threads=THREADS)).result(), read
@@ -226,7 +226,7 @@ class Views:
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:
-    """Return the vehicles' cameras before those that look on, and the station's."""
+    """Return the vehicles' cameras, followed by the external ones and the station's."""
     found = []
     for source in table.sources:
         for name, camera in source.of(sim).cameras.items():
@@ -241,7 +241,7 @@ def _views(sim: Simulator, table: Table) -> Iterable[View]:
 
 
 def title(name: str) -> str:
-    """Return a name as a page shows it."""
+    """Return a name in the form shown by the page."""
     return " ".join(name.replace("_", " ").split("/")).capitalize()
 
 

@@ -1,4 +1,4 @@
-"""The fields of the station's requests and answers, as its page sends and gets them; `calls` has the services.
+"""The fields of the station's requests and answers, as sent and received by its page; `calls` has the services.
 
 docs/connections/station-wire.md explains the fields. The page's functions send no others; the server checks values
 where it reads them. Tests hold every answer to these types.
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Message(BaseModel):
-    """A JSON object without other fields than those that are named; one with a default may be missing."""
+    """A JSON object with exactly the named fields; one with a default may be missing."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -32,7 +32,7 @@ class Done(Message):
 
 
 class Refused(Message):
-    """The answer of a service that could not. errors: by the field of a choice."""
+    """The answer of a service that failed. errors: by the field of a choice."""
 
     success: Literal[False]
     message: str
@@ -51,7 +51,7 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """What the start screen chooses; a field that is missing or null is the scenario's own."""
+    """The choice on the start screen; a field that is missing or null keeps the scenario's value."""
 
     scenario: str | None = None
     vehicle: str | None = None

@@ -1,4 +1,4 @@
-"""The pilot's screen: fan, tapes, panel and messages; keys go to the hands."""
+"""The pilot's screen: fan, tapes, panel and messages; it passes keys to the hands."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from uwsim.operator.teleop.terminal import KeyReleased, ReleaseDriver
 
 FRAME_S = 0.1
 PAD_S, LOOK_S = 0.02, 1.0
-SILENT_S = 1.0  # without telemetry, after which the pilot is warned ...
-LATE = 2.5  # ... if it comes so often; over a slow modem, so many times the last interval
-QUIT_S = 3.0  # for which the terminal may take to be set right
+SILENT_S = 1.0  # without telemetry, after which the pilot is warned
+LATE = 2.5  # over a slow modem, this many times the last interval
+QUIT_S = 3.0  # time limit for restoring the terminal
 INTERRUPTED = 130  # exit code, as of all commands
 
 
 class TeleopApp(App[None]):
-    """Draws a connection's readout, and gives keys and gamepads to its hands. title: what is flown."""
+    """Draws a connection's readout, and passes keys and gamepads to its hands. title: of the vehicle."""
 
     CSS = """
     Screen { layout: vertical; background: $background; }
@@ -81,7 +81,7 @@ class TeleopApp(App[None]):
         yield Static("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: keys", id="keys")
 
     def on_mount(self) -> None:
-        """Begin to listen and to draw; end as one should at signals."""
+        """Start listening and drawing; end properly on signals."""
         self.query_one("#log", RichLog).can_focus = False
         loop = asyncio.get_running_loop()
         for name in ("SIGTERM", "SIGHUP", "SIGINT"):
@@ -95,7 +95,7 @@ class TeleopApp(App[None]):
             self.set_interval(PAD_S, self._poll_gamepads)
 
     def end_at_once(self) -> None:
-        """Put the efforts to zero and quit, even if the terminal takes no more output and would keep the process."""
+        """Set the efforts to zero and quit, even if the terminal accepts no more output and would block the process."""
         self.connection.stop()
         last = threading.Timer(QUIT_S, os._exit, (INTERRUPTED,))
         last.daemon = True
@@ -103,7 +103,7 @@ class TeleopApp(App[None]):
         self.exit(return_code=INTERRUPTED)
 
     def tell(self, text: str) -> None:
-        """Show a line to the pilot; from any thread."""
+        """Show a line to the pilot; may be called on any thread."""
         if text == self._last_said:
             return
         self._last_said = text
@@ -116,22 +116,22 @@ class TeleopApp(App[None]):
     # What the pilot does
 
     def on_key(self, event: events.Key) -> None:
-        """Take a key."""
+        """Handle a key."""
         character = event.character or ""
         if character:
             self.take(character)
 
     def on_key_released(self, message: KeyReleased) -> None:
-        """Take note that the terminal tells of releases, and that a key was let go."""
+        """Record that the terminal reports releases, and that a key was released."""
         self.hands.tells_releases = True
         self.hands.let_go(message.character)
 
     def on_app_blur(self) -> None:
-        """Let everything go when the terminal loses the keyboard: releases would not be told."""
+        """Release everything when the terminal loses the keyboard, since releases would not be reported."""
         self.hands.drop()
 
     def take(self, character: str) -> None:
-        """Do what a character stands for."""
+        """Perform the action of a character."""
         if character in SWITCHES:
             self.connection.do(SWITCHES[character])
         elif character in SERVICES:
@@ -150,7 +150,7 @@ class TeleopApp(App[None]):
             self.hands.press(character)
 
     def _mark(self) -> None:
-        """Keep the place: marking is the published keyboard's own, not a command."""
+        """Store the place: marking is a function of the published keyboard, not a command."""
         readout = self.connection.readout
         east, north, up = readout.position_m
         self.marks.append(
@@ -172,11 +172,11 @@ class TeleopApp(App[None]):
     # What the pilot sees
 
     def draw(self) -> None:
-        """Draw everything anew."""
+        """Redraw everything."""
         self.hands.beat()
         readout = self.connection.readout
         if readout.all_stop and not self._was_stopped:
-            self.hands.drop()  # so that no key that is held moves the vehicle when all stop is released
+            self.hands.drop()  # so that no held key moves the vehicle when all stop is released
         self._was_stopped = readout.all_stop
         heading, fan, depth = (self.query_one(name, Static) for name in ("#heading", "#fan", "#depth"))
         heading.update(heading_tape(readout.heading_deg, heading.size.width))

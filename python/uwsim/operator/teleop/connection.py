@@ -1,7 +1,7 @@
 """The wire between the pilot's terminal and a vehicle: a plain rosbridge client of the published topics.
 
-One thread listens, another sends the efforts of this moment, so that they end in time even if the screen hangs. They
-are said PERIODS apart while the pilot has the helm: a vehicle knows by it that he is there.
+One thread listens, another sends the present efforts, so that they end in time even if the screen hangs. They are sent
+repeatedly while the pilot has the helm, which tells the vehicle that the pilot is there.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from uwsim.channels.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
 from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
 
-PERIOD_S = 0.05  # at which the hands are asked
-STOP_AGAIN_S = 1.0  # until an all stop that has not been answered is asked for again
-REPEAT_S = 0.2  # at which unchanged efforts are said again
+PERIOD_S = 0.05  # at which the hands are polled
+STOP_AGAIN_S = 1.0  # until an unanswered all stop is requested again
+REPEAT_S = 0.2  # at which unchanged efforts are sent again
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # between attempts to connect
-ANSWER_S = 3.0  # for which a server may take to list its topics
+ANSWER_S = 3.0  # time limit for a server to list its topics
 STOP_S = 2.0
-QUEUE = 2  # messages of a topic that may wait: a pilot wants the newest
+QUEUE = 2  # messages of a topic that may wait: a pilot needs the newest
 
 
 class Connection:
     """Keeps a terminal connected to a rosbridge server.
 
-    vehicle: whose topics are meant where there are several. say: is told, on any thread, what the pilot should read.
-    Raises ValueError for a url that is none.
+    vehicle: selects the topics if there are several. say: called, on any thread, with text for the pilot. Raises
+    ValueError for an invalid url.
     """
 
     def __init__(
@@ -45,15 +45,16 @@ class Connection:
         self.say = say
         self.readout = Readout()
         self.state = "connecting"
-        self.heard_s = -float("inf")  # when telemetry came last
+        self.heard_s = -float("inf")  # time of the last telemetry
         self.interval_s = 0.0  # between the last two
         self._vehicle = vehicle
         self._prefix = ""
         self._node: Node | None = None
         self._publish: Callable[[Any], None] = lambda message: None
-        self._sending = threading.Lock()  # guards the node, and what was said and asked for last
+        self._sending = threading.Lock()  # guards the node, and what was last sent and requested
         self._efforts, self._tilt, self._said_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
-        self._stop_asked_s: float | None = None  # when all stop was asked for last, while it is not known to be set
+        # time of the last request for all stop, as long as it is not known to be set
+        self._stop_asked_s: float | None = None
         self._stopping = threading.Event()
         self._threads = [
             threading.Thread(target=run, name=f"uwsim-teleop-{name}", daemon=True)
@@ -61,12 +62,12 @@ class Connection:
         ]
 
     def start(self) -> None:
-        """Begin to connect."""
+        """Start connecting."""
         for thread in self._threads:
             thread.start()
 
     def stop(self) -> None:
-        """Put the efforts to zero, say so to the vehicle, and disconnect. May be called twice, on any thread."""
+        """Set the efforts to zero, send that to the vehicle, and disconnect. May be called twice, on any thread."""
         self.hands.drop()
         with self._sending:
             if self._node is not None and self._any_effort_said():
@@ -74,18 +75,18 @@ class Connection:
             node, self._node = self._node, None
         self._stopping.set()
         if node is not None:
-            node.close()  # what was sent before arrives before
+            node.close()  # sent before, so it arrives before
         for thread in self._threads:
             if thread is not threading.current_thread() and thread.is_alive():
                 thread.join(STOP_S)
 
     @property
     def silence_s(self) -> float:
-        """For how long no telemetry has come."""
+        """Time since the last telemetry."""
         return time.monotonic() - self.heard_s
 
     def do(self, function: Function) -> None:
-        """Ask for a function of the published wire, such as the release."""
+        """Request a function of the published wire, such as the release."""
         with self._sending:
             if self._node is None:
                 self.say("not connected")
@@ -93,7 +94,7 @@ class Connection:
                 self._say_efforts(self._efforts, function)
 
     def call(self, service: str) -> None:
-        """Call a service of the vehicle; what it answers is said."""
+        """Call a service of the vehicle and show its answer."""
         with self._sending:
             if self._node is None:
                 self.say("not connected")
@@ -101,7 +102,7 @@ class Connection:
                 self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._tell_answer(service)))
 
     def all_stop(self, *, on: bool) -> None:
-        """Set all stop, or release it. Until a server has set it, it is asked for again, in later connections, too."""
+        """Set or release all stop. Until a server has set it, it is requested again, even in later connections."""
         with self._sending:
             if on and self._stop_asked_s is not None:
                 return  # the key repeats
@@ -122,7 +123,7 @@ class Connection:
             values = response.get("values")
             is_refused = isinstance(values, dict) and not values.get("success", True)
             if not (response.get("result") and is_refused):
-                with self._sending:  # it is set, or the server has no such service: the efforts are zero there
+                with self._sending:  # it is set, or the server lacks this service, but then the efforts there are zero
                     self._stop_asked_s = None
             tell(response)
 
@@ -189,7 +190,10 @@ class Connection:
         node.close()
 
     def _offered(self, node: Node) -> set[str]:
-        """Return the server's topics, or none if it does not say: then they are taken to be the published ones."""
+        """Return the server's topics, or an empty set if it does not list them.
+
+        It is then assumed to have the published ones.
+        """
         answers: list[dict[str, Any]] = []
         node.call("/rosapi/topics", answers.append)
         deadline_s = time.monotonic() + ANSWER_S
@@ -246,7 +250,7 @@ class Connection:
         self._guarded(lambda node: self._publish(message))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:
-        """Act with the node, unless its connection ends just now: whoever listens will say so."""
+        """Act with the node, unless its connection is just ending, which the listening thread reports."""
         try:
             if self._node is not None:
                 act(self._node)

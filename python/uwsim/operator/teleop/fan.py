@@ -12,12 +12,12 @@ from uwsim.operator.teleop.braille import COLUMNS, ROWS, Canvas
 
 SCALES_M = (5.0, 10.0, 20.0, 40.0, 60.0, 100.0)
 RINGS = 4
-NEAR = ("bold red", "bold yellow", "bold green", "bold cyan")  # by the quarter of the scale
-ARC = 400  # dots of a ring
+NEAR = ("bold red", "bold yellow", "bold green", "bold cyan")  # by quarter of the scale
+ARC = 400  # number of dots in a ring
 
 
 def fan_scale_m(ranges_m: NDArray[np.float32]) -> float:
-    """Return the least scale that shows nine in ten of the echoes, the largest if there is none."""
+    """Return the smallest scale that shows nine in ten of the echoes, the largest if there are none."""
     echoes = ranges_m[np.isfinite(ranges_m)]
     far_m = float(np.quantile(echoes, 0.9)) if len(echoes) else math.inf
     return next((scale_m for scale_m in SCALES_M if scale_m >= far_m), SCALES_M[-1])

@@ -1,4 +1,4 @@
-"""Fly from the terminal until the pilot quits: whatever ends it, the efforts are zero afterwards."""
+"""Fly from the terminal until the pilot quits; the efforts are zero afterwards, whatever the reason."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.operator.teleop.hands import Hands
 
 
 class _ToScreen(logging.Handler):
-    """Shows warnings on the pilot's screen, which they would spoil on stderr."""
+    """Shows warnings on the pilot's screen, since on stderr they would corrupt it."""
 
     def __init__(self, app: TeleopApp) -> None:
         super().__init__(logging.WARNING)
@@ -25,7 +25,7 @@ class _ToScreen(logging.Handler):
 
 
 def fly(url: str, name: str, vehicle: str | None = None) -> tuple[list[str], int]:
-    """Show the pilot's screen until he quits; return the marked places and the exit code. Raises ValueError."""
+    """Show the pilot's screen until the pilot quits; return the marked places and the exit code. Raises ValueError."""
     connection = Connection(url, Hands(), vehicle)
     for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads keys and draws
         if not stream.isatty():

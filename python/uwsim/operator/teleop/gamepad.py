@@ -1,7 +1,7 @@
 """Gamepads through SDL (pygame-ce, the extra 'gamepad'), with the sticks and buttons of the station's page.
 
-Sticks as on most ROVs: the left one climbs and turns, the right one goes ahead and sideways. SDL's database gives every
-known pad the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
+Sticks as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database maps every
+known pad to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
 """
 
 from __future__ import annotations
@@ -54,18 +54,21 @@ class Gamepads:
         self._pad: Any = None
         self._pressed: set[int] = set()
         if self.is_possible:
-            os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # no window: the pads alone
+            os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # no window, only the pads
             os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
             os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
             import pygame
             from pygame._sdl2 import controller
 
-            pygame.display.init()  # whose loop of events the pads need
+            pygame.display.init()  # the pads need its event loop
             controller.init()
             self._pygame, self._controller = pygame, controller
 
     def look(self) -> None:
-        """Look for a pad if there is none, and whether the one that was there still is. Call it every second or so."""
+        """Look for a pad if there is none, and check that the present one is still there.
+
+        To be called every second or so.
+        """
         if not self.is_possible:
             return
         if self._pad is not None and not self._pad.attached():
@@ -78,14 +81,14 @@ class Gamepads:
                     return
 
     def poll(self) -> tuple[dict[str, float], list[str], list[str]]:
-        """Return the sticks' efforts, and the keys whose buttons have just been pressed, and let go."""
+        """Return the sticks' efforts, and the keys whose buttons have just been pressed and released."""
         if self._pad is None:
             return {}, [], []
         self._pygame.event.pump()
         return self.read(self._pad)
 
     def read(self, pad: Pad) -> tuple[dict[str, float], list[str], list[str]]:
-        """Do the same for a given pad."""
+        """Like poll, for a given pad."""
         down = {button for button in BUTTONS if pad.get_button(button)}
         pressed, let_go = down - self._pressed, self._pressed - down
         self._pressed = down

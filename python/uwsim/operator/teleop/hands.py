@@ -1,10 +1,10 @@
 """The pilot's hands: keys and sticks become efforts, which end by themselves.
 
-A terminal tells of a key only that it was typed, and again as it repeats: not that it was let go. So an effort holds
-for FIRST_HOLD_S after a key was first typed, within which a keyboard begins to repeat, and for REPEAT_HOLD_S after each
+A terminal reports that a key was typed, and again as it repeats, but not that it was released. So an effort holds for
+FIRST_HOLD_S after a key was first typed, within which a keyboard starts to repeat, and for REPEAT_HOLD_S after each
 repeat. Only the last of several held keys repeats: the others hold as long as it does. Terminals with the kitty
-keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) tell when a key is let go; there an effort holds
-until then.
+keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released; there an effort
+holds until then.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from uwsim.base.axes import AXES
 from uwsim.channels.key import Function
 from uwsim.operator.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING
 
-FIRST_HOLD_S = 0.7  # keyboards wait for 0.25 to 0.66 s before they repeat
-REPEAT_HOLD_S = 0.25  # and repeat at 10 Hz or more; the rest is for slow networks
-STALL_S = 1.0  # without a beat, after which everything is let go: the screen hangs, and with it what hears of releases
+FIRST_HOLD_S = 0.7  # keyboards wait 0.25 to 0.66 s before they repeat
+REPEAT_HOLD_S = 0.25  # and repeat at 10 Hz or more; the rest is a margin for slow networks
+STALL_S = 1.0  # without a beat, after which everything is released: the screen hangs, and it receives the releases
 SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class Hands:
-    """What the pilot asks for now. Any thread may ask.
+    """The pilot's present commands. May be read on any thread.
 
-    has_helm: whether the pilot steers; he takes the helm with the first driving key or stick.
+    has_helm: whether the pilot steers; the first driving key or stick takes the helm.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -39,11 +39,11 @@ class Hands:
         self._share = SHARES.index(0.5)
         self._beaten_s = math.inf
         self.has_helm = False
-        self.tells_releases = False  # whether the terminal tells when a key is let go
+        self.tells_releases = False  # whether the terminal reports released keys
 
     @property
     def share(self) -> float:
-        """The effort of a key, of full effort."""
+        """The effort of a key as a share of full effort."""
         return SHARES[self._share]
 
     def change_share(self, steps: int) -> None:
@@ -51,11 +51,11 @@ class Hands:
         self._share = min(max(self._share + steps, 0), len(SHARES) - 1)
 
     def beat(self) -> None:
-        """Tell that the screen is alive. Whoever has beaten once must go on several times a second."""
+        """Report that the screen is alive. After the first beat, several a second are needed."""
         self._beaten_s = self._clock()
 
     def press(self, key: str) -> None:
-        """Take note that a key was typed, or has repeated."""
+        """Record that a key was typed, or has repeated."""
         with self._lock:
             if key == ALL_STOP:
                 self._drop()
@@ -77,18 +77,18 @@ class Hands:
             self._held[held] = max(self._held.get(held, -math.inf), now_s + hold_s)
 
     def let_go(self, key: str) -> None:
-        """Take note that a key was let go."""
+        """Record that a key was released."""
         with self._lock:
             self._held.pop(key, None)
 
     def set_sticks(self, efforts: Mapping[str, float]) -> None:
-        """Take the sticks of a gamepad: efforts in [-1, 1] by axis, held until the next call."""
+        """Set the efforts of a gamepad's sticks, in [-1, 1] by axis, held until the next call."""
         with self._lock:
             self._sticks = dict(efforts)
             self.has_helm = self.has_helm or any(efforts.values())
 
     def drop(self) -> None:
-        """Let everything go: each key must be pressed anew."""
+        """Release everything: each key must be pressed again."""
         with self._lock:
             self._drop()
 
@@ -97,7 +97,7 @@ class Hands:
         self._sticks = {}
 
     def efforts(self) -> dict[str, float]:
-        """Return the efforts of this moment, in [-1, 1] by axis."""
+        """Return the present efforts, in [-1, 1] by axis."""
         with self._lock:
             self._forget(self._clock())
             efforts = dict(ZERO)
@@ -110,18 +110,18 @@ class Hands:
             return {axis: self.share * min(max(effort, -1.0), 1.0) for axis, effort in efforts.items()}
 
     def tilt(self) -> Function:
-        """Return what the sonar's head is to do: tilt while its key is held, else hold."""
+        """Return the command for the sonar's head: tilt while its key is held, else hold."""
         with self._lock:
             self._forget(self._clock())
             return next((TILTING[key] for key in self._held if key in TILTING), Function.TILT_HOLD)
 
     def _forget(self, now_s: float) -> None:
-        """Forget the keys that hold no longer."""
+        """Forget the keys that no longer hold."""
         if now_s - self._beaten_s > STALL_S:
             self._drop()
         self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}
 
 
 def _opposed(key: str, other: str) -> bool:
-    """Whether two keys drive the same axis in opposite directions."""
+    """Return whether two keys drive the same axis in opposite directions."""
     return key != other and key in DRIVING and other in DRIVING and DRIVING[key][0] == DRIVING[other][0]

@@ -1,4 +1,4 @@
-"""The published keyboard, and a few keys more: which character does what."""
+"""The published keyboard, plus a few keys: the action of each character."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SWITCHES = {
     "'": Function.DOWN_ON,
 }
 SERVICES = {"u": "undock", "y": "dock", "z": "override_failsafe"}
-"""Keys of services that this project's servers offer beside the published wire."""
+"""Keys of services that this project's servers offer in addition to the published wire."""
 ALL_STOP, END_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "X", "c", "m", "-", "=", "?"
 
 HELP_TEXT = """\

@@ -1,4 +1,4 @@
-"""The panel beside the fan: figures, efforts as bars, warnings."""
+"""The panel next to the fan: values, efforts as bars, warnings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LIT, DARK = "bold yellow", "dim"
 
 
 def figures(readout: Readout) -> Text:
-    """Return the figures, two a line."""
+    """Return the values, two per line."""
     pairs = [
         ("speed", f"{_figure(readout.speed_m_s, 2)} m/s"), ("turn", f"{_figure(readout.turn_deg_s, 0)} °/s"),
         ("depth", f"{_figure(readout.depth_m, 1)} m"), ("above bed", f"{_figure(readout.seabed_m, 1)} m"),
@@ -37,7 +37,7 @@ def figures(readout: Readout) -> Text:
 
 
 def effort_bars(asked: dict[str, float], obeyed: tuple[float, ...]) -> Text:
-    """Return a bar for each axis: what the hands ask for, and beside it what the vehicle says that it obeys."""
+    """Return a bar for each axis: the efforts of the hands, next to those that the vehicle reports."""
     text = Text(no_wrap=True)
     for k, axis in enumerate(AXES):
         effort = asked[axis]

@@ -1,4 +1,4 @@
-"""What the pilot knows of the vehicle: the newest of everything that its topics said."""
+"""The pilot's information about the vehicle: the newest message of each of its topics."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from uwsim.channels.own_types import ALL_STOPPED
 from uwsim.mapping import ranging
 
 NAN = math.nan
-MODEL = 2  # of the sonar, until modelTrigger says another
-PUBLISHED_HFOV_DEG = 120.0  # until hFOV says another
+MODEL = 2  # the sonar's model, until modelTrigger arrives
+PUBLISHED_HFOV_DEG = 120.0  # until hFOV arrives
 
 
 @dataclass
 class Readout:
-    """The newest values; nan: not told.
+    """The newest values; nan: unknown.
 
-    heading_deg: of the compass, clockwise from north. position_m: as the server has it, in its odom frame. link: modem,
-    share that arrives, delay, and when the station heard the vehicle last; "" where the scenario has no link.
+    heading_deg: of the compass, clockwise from north. position_m: from the server, in its odom frame. link: modem,
+    share that arrives, delay, and when the station last heard the vehicle; "" if the scenario has no link.
     """
 
     position_m: tuple[float, float, float] = (NAN, NAN, NAN)
@@ -75,7 +75,7 @@ def take_telemetry(readout: Readout, message: Any) -> None:
     readout.mission_s = message.mission_time
     readout.battery_percent = message.battery
     readout.tilt_deg = math.degrees(message.tilt)
-    if len(message.efforts):  # a slow modem's panel does not tell
+    if len(message.efforts):  # missing in a slow modem's panel
         readout.efforts = tuple(float(value) for value in message.efforts)
     readout.lamps = tuple(bool(value) for value in message.lamps)
     readout.released = bool(message.released)
@@ -177,7 +177,7 @@ PUBLISHED: dict[str, tuple[str, Take]] = {
 
 
 def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]]:
-    """Return type and taker of each topic worth hearing. offered: what the server has; empty: it does not say."""
+    """Return type and handler of each useful topic. offered: the server's topics; empty: it does not list them."""
     found: dict[str, tuple[str, Take]] = {}
     panel, sonar = prefix + "telemetry" in offered, prefix + "ping" in offered
     for name, topic in (STANDARD | PUBLISHED).items():
@@ -192,7 +192,7 @@ def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]
 
 def _take_attitude(readout: Readout, xyzw: Any) -> None:
     x, y, z, w = (float(value) for value in xyzw)
-    if not 0.5 < x * x + y * y + z * z + w * w < 2.0:  # nan, or nothing
+    if not 0.5 < x * x + y * y + z * z + w * w < 2.0:  # nan, or not a rotation
         readout.heading_deg = readout.roll_deg = readout.pitch_deg = NAN
         return
     yaw_deg, pitch_deg, roll_deg = Rotation.from_quat((x, y, z, w)).as_euler("ZYX", degrees=True)

@@ -1,7 +1,7 @@
-"""Key releases, from terminals with the kitty keyboard protocol; textual itself asks for presses alone.
+"""Key releases, from terminals with the kitty keyboard protocol; textual itself only requests presses.
 
-The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With its flag 2 a key's event says whether it was
-pressed (1), has repeated (2) or was let go (3): `CSI code ; modifiers : event ; text u`.
+The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With its flag 2 a key's event states whether it was
+pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
-REPORT_EVENTS = "\x1b[=2;2u"  # set flag 2 beside those that are set
+REPORT_EVENTS = "\x1b[=2;2u"  # set flag 2 in addition to those already set
 EVENT = re.compile(
     r"\x1b\[(?P<code>\d+)(?P<others>:[\d:]*)?;(?P<modifiers>\d*):(?P<event>[123])(?P<rest>(?:;[\d:]*)?[u~ABCDEFHPQRS])"
 )
@@ -25,7 +25,7 @@ LET_GO = "3"
 
 
 class KeyReleased(Message):
-    """A key was let go. character: which, without modifiers."""
+    """A key was released. character: which, without modifiers."""
 
     def __init__(self, character: str) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class KeyReleased(Message):
 
 
 class ReleaseParser(XTermParser):
-    """Tells of releases by a callback, and of presses and repeats as textual does."""
+    """Reports releases by a callback, and presses and repeats like textual."""
 
     def __init__(self, released: Callable[[str], object]) -> None:
         super().__init__()
@@ -44,7 +44,7 @@ class ReleaseParser(XTermParser):
         if match is None:
             return super()._sequence_to_key_events(sequence, alt)
         if match["event"] == LET_GO:
-            if match["rest"].endswith("u"):  # no arrow or function key
+            if match["rest"].endswith("u"):  # not an arrow or function key
                 self._released(chr(int(match["code"])))
             return [events.Key("<ignore>", None)]
         plain = f"\x1b[{match['code']}{match['others'] or ''};{match['modifiers'] or '1'}{match['rest']}"
@@ -55,7 +55,7 @@ class ReleaseDriver(LinuxDriver):
     """Textual's driver for Linux and macOS, which also posts KeyReleased."""
 
     def start_application_mode(self) -> None:
-        """Ask for releases, too. A terminal that does not know how ignores it."""
+        """Request releases as well. A terminal without support ignores it."""
         super().start_application_mode()  # type: ignore[no-untyped-call]
         self.write(REPORT_EVENTS)
         self.flush()

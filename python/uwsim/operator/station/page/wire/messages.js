@@ -259,7 +259,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {'published' | 'instrument'} kind
  */
 
-/** What the start screen chooses; a field that is missing or null is the scenario's own.
+/** The choice on the start screen; a field that is missing or null keeps the scenario's value.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -289,7 +289,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {Record<string, string>} errors
  */
 
-/** The answer of a service that could not. errors: by the field of a choice.
+/** The answer of a service that failed. errors: by the field of a choice.
  * @typedef {object} Refused
  * @property {false} success
  * @property {string} message
