@@ -1,4 +1,4 @@
-"""The station's end of a mapping flight over a link: the pings that have arrived, and the map that they give."""
+"""The station's end of a mapping flight over a link: the pings that have arrived, and the map built from them."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from uwsim.simulator.simulator import Simulator
 
 
 class Ashore:
-    """Keeps what arrives of a vehicle's pings, ping by ping: an Observer of the simulator's journal.
+    """Collects the pings of a vehicle as they arrive: an Observer of the simulator's journal.
 
-    table: the simulator's channels. only: how the names end of what the vehicle sends, unless the scenario says what
-    its link carries; None: all that goes over a link. steps: from look to look. saved: of `save`, to go on from. The
-    link disturbs nothing aboard.
+    table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
+    selects what its link carries; None: all that can go over a link. steps: interval between looks. saved: the result
+    of `save`, to continue from. The link does not affect anything aboard.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class Ashore:
         self._carrier.start(saved["carrier"] if saved else None)
 
     def observe(self) -> None:
-        """Keep the pings that have arrived since the last look: the link forgets them."""
+        """Collect the pings that have arrived since the last look, since the link forgets them."""
         self.due_tick = self._sim.tick + self._steps
         for channel in self._seen:
-            channel.read(self._sim)  # over a cable, what nothing reads is not sent
+            channel.read(self._sim)  # over a cable, channels without a reader are not sent
         for got in self._network.received(STATION, 1e-9 * self._looked_ns):
             if self._ping is not None and got.topic == self._ping.channel.name:
                 self._pings.append(got.payload)
@@ -56,23 +56,23 @@ class Ashore:
         """Nothing depends on commands."""
 
     def save(self) -> dict[str, Any]:
-        """Return all that the future depends on, as JSON values."""
+        """Return everything that future results depend on, as JSON values."""
         pings = [base64.b64encode(ping).decode() for ping in self._pings]
         return {
             "pings": pings, "looked_ns": self._looked_ns, "due_tick": self.due_tick, "carrier": self._carrier.save(),
         }  # fmt: skip
 
     def close(self) -> None:
-        """Carry no more."""
+        """Stop carrying."""
         self._carrier.close()
 
     @property
     def ping_count(self) -> int:
-        """How many pings have arrived."""
+        """Number of pings that have arrived."""
         return len(self._pings)
 
     def table(self) -> list[LinkRow]:
-        """Return what became of the messages."""
+        """Return the fate of the messages."""
         return link_rows(self._sim)
 
     def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:

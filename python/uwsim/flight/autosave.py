@@ -10,14 +10,14 @@ from contextlib import AbstractContextManager, nullcontext
 from uwsim.base.stoppable import Stoppable, stop_on_signals
 
 AUTOSAVE_S = 30.0
-MAX_SHARE_OF_TIME = 0.5  # largest share of the wall time for saving, where a save takes longer than the interval
+MAX_SHARE_OF_TIME = 0.5  # largest share of wall time spent on saving, if a save takes longer than the interval
 
 
 class FlightAutosave(Stoppable):
     """Saves a flight every interval_s of wall time, 0 for never.
 
-    The first save is at the start, so that there is always a map. A save that fails is reported once, through `report`,
-    and so is the next that succeeds; meanwhile the flight goes on. hears_signals: whether Ctrl-C and SIGTERM end it.
+    The first save is at the start, so that there is always a map. A failed save is reported once, through `report`, as
+    is the next successful one; the flight continues in the meantime. hears_signals: whether Ctrl-C and SIGTERM end it.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class FlightAutosave(Stoppable):
         return self._interval_s > 0.0
 
     def flying(self) -> AbstractContextManager[None]:
-        """Let signals stop the flight during the block, if they are to."""
+        """Let signals stop the flight during the block, if enabled."""
         return stop_on_signals(self) if self._hears_signals else nullcontext()
 
     def due(self) -> bool:
@@ -54,7 +54,7 @@ class FlightAutosave(Stoppable):
             write()
         except (OSError, MemoryError) as error:
             self.failure = str(error)
-            if self._saves > 0 and not self._reported:  # a flight that ends before its second save reports the end only
+            if self._saves > 0 and not self._reported:  # a flight that ends before its second save only reports the end
                 self._report(f"autosave failed: {error}; the flight continues with the map in memory")
                 self._reported = True
         else:
@@ -64,5 +64,5 @@ class FlightAutosave(Stoppable):
                 self._reported = False
         self._saves += 1
         took_s = time.monotonic() - self._started_s
-        # The saved flight must not be older than the interval when the next one replaces it.
+        # When the next save replaces the present one, that must not be older than the interval.
         self._next_s = self._started_s + max(self._interval_s - took_s, took_s / MAX_SHARE_OF_TIME)

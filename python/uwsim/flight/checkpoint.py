@@ -1,14 +1,13 @@
 """A flight saved in its output folder, from which it is resumed.
 
-OUT/map.bt                     readable at any time
-OUT/checkpoint/flight.json     the request, how far it is, and which files belong to it: replaced last, atomically
-OUT/checkpoint/flight-N.npz    at tick N: where the sonars pinged; samples and simulator, if the mission is saved
-OUT/checkpoint/map-N.ot        the map with its log-odds; reference-N.ot if there is a reference
+OUT/map.bt readable at any time OUT/checkpoint/flight.json     the request, its progress, and which files belong to it:
+replaced last, atomically OUT/checkpoint/flight-N.npz at tick N: where the sonars pinged; samples and simulator, if the
+mission is saved OUT/checkpoint/map-N.ot the map with its log-odds; reference-N.ot if there is a reference
 
-A mission with `save` and `restore` goes on from its saved state. Any other is a running Python function, which cannot
-be saved: resumed, it is flown again from its start, without the map, as far as it was; there the simulator's state must
-be what it was to the last bit, unless another build saved it. From there on the saved map grows. This takes the time of
-the physics alone. Both give the same map.
+A mission with `save` and `restore` continues from its saved state. Any other is a running Python function, which cannot
+be saved: on resuming, it is flown again from its start, without the map, up to the saved tick; there the simulator's
+state must be the same to the last bit, unless another build saved it. From there on the saved map grows. This only
+takes the time of the physics. Both give the same map.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from uwsim.mapping import MapEngine, OccupancyMap
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
 BEFORE_ONE_ENGINE = "survey.state"
-"""The state of a survey that was saved before surveys were flights."""
+"""The state of a survey saved before surveys became flights."""
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
 
@@ -47,7 +46,7 @@ class FlightCheckpoint:
         return (self.folder / STATE).exists()
 
     def write(self, saved: SavedFlight) -> None:
-        """Replace the saved flight, as a whole or not at all. Raises OSError."""
+        """Replace the saved flight, completely or not at all. Raises OSError."""
         maps = {f"map-{saved.tick}.ot": saved.occupancy, f"reference-{saved.tick}.ot": saved.reference}
         arrays_name = f"flight-{saved.tick}.npz"
         files = [*(name for name, occupancy in maps.items() if occupancy is not None), arrays_name]
@@ -110,7 +109,7 @@ class FlightCheckpoint:
             raise ValueError(f"--resume: no unfinished flight is saved in '{self.out}': {why}")
 
     def remove_leftovers(self) -> None:
-        """Remove the temporary files of a flight that was killed while it wrote."""
+        """Remove the temporary files of a flight that was killed while writing."""
         for folder in (self.out, self.folder):
             _remove_leftovers(folder)
 
@@ -119,7 +118,7 @@ class FlightCheckpoint:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def set_aside(self) -> Path | None:
-        """Rename the saved flight to make room for another; return its new path, None when there was none.
+        """Rename the saved flight to make room for another; return its new path, or None if there was none.
 
         Raises OSError.
         """
@@ -130,7 +129,7 @@ class FlightCheckpoint:
         return self.folder.rename(aside)
 
     def _files_of_state(self) -> Collection[str]:
-        """Return the names of the files that belong to the present state; none if it cannot be read."""
+        """Return the names of the files that belong to the present state; empty if it cannot be read."""
         try:
             return read_state((self.folder / STATE).read_bytes()).files
         except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""The clock of a mission in flight: it steps the simulator, ends the flight at its time, and lets others look in."""
+"""The clock of a mission in flight: it steps the simulator, ends the flight on time, and calls others between waits."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from uwsim.simulator.simulator import Simulator
 
 
 class FlightOverError(Exception):
-    """The flight ends here, whatever the mission would do next; the message says why."""
+    """The flight ends here, whatever the mission would do next; the message has the reason."""
 
 
 class FlightClock:
     """Steps a simulator.
 
-    Waits are rounded to whole steps, at least one; the rounding does not add up. end_tick: where the flight is over,
-    and end_because why. on_pause: called after each wait, before the mission goes on; may raise FlightOverError.
+    Waits are rounded to whole steps, at least one; the rounding does not accumulate. end_tick: when the flight is over,
+    and end_because why. on_pause: called after each wait, before the mission continues; may raise FlightOverError.
     phase: of a saved clock. physics: times the steps.
     """
 
@@ -31,12 +31,12 @@ class FlightClock:
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds."""
+        """Simulated time in seconds."""
         return self._sim.time_s
 
     @property
     def phase(self) -> tuple[int, float]:
-        """The tick at its start, and the seconds that it has been asked for since."""
+        """The tick at its start, and the total of the requested waits since then in seconds."""
         return self._start_tick, self._waited_s
 
     def wait(self, duration_s: float) -> None:

@@ -1,4 +1,4 @@
-"""The map of a flight made again from the tracks that loop closure has bent, and these tracks."""
+"""The map of a flight rebuilt from tracks corrected by loop closure, and these tracks."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ Array = NDArray[np.float64]
 
 
 class PingKeeper:
-    """Keeps a vehicle's pings with the estimated poses that they were mapped by: a TakePing.
+    """Stores a vehicle's pings with the estimated poses used for mapping: a TakePing.
 
-    track: what was kept. true_path_m: the vehicle's true position at each. vehicle: by default the simulator's first.
+    track: the stored pings. true_path_m: the vehicle's true position at each. vehicle: by default the simulator's
+    first.
     """
 
     def __init__(self, sim: Simulator, vehicle: Vehicle | None = None) -> None:
@@ -37,7 +38,7 @@ class PingKeeper:
         self.true_path_m: list[Array] = []
 
     def __call__(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Array) -> None:
-        """Keep one ping of now."""
+        """Store one ping taken now."""
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
         std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
@@ -51,8 +52,8 @@ class PingKeeper:
 class ClosedPath:
     """A vehicle's track with its loops closed.
 
-    times_s: (n,), of its pings; path_world_m: (n, 3), where it was then; errors_m: (n,), its distance from the truth.
-    matched, tried: of the overlaps of its submaps.
+    times_s: (n,), of its pings; path_world_m: (n, 3), its positions then; errors_m: (n,), their distance from the
+    truth. matched, tried: numbers of overlaps between its submaps.
     """
 
     times_s: Array
@@ -69,9 +70,9 @@ class ClosedPath:
 def closed_flight(
     flown: FlightRecord, sim: Simulator, tracks: Mapping[str, PingTrack], true_paths_m: Mapping[str, Array]
 ) -> FlightRecord:
-    """Return the record with each vehicle's loops closed, and the map made again from the closed tracks.
+    """Return the record with each vehicle's loops closed, and the map rebuilt from the closed tracks.
 
-    true_paths_m: (n, 3) true positions at the pings, by vehicle, to judge the tracks by.
+    true_paths_m: (n, 3) true positions at the pings, by vehicle, for evaluating the tracks.
     """
     assert flown.occupancy is not None
     occupancy = OccupancyMap(resolution_m=flown.occupancy.resolution_m, engine=flown.occupancy.engine)
@@ -88,7 +89,7 @@ def closed_flight(
 
 
 def _insert_closed(chain: PingToMap, track: PingTrack, closed: ClosedTrack) -> Array:
-    """Pass all pings on, each from where it belongs; return the sonar's positions (n, 3)."""
+    """Pass all pings on from their corrected poses; return the sonar's positions (n, 3)."""
     sonar_m = np.empty((len(track), 3))
     for k, body in enumerate(closed.world_from_body):
         sonar = body @ track.body_from_sonar[k]

@@ -1,4 +1,4 @@
-"""compare: flies several missions over several seeds in the same water, and sets side by side what they did."""
+"""compare: flies several missions over several seeds in the same water, and compares the results."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ Curve = tuple[list[float], list[float]]
 class Row:
     """One flight.
 
-    seen_m2: columns of 1 m in which the sonar has had an echo; seen_share: of those that any of the compared flights
-    saw. half_seen_s: when half of seen_m2 had been seen. effort_s: the commands' mean absolute value, summed over time:
-    seconds of full thrust. estimate_rms_m: how far the vehicle was from where it believed it was; 0 for the truth.
-    map_coverage, map_error_m: of the map, see scored_area_m; map_error_m is
-    the mean distance of its occupied voxels from the true surface. NaN where there is none.
+    seen_m2: area of 1 m columns in which the sonar has had an echo; seen_share: relative to the columns that any of the
+    compared flights saw. half_seen_s: when half of seen_m2 had been seen. effort_s: the commands' mean absolute value,
+    integrated over time: seconds of full thrust. estimate_rms_m: distance between the true and the estimated position;
+    0 for the truth. map_coverage, map_error_m: of the map, see scored_area_m; map_error_m is the mean distance of its
+    occupied voxels from the true surface. NaN if there is none.
     """
 
     mission: str
@@ -57,7 +57,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """rows: by mission, then by seed. curves: by mission, of each seed: times [s] and what had been seen then [m2]."""
+    """rows: by mission, then by seed. curves: by mission, for each seed: times [s] and area seen by then [m2]."""
 
     rows: list[Row]
     curves: dict[str, list[Curve]]
@@ -79,10 +79,10 @@ def compare(
 ) -> Comparison:
     """Fly each mission with each seed; write compare.csv, compare.json, compare.png and each flight's folder.
 
-    missions: by the name that they get in the table, functions or files. arguments: for all of them. estimate: what the
-    missions fly by, the "truth" or the vehicle's "filter". faults: of each flight, as in a scenario's `faults`. Raises
-    ValueError before anything flies if there is nothing to compare, or for a wrong fault; OSError, and what missions
-    raise.
+    missions: functions or files, by their name in the table. arguments: for all of them. estimate: the pose that the
+    missions use, the "truth" or the vehicle's "filter". faults: of each flight, as in a scenario's `faults`. Before
+    flying, raises ValueError if there is nothing to compare, or for an invalid fault; also OSError and the errors of
+    missions.
     """
     numbers = list(seeds)
     if not missions or not numbers:
@@ -146,6 +146,6 @@ def _write(found: Comparison, folder: Path, flown_by: dict[str, Any]) -> None:
     curves = {name: [{"time_s": t, "seen_m2": a} for t, a in lines] for name, lines in found.curves.items()}
     rows = [{key: None if value != value else value for key, value in asdict(row).items()} for row in found.rows]
     write_json(folder / VALUES, {**flown_by, "rows": rows, "seen_over_time": curves})
-    from uwsim.figures.comparison import draw_comparison  # here, since matplotlib takes a second to import
+    from uwsim.figures.comparison import draw_comparison  # imported here, since matplotlib takes a second
 
     draw_comparison(folder / FIGURE, found.curves)

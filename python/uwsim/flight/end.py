@@ -1,4 +1,4 @@
-"""How a mission ends: by itself, at its time, stopped, interrupted, or by an error."""
+"""How a mission ends: by itself, at its time limit, stopped, interrupted, or by an error."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class End(NamedTuple):
 def run_to_end(run: Callable[[], Any], file: Path | None, *, foreign: tuple[type[Exception], ...] = ()) -> End:
     """Run a mission; return how it ended.
 
-    file: the mission's, of which an error names the line. foreign: errors that are not the mission's own.
+    file: the mission's, so that errors can name the line. foreign: types of errors not caused by the mission.
     """
     try:
         return End(DONE, run())

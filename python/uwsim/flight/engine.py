@@ -1,4 +1,4 @@
-"""The engine that flies: any mission in a simulator, with log, samples, map, link, recording, saves and results."""
+"""The flight engine: flies any mission in a simulator, with log, samples, map, link, recording, saves and results."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Flight:
 
     @property
     def progress(self) -> float | None:
-        """The share of the mission that is flown, 0..1, if it is known."""
+        """The share of the mission that has been flown, 0..1, if known."""
         return None if self._begun is None else self._begun.progress
 
     @property
@@ -62,7 +62,7 @@ class Flight:
         return None if self._saved is None else self._saved.mission
 
     def run(self) -> FlightRecord:
-        """Fly, write the results whatever happened, and raise what the mission raised."""
+        """Fly, write the results in any case, and re-raise the mission's error."""
         setup = self._setup
         self._remove_stale_results()
         self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
@@ -92,16 +92,16 @@ class Flight:
                 (out / stale).unlink(missing_ok=True)
 
     def _closed(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with its loops closed, if that was asked for."""
+        """Return the record with its loops closed, if requested."""
         if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
             return flown
-        from uwsim.flight.closed_flight import closed_flight  # here, since scipy takes long to import
+        from uwsim.flight.closed_flight import closed_flight  # imported here, since scipy takes long
 
         with self._setup.screen.status("closing loops"):
             return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
 
     def _verified(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with the result of the comparison with stock OctoMap, if that was asked for."""
+        """Return the record with the result of the comparison with stock OctoMap, if requested."""
         reference = None if self._setup.mapping is None else self._setup.mapping.reference
         if reference is None or flown.occupancy is None or self._autosave.in_haste:
             return flown
@@ -109,7 +109,7 @@ class Flight:
         return replace(flown, verified=same)
 
     def _written(self, flown: FlightRecord, out: Path) -> FlightRecord:
-        """Write the results; the saved flight goes last, so that --resume can make a report that failed."""
+        """Write the results; remove the saved flight last, so that --resume can repeat a failed report."""
         setup, checkpoint = self._setup, FlightCheckpoint(out)
         is_saved = checkpoint.exists and self._autosave.failure is None
         ahead = None if setup.mapping is None else setup.mapping.ahead
@@ -123,7 +123,7 @@ class Flight:
         return flown
 
     def _flown(self, show: Show) -> FlightRecord:
-        """Fly to the end, whatever it is."""
+        """Fly to the end, whatever its reason."""
         setup, sim = self._setup, self._sim
         warn_of_left_out(setup.lanes_left_out)
         self._clock = clock = self._new_clock(show)
@@ -145,7 +145,7 @@ class Flight:
         return record if self._maker is None else self._maker.recorded(record)
 
     def _result_of_mission(self, watched: Watched) -> Any:
-        """Fly the mission while its map is made; return what it returns."""
+        """Fly the mission while its map is built; return its result."""
         with mapping(watched, self._ashore) as self._maker, self._timer.measure(MISSION):
             self._begun = self._mission_with(watched.own)
             return self._begun.run()
@@ -177,7 +177,7 @@ class Flight:
         )
 
     def _new_clock(self, show: Show) -> FlightClock:
-        """Return the mission's clock, which ends the flight at its time."""
+        """Return the mission's clock, which ends the flight at its time limit."""
         sim, limit_s = self._sim, self._setup.time_limit_s
         limit = BATTERY_EMPTY if limit_s is None else f"the time limit of {limit_s:g} s is over"
         if limit_s is None:
@@ -193,7 +193,7 @@ class Flight:
         return OwnVehicle(hull, clock, estimate=estimate, hear=self._log.add)
 
     def _mission_with(self, own: Mapping[str, OwnVehicle]) -> Begun:
-        """Return the mission with its vehicles, as it was saved if it was."""
+        """Return the mission with its vehicles, in its saved state if there is one."""
         begun = self._setup.mission.begun(own, self._clock, self._setup.plan)
         if self._restored:
             if begun.resumable is None:
@@ -205,7 +205,7 @@ class Flight:
         self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
     def _on_pause(self, show: Show) -> None:
-        """Show and save the flight when that is due, and end it on Ctrl-C."""
+        """Show and save the flight if due, and end it on Ctrl-C."""
         begun, request = self._begun, self._setup.request
         stop = self._autosave.stop_requested()
         if begun is not None:
@@ -218,7 +218,7 @@ class Flight:
             raise FlightOverError(INTERRUPTED)
 
     def _save(self, request: FlightRequest, begun: Begun) -> None:
-        """Save the flight as it is now, once the map holds all pings until now."""
+        """Save the flight in its present state, once the map contains all pings so far."""
         maker, out = self._maker, self._setup.out
         assert out is not None
         now = self._now(request, begun)
@@ -234,7 +234,7 @@ class Flight:
             maker.when_mapped(write)
 
     def _now(self, request: FlightRequest, begun: Begun) -> SavedFlight:
-        """Return all that a resumed flight needs, except for the map's growth."""
+        """Return everything that a resumed flight needs, except for the map's growth."""
         state, maker, mapping = self._sim.save_state(), self._maker, self._setup.mapping
         saved = SavedFlight(
             request,
@@ -260,7 +260,10 @@ class Flight:
 
 
 def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
-    """Whether a flight that is flown again is as far as it was saved. Raises MissionError if it is not the same."""
+    """Return whether a repeated flight has reached its saved tick.
+
+    Raises MissionError if it differs from the saved one.
+    """
     assert saved is not None
     if sim.tick < saved.tick:
         return False
@@ -272,6 +275,6 @@ def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
 def _link_rows(sim: Simulator) -> list[LinkRow]:
     if sim.link is None:
         return []
-    from uwsim.link.table import link_rows  # here, since channels take long to import
+    from uwsim.link.table import link_rows  # imported here, since channels take long
 
     return link_rows(sim)

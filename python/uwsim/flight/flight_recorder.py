@@ -1,4 +1,4 @@
-"""The recorder of a flight: its channels, or every ping of the map if the mission is planned, such as a survey."""
+"""The recorder of a flight: it records channels, or for a planned mission such as a survey, every ping of the map."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from uwsim.simulator.simulator import Simulator
 class FlightRecorder:
     """A recording of a flight.
 
-    table: the channels that it shares with a link. take_ping: records a ping; None if the channels do.
+    table: the channels, shared with a link. take_ping: records a ping; None if the channels do so.
     """
 
     recorder: Recorder
@@ -27,25 +27,25 @@ class FlightRecorder:
     take_ping: TakePing | None = None
 
     def start(self) -> None:
-        """Begin. Raises OSError."""
+        """Start recording. Raises OSError."""
         self.recorder.start()
 
     def note(self, flown: FlightRecord) -> None:
-        """Put what the pings do not say about the flight at the end of the recording."""
+        """Append the flight's notes, which the pings do not contain, to the end of the recording."""
         if self.take_ping is not None:
             note_record(self.recorder, flown)
 
     def try_close(self) -> OSError | None:
-        """Finish the file; return the error if something could not be written."""
+        """Finish the file; return the error if writing failed."""
         return self.recorder.try_close()
 
 
 def flight_recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, survey: FlightRequest | None
 ) -> FlightRecorder:
-    """Return what records a flight, by default all channels but pictures and maps.
+    """Return the recorder of a flight, by default of all channels except pictures and maps.
 
-    survey: the request of a planned flight, whose recording gives its map and report again.
+    survey: the request of a planned flight, whose map and report can be rebuilt from its recording.
     """
     if survey is not None:
         recorder = survey_recorder(sim, path, survey, topics)

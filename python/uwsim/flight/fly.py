@@ -72,23 +72,23 @@ def fly(
         record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
 
     mission: see found_mission; None: the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator, which
-    flies on from where it is. out: a folder for log.jsonl, track-VEHICLE.csv, map.bt and, by report, report.html
+    continues from its present state. out: a folder for log.jsonl, track-VEHICLE.csv, map.bt and, by report, report.html
     ("full"), summary.json ("json") or neither ("none"). arguments: for the mission's other parameters. vehicles: names;
-    by default all if the mission takes `vehicles`, else the first. estimate: what vehicles know of their pose, and what
-    the map is made with: the "truth", or that of their "filter" (Vehicle.estimate). mission_time_s: of the battery;
+    by default all if the mission takes `vehicles`, else the first. estimate: the vehicles' knowledge of their poses,
+    also used for the map: the "truth", or their "filter" (Vehicle.estimate). mission_time_s: of the battery;
     time_limit_s: simulated; by default the battery's. link: a modem, by name or file, that replaces the scenario's; the
-    map that the station makes of the pings that arrive is written as map_ashore.bt. carried: how the names end of what
-    vehicles say over it; by default all that goes over a link. record: a new recording (.mcap), of record_topics; by
+    station's map of the pings that arrive is written as map_ashore.bt. carried: name endings of the channels that
+    vehicles send over it; by default all that can go over a link. record: a new recording (.mcap) of record_topics; by
     default all but pictures. autosave_s: wall time between saves, from which `resume` continues; 0 for none. screen:
-    shows what happens, by default nothing; with a Terminal the flight ends at Ctrl-C with its results.
+    displays the flight, by default nothing; with a Terminal, Ctrl-C ends the flight with its results.
 
-    Of the map: engine "bricks" by default; verify_map inserts every scan into a stock OctoMap map, too, and compares
+    For the map: engine is "bricks" by default; verify_map also inserts every scan into a stock OctoMap map and compares
     the bytes; map_memory_mb limits its memory, the rest goes to disk; map_growth measures it as it grows;
-    outlier_filter replaces the scenario's; close_loops bends the filter's track after the flight until what it saw
-    twice fits, and makes the map again: such a flight is not saved as it flies.
+    outlier_filter replaces the scenario's; close_loops corrects the filter's track after the flight so that areas seen
+    twice match, and rebuilds the map: such a flight is not saved in flight.
 
-    Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and what the mission
-    raises, for a file as MissionError, after the results of the flight until then have been written.
+    Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and the mission's own
+    errors, as MissionError if it is in a file, after the results so far have been written.
     """
     of_map = {
         "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
@@ -169,10 +169,10 @@ def resume(
     screen: Silent | None = None,
     **arguments: Any,
 ) -> FlightRecord:
-    """Continue the flight that was last saved in `out`, to the same results; see checkpoint.py.
+    """Continue the flight that was last saved in `out`, with the same results; see checkpoint.py.
 
     arguments: other arguments of `fly`; those that are not None must equal those of the saved flight. Raises ValueError
-    if there is none, if an argument differs, if the mission's file has changed, or if it does not fly as it did;
+    if there is none, if an argument differs, if the mission's file has changed, or if the repeated flight differs;
     OSError.
     """
     require_report(report)
@@ -224,7 +224,7 @@ def _recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
 ) -> FlightRecorder:
     """Return a recorder, which has not written anything yet. Raises ValueError."""
-    from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats take long to import
+    from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
 
     return flight_recorder(sim, path, topics, request if mission.make is not None else None)
 
@@ -233,7 +233,7 @@ def _require_consistent(
     estimate: str, report: str, makes_map: bool, of_map: Mapping[str, Any], close_loops: bool,
     time_limit_s: float | None,
 ) -> None:  # fmt: skip
-    """Raise ValueError for arguments that contradict each other, or would be without effect."""
+    """Raise ValueError for arguments that contradict each other, or would have no effect."""
     if estimate not in ESTIMATES:
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
     require_report(report)
@@ -260,7 +260,7 @@ def _require_able(
     sim: Simulator, mission: FlownMission, names: tuple[str, ...], estimate: EstimateKind, makes_map: bool,
     outlier_filter: bool | None,
 ) -> None:  # fmt: skip
-    """Raise ValueError unless the vehicles can fly this: before anything is written."""
+    """Raise ValueError unless the vehicles can fly this, before anything is written."""
     if mission.make is not None and len(names) > 1:
         raise ValueError(f"vehicles = {', '.join(names)}: {mission.title} flies one vehicle")
     for name in names:
@@ -273,7 +273,7 @@ def _require_able(
 
 
 def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
-    """Return the edge of the map's voxels. Raises ScenarioError for one that a scenario could not have either."""
+    """Return the edge of the map's voxels. Raises ScenarioError for a value that a scenario could not have either."""
     if voxel_m is None:
         return default_voxel_m(sim)
     if sim.scenario.survey is None:

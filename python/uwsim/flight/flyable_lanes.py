@@ -1,6 +1,6 @@
-"""The plan of a scenario's survey, and which parts of its lanes can be flown, looked up in the true world beforehand.
+"""The plan of a scenario's survey, and the parts of its lanes that can be flown, determined from the true world.
 
-The mission itself does not see the world: it gets the lanes that are left.
+The mission itself does not see the world: it gets the remaining lanes.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from uwsim.simulator.simulator import Simulator
 
 STEP_M = 1.0
 MARGIN_M = 2.0
-"""Free water needed round a lane."""
+"""Free water required around a lane."""
 SHORTEST_M = 10.0
-"""A shorter part of a lane is left out."""
+"""Shorter parts of lanes are left out."""
 LEAST_SHARE = 0.5
-"""A survey of which a smaller share can be flown is refused: its area is a mistake."""
+"""A survey of which a smaller share can be flown is refused, since its area must be a mistake."""
 
 Points = NDArray[np.float64]
 
@@ -33,14 +33,14 @@ class SurveyAreaWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class FlyableLanes:
-    """lanes: what can be flown, in order. left_out: a sentence on the rest; None if there is none."""
+    """lanes: those that can be flown, in order. left_out: a sentence on the rest; None if there is none."""
 
     lanes: list[Lane]
     left_out: str | None
 
 
 def required_survey(scenario: Scenario) -> Survey:
-    """Return the scenario's survey. Raises ScenarioError when it has none."""
+    """Return the scenario's survey. Raises ScenarioError if it has none."""
     if scenario.survey is None:
         raise ScenarioError(
             f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
@@ -62,13 +62,13 @@ def survey_plan(survey: Survey) -> LawnMowerPlan:
 def flyable_plan(
     sim: Simulator, plan: LawnMowerPlan, least_share: float = LEAST_SHARE
 ) -> tuple[LawnMowerPlan, str | None]:
-    """Return the plan, with the lanes that can be flown if some cannot, and a sentence on those left out.
+    """Return the plan, restricted to the lanes that can be flown, and a sentence on those left out.
 
     Raises ScenarioError if a smaller share can be flown.
     """
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
-    )  # not the present pose: a resumed flight is the same
+    )  # not the present pose, so that a resumed flight gives the same plan
     lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
     found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)
@@ -135,5 +135,5 @@ def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, floa
 
 
 def _percent(share: float) -> str:
-    """Return a share in per cent; one above 0 is not rounded down to 0, nor one below 1 up to 100."""
+    """Return a share in per cent; a share above 0 is not rounded down to 0, nor one below 1 up to 100."""
     return f"{100.0 * share:.0f} %" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.2g} %"

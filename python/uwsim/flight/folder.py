@@ -1,4 +1,4 @@
-"""Makes the folder that results are written into, before a long flight."""
+"""Creates the folder for results before a long flight."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.scoring.survey_track import TRACK
 
 
 def made_folder(out: Path) -> Path:
-    """Make a folder. Raises OSError if nothing could be written there."""
+    """Create a folder. Raises OSError if it is not writable."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):
@@ -22,7 +22,7 @@ def made_folder(out: Path) -> Path:
 
 
 def results_folder(out: Path) -> Path:
-    """Make the folder of a flight's results. Raises OSError if they could not be written there."""
+    """Create the folder of a flight's results. Raises OSError if they could not be written there."""
     made_folder(out)
     for name in (MAP, REPORT, TRACK, SUMMARY):
         if (out / name).exists() and not (out / name).is_file():

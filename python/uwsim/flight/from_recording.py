@@ -34,15 +34,15 @@ NOTED = (
     "ping_interval_s", "ping_interval_requested_s", "pings_with_warning", "warning_limits_m", "verified",
     "lanes_left_out", "planned",
 )  # fmt: skip
-"""Fields of the record that the pings do not give."""
+"""Fields of the record that cannot be derived from the pings."""
 RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
-"""Fields as recordings of the first version name them."""
+"""Fields under their names in recordings of the first version."""
 
 
 def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: tuple[str, ...] | None) -> Recorder:
-    """Return what records a survey: its own pings and, unless topics say otherwise, all channels that do not follow.
+    """Return the recorder of a survey: its pings and, unless topics are given, all channels that cannot be derived.
 
-    Pictures follow from the rest, scans, clouds and the map from the pings. Raises ValueError.
+    Pictures can be derived from the rest; scans, clouds and the map from the pings. Raises ValueError.
     """
     if path.suffix != ".mcap":
         raise ValueError(f"--record {path}: must end in .mcap for a survey")
@@ -59,14 +59,14 @@ def record_ping(recorder: Recorder, ping: _core.Ping, panel: _core.Telemetry, wo
 
 
 def note_record(recorder: Recorder, record: FlightRecord) -> None:
-    """Put what the pings do not say about a survey at the end of its recording."""
+    """Append a survey's notes, which the pings do not contain, to the end of its recording."""
     recorder.note(record={name: getattr(record, name) for name in NOTED})
 
 
 def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
     """Write the map of a recorded survey to `out`, and its report into a folder; return the number of pings.
 
-    Raises ValueError if the recording was cut off before what a report needs, OSError.
+    Raises ValueError if the recording was cut off before the data that a report needs, OSError.
     """
     request = _request_of(recording)
     values = recording.notes.get("record")
@@ -85,13 +85,13 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
 
 
 def _record_of(values: dict[str, Any]) -> FlightRecord:
-    """Return the record of a recording's notes, without its pings."""
+    """Return the record in a recording's notes, without its pings."""
     named = {RENAMED.get(name, name): value for name, value in values.items()}
     return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
 
 
 def _request_of(recording: Recording) -> FlightRequest:
-    """Return the request of a recorded survey, of this version or the first, whose keys are among ours."""
+    """Return the request of a recorded survey, from this version or the first, whose keys are a subset of ours."""
     try:
         return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
     except ValidationError as error:
@@ -105,7 +105,7 @@ def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> t
     with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
         chain = chain_of(sim, sim.rov.name, filler, filters_outliers(sim, sim.rov.name, request.outlier_filter))
         for taken, warnings in recorded_pings(recording, NAME):
-            ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # what the log reads of it
+            ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # the part that the log reads
             points = chain.insert(ping.ranges_m, taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9)
             log.add(ping, points, panel)
     return occupancy, log

@@ -1,4 +1,4 @@
-"""How a flight's map grows: its size, and its distance from the true surface, at times that lie ever farther apart."""
+"""How a flight's map grows: its size, and its distance from the true surface, at increasing intervals."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from uwsim.mapping import OccupancyMap
 from uwsim.simulator.simulator import Simulator
 
-FIRST_S, FACTOR = 5.0, 1.25  # the times: FIRST_S x FACTOR^k, some 30 in an hour
-MOST_VOXELS = 20_000  # whose distances are measured, evenly picked among all
+FIRST_S, FACTOR = 5.0, 1.25  # measured at FIRST_S x FACTOR^k, about 30 times in an hour
+MOST_VOXELS = 20_000  # limit for measuring distances; they are picked evenly among all
 
 
 class GrowthRow(NamedTuple):
-    """The map at a time of the flight.
+    """The map at one time in the flight.
 
     area_m2: of the columns in which something is occupied. distance_mean_m, distance_p95_m: of occupied voxels from the
     true surface.
@@ -29,7 +29,7 @@ class GrowthRow(NamedTuple):
 
 
 def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> GrowthRow | None:
-    """Measure a map; None for an empty one."""
+    """Measure a map; return None for an empty one."""
     voxels = occupancy.occupied_voxels()
     if not len(voxels):
         return None
@@ -42,10 +42,10 @@ def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> Growth
 
 
 class GrowthWatch:
-    """Measures the map when it is time: an Observer of the simulator's journal.
+    """Measures the map when due: an Observer of the simulator's journal.
 
-    when_mapped: runs a job when the map holds all pings so far. begun_tick: of the flight. first_tick: rows until then
-    are there already.
+    when_mapped: runs a job when the map contains all pings so far. begun_tick: of the flight. first_tick: rows until
+    then already exist.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class GrowthWatch:
             self._go_on()
 
     def observe(self) -> None:
-        """Measure the map as it is now, once it is made."""
+        """Schedule a measurement of the present map for when it is complete."""
         time_s = (self._sim.tick - self._begun_tick) * self._sim.step_s
         self._go_on()
         self._when_mapped(lambda: self._measure(time_s))

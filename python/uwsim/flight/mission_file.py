@@ -1,4 +1,4 @@
-"""Missions in Python files: reads them, and tells of their mistakes by file and line."""
+"""Missions in Python files: imports them, and reports their errors by file and line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FUNCTION = "mission"
 
 
 class MissionError(ValueError):
-    """A mission has made a mistake. The message names its file and line, if it is in a file."""
+    """An error in a mission. The message names its file and line, if it is in a file."""
 
 
 def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
@@ -36,7 +36,7 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
     try:
         first_parameter(found)
     except ValueError as error:
-        code = getattr(found, "__code__", None)  # a class has none
+        code = getattr(found, "__code__", None)  # classes have none
         raise MissionError(f"{path}{f':{code.co_firstlineno}' if code else ''}: {error}") from None
     return found  # type: ignore[no-any-return]
 
@@ -54,7 +54,7 @@ def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> Mi
 
 
 def mission_name(mission: MissionFunction, file: Path | None) -> str:
-    """Return what reports call a mission: its file, or its function."""
+    """Return the name of a mission in reports: its file, or its function."""
     if file is not None:
         return file.name
     function = mission.func if isinstance(mission, partial) else mission
@@ -62,7 +62,7 @@ def mission_name(mission: MissionFunction, file: Path | None) -> str:
 
 
 def _module(file: Path) -> Any:
-    """Import a file under its name, so that it finds its neighbours as a script does."""
+    """Import a file under its name, so that it finds its neighbours like a script does."""
     spec = importlib.util.spec_from_file_location(file.stem, file.resolve())
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -85,7 +85,7 @@ def _module(file: Path) -> Any:
 
 
 def mission_error(error: BaseException, file: Path) -> MissionError:
-    """Return the error with the line of the mission's file where it came about, as one line of text."""
+    """Return the error as one line of text, with the line of the mission's file where it occurred."""
     folder = str(file.resolve().parent)
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if frame.filename == str(file.resolve())]
@@ -101,7 +101,7 @@ def _named(error: BaseException) -> str:
 
 
 def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
-    """Return NAME=VALUE texts as values; what `parse` refuses stays text. Raises MissionError."""
+    """Return NAME=VALUE texts as values; a value that `parse` refuses stays text. Raises MissionError."""
     arguments = {}
     for text in texts:
         name, equals, value = text.partition("=")

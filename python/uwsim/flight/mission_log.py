@@ -1,4 +1,4 @@
-"""The log of a flight: one line of JSON for each event, on disk at once."""
+"""The log of a flight: one line of JSON per event, written to disk at once."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ LOG = "log.jsonl"
 
 
 class MissionLog:
-    """The events of a flight, in order; written into a new file as they come, if there is a folder for it.
+    """The events of a flight, in order; written to a new file as they occur, if there is a folder for it.
 
-    events: of the flight that is resumed. If the disk is full, the flight goes on with the events in memory.
+    events: of the flight being resumed. If the disk is full, the flight continues with the events in memory.
     """
 
     def __init__(self, out: Path | None, events: Iterable[Event] = ()) -> None:
@@ -46,7 +46,10 @@ class MissionLog:
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
-    """Write the events again if their file is not there: the folder was deleted in flight, or full. Raises OSError."""
+    """Write the events again if their file is missing: the folder was deleted in flight, or the disk full.
+
+    Raises OSError.
+    """
     if not (out / LOG).exists():
         write_atomically(out / LOG, b"".join(map(_line, events)))
 

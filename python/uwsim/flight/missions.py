@@ -1,4 +1,4 @@
-"""The missions that a flight can fly: steps, or a planned mission such as the survey's lawn-mower, by value or name."""
+"""The missions that can be flown: steps, or a planned mission such as the survey's lawn-mower, by value or name."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ SURVEY = "survey"
 class Begun:
     """A mission with its vehicles, ready to run.
 
-    parts: one mission for all vehicles, or one for each of them. run: flies to the end and returns what the mission
-    returns; raises StoppedError if it ends early.
+    parts: one mission for all vehicles, or one for each of them. run: flies to the end and returns the mission's
+    result; raises StoppedError if it ends early.
     """
 
     parts: Sequence[Steps[Any] | SteppedMission | Mission]
@@ -40,14 +40,14 @@ class Begun:
 
     @property
     def progress(self) -> float | None:
-        """The share flown, 0..1, None if it is not known."""
+        """The share flown, 0..1, None if unknown."""
         return getattr(self.parts[0], "progress", None)
 
     @property
     def resumable(self) -> ResumableMission | None:
         """The mission, if it can be saved and restored.
 
-        Several parts cannot: one is saved while another is still in a wait.
+        Several parts cannot be, since one would be saved while another is still in a wait.
         """
         only = self.parts[0] if len(self.parts) == 1 else None
         return only if isinstance(only, ResumableMission) else None
@@ -57,8 +57,8 @@ class Begun:
 class FlownMission:
     """A mission to fly.
 
-    title: for reports. file: its file, if it is in one. steps: its function or class; None for a planned mission,
-    which `make` makes. name: by which a resumed flight finds a mission again that is not in a file.
+    title: for reports. file: its file, if it is in one. steps: its function or class; None for a planned mission, which
+    `make` creates. name: by which a resumed flight finds a mission that is not in a file.
     """
 
     title: str
@@ -73,7 +73,7 @@ class FlownMission:
         return self.steps is not None and first_parameter(self.steps) == "vehicles"
 
     def planned(self, sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan | None, str | None]:
-        """Return the plan that it needs, and a sentence on the lanes left out. Raises ScenarioError."""
+        """Return the plan that it needs, and a sentence on omitted lanes. Raises ScenarioError."""
         if self.make is None:
             return None, None
         return flyable_plan(sim, survey_plan(required_survey(sim.scenario)), least_share)
@@ -89,7 +89,7 @@ class FlownMission:
 
 
 def _completed(mission: Mission) -> str:
-    """Run a planned mission. Raises StoppedError if it ends before all lanes are flown, with the reason it returns."""
+    """Run a planned mission. Raises StoppedError, with the reason it returns, if it ends before all lanes are flown."""
     ended = mission.run()
     if ended != COVERED:
         raise StoppedError(ended)
@@ -99,7 +99,7 @@ def _completed(mission: Mission) -> str:
 def found_mission(
     mission: AnyMission, function: str = FUNCTION, arguments: Mapping[str, Any] | None = None
 ) -> FlownMission:
-    """Return a mission that can be flown. Raises ValueError for what is none, OSError.
+    """Return a mission that can be flown. Raises ValueError if it is not a mission, OSError.
 
     mission: a generator function, or a class with `steps`, of one vehicle or of `vehicles`; a class, or another
     callable, of (vehicle, clock, plan), see uwsim.missions.Mission; `package.module:name` of one of these; or the path
@@ -126,7 +126,7 @@ def found_mission(
 
 
 def warn_of_left_out(sentence: str | None) -> None:
-    """Warn of lanes that are left out."""
+    """Warn of omitted lanes."""
     if sentence is not None:
         warnings.warn(sentence, SurveyAreaWarning, stacklevel=3)
 
@@ -140,13 +140,13 @@ def _title(found: Callable[..., Any]) -> str:
 
 
 def _name_of(found: Callable[..., Any]) -> str | None:
-    """Return `module:name`, by which a mission is found again; None where there is none."""
+    """Return `module:name`, by which a mission can be found again; None if there is no such name."""
     module, name = getattr(found, "__module__", None), getattr(found, "__qualname__", None)
     return f"{module}:{name}" if module not in (None, "__main__") and name and "<" not in name else None
 
 
 def _takes(found: Callable[..., Any], count: int) -> bool:
-    """Whether it can be called with this number of positional arguments."""
+    """Return whether it can be called with this number of positional arguments."""
     try:
         inspect.signature(found).bind(*[None] * count)
     except TypeError:

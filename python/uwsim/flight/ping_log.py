@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scoring.polygon import inside_polygon
 
-PINGS_PER_CANDIDATE = 50  # one ping in so many is a candidate for the sample
+PINGS_PER_CANDIDATE = 50  # one ping in this many is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
 """The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
 _LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PingSample:
-    """One ping, kept for the figure of the sonar's fan.
+    """One ping, stored for the figure of the sonar's fan.
 
     ranges_m: (beams,), inf for no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
     world_from_sonar: (4, 4). points_world_m: (echoes, 3).
@@ -38,8 +38,8 @@ class PingSample:
 class PingLog:
     """The positions at each ping, the number of echoes, and the ping with the most distinct labels.
 
-    area_world_m: where the sample must lie; None: anywhere. positions_m: the sonar's; mapped_m: as the map was given
-    them. pings_with_warning: the number of pings during which each of PANEL_WARNINGS was lit.
+    area_world_m: polygon in which the sample must lie; None: anywhere. positions_m: the sonar's true ones; mapped_m:
+    those used for the map. pings_with_warning: the number of pings during which each of PANEL_WARNINGS was on.
     """
 
     area_world_m: Array | None = None
@@ -57,9 +57,9 @@ class PingLog:
         panel: _core.Telemetry,
         mapped_from_m: Array | None = None,
     ) -> None:
-        """Log a ping's position, echoes and warnings; every few pings, keep it as the sample if it is better.
+        """Log a ping's position, echoes and warnings; every few pings, store it as the sample if it is better.
 
-        mapped_from_m: (3,) where the map was given the sonar, if not where it was.
+        mapped_from_m: (3,) the sonar's position used for the map, if different from the true one.
         """
         if True in (lit := _LIT(panel)):
             for name, is_lit in zip(PANEL_WARNINGS, lit, strict=True):
@@ -72,7 +72,7 @@ class PingLog:
             self._consider(ping, points_world_m, position)
 
     def _consider(self, ping: _core.Ping, points_world_m: NDArray[np.float32], position: list[float]) -> None:
-        """Keep a ping as the sample if it is better."""
+        """Store a ping as the sample if it is better."""
         # The best sample is a full fan that hits solids as well as the bed.
         labels = ping.labels[ping.valid]
         score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)
@@ -91,7 +91,7 @@ class PingLog:
 
     @property
     def mapped_path_m(self) -> Array:
-        """(n, 3), the sonar's position at each ping as the map was given it."""
+        """(n, 3), the sonar's position at each ping as used for the map."""
         return np.array(self.mapped_m, np.float64).reshape(-1, 3)
 
     def save(self) -> dict[str, NDArray[Any]]:
@@ -103,7 +103,7 @@ class PingLog:
         return arrays | sample
 
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
-        """Go on from what `save` returned. Raises KeyError, ValueError."""
+        """Continue from the result of `save`. Raises KeyError, ValueError."""
         self.positions_m = np.asarray(saved["path"], np.float64).reshape(-1, 3).tolist()
         self.mapped_m = np.asarray(saved["mapped"], np.float64).reshape(-1, 3).tolist()
         self.echo_count, *lit = np.asarray(saved["counts"], np.int64).tolist()

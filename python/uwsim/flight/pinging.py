@@ -1,4 +1,4 @@
-"""Makes a map in flight: each mapping vehicle's sonar pings at a fixed rate, and every ping goes through the chain."""
+"""Builds a map in flight: each mapping vehicle pings at a fixed rate, and every ping passes through the chain."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ if TYPE_CHECKING:
     from uwsim.mapping.closure import PingTrack
 
 SURVEYED = ("telemetry", "placed_ping")
-"""How the names end of what a surveying vehicle says over a link."""
+"""Name endings of the channels that a surveying vehicle sends over a link."""
 Array = NDArray[np.float64]
 TakePing = Callable[[_core.Ping, _core.Telemetry, Array], object]
-"""Called with each ping, the vehicle's panel and world_from_body (4, 4) as the map was given it."""
+"""Called with each ping, the vehicle's panel and the world_from_body (4, 4) used for the map."""
 
 
 @dataclass(frozen=True)
 class MapSetup:
-    """How the map of a flight is made.
+    """How the map of a flight is built.
 
     occupancy: the map to fill. reference: a second one, which gets every scan one by one, for comparison.
     outlier_filter: replaces the scenario's. transmit: see depth_string. growth: whether the map is measured as it
-    grows. keep: keep all pings, so that the map can be made again. ahead: looks at the true surface while the map's
-    thread has nothing else to do, so that the map is scored sooner. on_ping: see TakePing.
+    grows. keep: store all pings, so that the map can be rebuilt. ahead: examines the true surface while the map's
+    thread is idle, so that scoring takes less time. on_ping: see TakePing.
     """
 
     occupancy: OccupancyMap
@@ -66,8 +66,8 @@ class MapSetup:
 class SavedPinging:
     """The pings of a saved flight, until `tick`.
 
-    logs: see PingLog.save. due: by vehicle, the next ping's tick, and the steps to the one after it; None of flights of
-    an earlier version.
+    logs: see PingLog.save. due: by vehicle, the next ping's tick, and the steps to the one after it; None in flights
+    saved by an earlier version.
     """
 
     tick: int
@@ -79,7 +79,7 @@ class SavedPinging:
 class Pinger:
     """One vehicle's pings: an Observer of the simulator's journal.
 
-    vehicle: as the mission sees it; the map is made with its estimated poses.
+    vehicle: as the mission sees it; the map is built with its estimated poses.
     """
 
     def __init__(
@@ -116,10 +116,10 @@ class Pinger:
 
 
 class MapMaker:
-    """The map of a flight, made by one vehicle or by several together. A context manager.
+    """The map of a flight, built by one vehicle or by several together. A context manager.
 
-    saved: of the flight that is resumed, whose pings are in the map already. With one vehicle the map is filled on a
-    thread of its own; several take turns, so that the map's bytes do not depend on threads.
+    saved: of the flight being resumed, whose pings are already in the map. With one vehicle the map is filled on a
+    separate thread; several take turns, so that the map's bytes do not depend on threads.
     """
 
     def __init__(
@@ -144,7 +144,7 @@ class MapMaker:
             log = PingLog(survey_area_m(sim))
             on_ping = setup.on_ping
             if setup.keep:
-                from uwsim.flight.closed_flight import PingKeeper  # here, since scipy takes long to import
+                from uwsim.flight.closed_flight import PingKeeper  # imported here, since scipy takes long
 
                 self._keepers[name] = PingKeeper(sim, sim.vehicles[name])
                 on_ping = (*on_ping, self._keepers[name])
@@ -170,27 +170,27 @@ class MapMaker:
 
     @property
     def growth(self) -> tuple[GrowthRow, ...]:
-        """How the map has grown, as far as it is measured."""
+        """How the map has grown, as far as it has been measured."""
         return tuple(self._growth.rows)
 
     @property
     def tracks(self) -> dict[str, PingTrack]:
-        """The pings that were kept, by vehicle."""
+        """The stored pings, by vehicle."""
         return {name: keeper.track for name, keeper in self._keepers.items()}
 
     @property
     def true_bodies_m(self) -> dict[str, Array]:
-        """Each vehicle's true positions at the pings that were kept, (n, 3)."""
+        """Each vehicle's true positions at the stored pings, (n, 3)."""
         return {name: np.array(keeper.true_path_m).reshape(-1, 3) for name, keeper in self._keepers.items()}
 
     def when_mapped(self, job: Callable[[], None]) -> None:
-        """Run a job when the map holds all pings so far and none later."""
+        """Run a job when the map contains exactly the pings so far."""
         for filler in self._fillers[:-1]:
             filler.finish()
         self._fillers[-1].when_mapped(job)
 
     def recorded(self, record: FlightRecord) -> FlightRecord:
-        """Return the record of the flight with what is known of its map."""
+        """Return the record of the flight, completed with the data on its map."""
         sim, (first, *_) = self._sim, self.pingers
         logs, occupancy = {name: pinger.log for name, pinger in self.pingers.items()}, self.setup.occupancy
         true_m = {name: log.path_world_m for name, log in logs.items()}
@@ -217,7 +217,7 @@ class MapMaker:
         )
 
     def save(self) -> SavedPinging:
-        """Return what a resumed flight needs of the pings so far; growth is known when they are mapped."""
+        """Return the data on the pings so far that a resumed flight needs; growth is known once they are in the map."""
         logs = {name: pinger.log.save() for name, pinger in self.pingers.items()}
         due = {name: (pinger.due_tick, pinger.steps) for name, pinger in self.pingers.items()}
         return SavedPinging(self._sim.tick, logs, due)

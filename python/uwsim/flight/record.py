@@ -23,28 +23,28 @@ if TYPE_CHECKING:
     from uwsim.link.table import LinkRow
 
 DONE = "the mission is complete"
-BATTERY_EMPTY = "the battery is used up"  # as missions that look at it end, too
+BATTERY_EMPTY = "the battery is used up"  # the same text as in missions that check the battery themselves
 INTERRUPTED = "interrupted (Ctrl-C)"
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class FlightRecord:
-    """A mission that was flown.
+    """The record of a flown mission.
 
-    scenario, seed, step_s: of the simulator; of a remote vehicle its URL and None. estimate: what its poses are of.
-    result: what the mission returned; None if it did not end by itself. ended_because: a sentence. ended_early: whether
-    something else than the mission or --time-limit ended it. error: of the mission. samples: by vehicle. stage_wall_s:
-    wall seconds by stage. link: what it carried, by topic. ashore: what the station has of it, where there is a link.
+    scenario, seed, step_s: of the simulator; of a remote vehicle its URL and None. estimate: the source of its poses.
+    result: the mission's return value; None if it did not end by itself. ended_because: a sentence. ended_early:
+    whether anything but the mission or --time-limit ended it. error: of the mission. samples: by vehicle. stage_wall_s:
+    wall seconds by stage. link: its traffic, by topic. ashore: the station's data, if there is a link.
 
-    Of the map, if one was made: occupancy; pings_world_m: the sonars' estimated positions at each ping, by vehicle, and
-    true_pings_world_m the true ones; area_world_m: (k, 2), the polygon in which it is scored; score: None before;
-    verified: whether it equals stock OctoMap's byte for byte, None when it was not compared; ping_interval_s: longer
-    than requested where sound takes longer to the maximum range and back; pings_with_warning: number of pings during
-    which each of the panel's warnings was lit, warning_limits_m the distances from which they are; sample_ping: one of
-    them; closed: by vehicle, the tracks with loops closed, which the map is made of then; map_growth: the map against
-    the true surface while it was made; planned: whether the mission has flown the plan of the scenario's
-    survey, lanes_left_out: a sentence on its lanes that cannot be flown.
+    For the map, if one was built: occupancy; pings_world_m: the sonars' estimated positions at each ping, by vehicle,
+    and true_pings_world_m the true ones; area_world_m: (k, 2), the polygon in which it is scored; score: None before
+    scoring; verified: whether it equals stock OctoMap's byte for byte, None if not compared; ping_interval_s: longer
+    than requested if sound takes longer to the maximum range and back; pings_with_warning: number of pings during which
+    each of the panel's warnings was on, warning_limits_m their limiting distances; sample_ping: one of the pings;
+    closed: by vehicle, the tracks with loops closed, from which the map is then built; map_growth: the map against the
+    true surface while it was being built; planned: whether the mission flew the plan of the scenario's survey,
+    lanes_left_out: a sentence on its lanes that cannot be flown.
     """
 
     mission: str
@@ -88,7 +88,7 @@ class FlightRecord:
     planned: bool = False
 
     def __repr__(self) -> str:
-        """Which mission, where, how long and why it ended."""
+        """The mission, the scenario, the duration and the reason for the end."""
         pings = f", {self.ping_count} pings" if self.ping_count else ""
         coverage = "" if self.coverage is None else f", coverage {100 * self.coverage:.1f} %"
         return (
@@ -108,12 +108,12 @@ class FlightRecord:
 
     @property
     def real_time_factor(self) -> float:
-        """Simulated seconds per second of wall time; 0 before anything ran."""
+        """Simulated seconds per second of wall time; 0 before anything has run."""
         return self.simulated_s / self.wall_s if self.wall_s > 0.0 else 0.0
 
     @property
     def rest_wall_s(self) -> float:
-        """Wall time of the flying thread that belongs to no stage. With several threads the map has its own."""
+        """Wall time of the flying thread outside all stages. With several threads the map has its own."""
         flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)
 
@@ -129,12 +129,12 @@ class FlightRecord:
 
     @property
     def position_error_m(self) -> Array:
-        """How far (n,) the sonar was at each ping from where the map was given it."""
+        """Distance (n,) between the sonar's true position at each ping and the one used for the map."""
         return np.asarray(np.linalg.norm(self.all_pings_world_m - self.path_world_m, axis=1), np.float64)
 
     @property
     def ping_count(self) -> int:
-        """Pings in the map."""
+        """Number of pings in the map."""
         return sum(map(len, self.pings_world_m.values()))
 
     @property
@@ -145,7 +145,7 @@ class FlightRecord:
 
     @property
     def coverage(self) -> float | None:
-        """Share of the visible surface that is in the map, 0..1; None when the map was not scored."""
+        """Share of the visible surface that is in the map, 0..1; None if the map was not scored."""
         return None if self.score is None else self.score.coverage
 
     @property
@@ -155,7 +155,7 @@ class FlightRecord:
             return None
         return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)
 
-    # The names of a survey's record, for one version.
+    # Names of a survey's record, kept for one version.
 
     @property
     def stopped_because(self) -> str:

@@ -1,4 +1,4 @@
-"""fly_remote: fly the same mission with a vehicle behind a rosbridge: of `uwsim serve`, or any other."""
+"""fly_remote: fly the same mission with a vehicle behind a rosbridge, of `uwsim serve` or any other."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ def fly_remote(
     report: str = "full",
     screen: Silent | None = None,
 ) -> FlightRecord:
-    """Fly a mission with vehicles at a rosbridge server; return its record. Results are as those of `fly`.
+    """Fly a mission with vehicles at a rosbridge server; return its record. Results are the same as those of `fly`.
 
     url: such as "ws://127.0.0.1:9090". vehicles: by default all if the mission takes `vehicles`, else the first.
-    odometry: the topic of the pose, of which map and samples are made: the truth is not known here. truth: the scenario
-    that the server flies, if it is one of ours and odometry its truth: the map is scored against it, and the report
-    draws its bed. lockstep: the simulator stands still while the mission thinks; for a simulator alone. map: of what
-    the sonar sees. Raises ValueError, OSError, and what the mission raises.
+    odometry: the topic of the pose used for map and samples, since the truth is unknown here. truth: the server's
+    scenario, if it is one of ours and odometry is its truth: the map is scored against it, and the report draws its
+    bed. lockstep: the simulator stands still while the mission computes; only with a simulator. map: whether to build
+    one. Raises ValueError, OSError, and the mission's errors.
     """
     file = Path(mission) if isinstance(mission, str | Path) else None
     fly_it = load_mission(file, function) if file is not None else mission
@@ -155,7 +155,7 @@ class _RemoteFlight:
             raise FlightOverError(self._limit)
 
     def fly(self, mission: MissionFunction, own: dict[str, OwnVehicle], file: Path | None, url: str) -> FlightRecord:
-        """Fly to the end, whatever it is."""
+        """Fly to the end, whatever its reason."""
         self._own = own
         self._rows, self._paths = {name: [] for name in own}, {name: [] for name in own}
         began_s, name = time.perf_counter(), mission_name(mission, file)
@@ -187,7 +187,7 @@ class _RemoteFlight:
         )
 
     def _look(self) -> None:
-        """Take samples that are due, and new pings."""
+        """Take due samples and new pings."""
         now_s = self.time_s
         if now_s >= self._sampled_s + PERIOD_S - 1e-6:
             self._sampled_s = now_s

@@ -1,4 +1,4 @@
-"""Writes the report of a flight: one self-contained HTML file, with its figures inside and beside it."""
+"""Writes the report of a flight: one self-contained HTML file, with figures embedded and also saved next to it."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ POSE_BY = {"truth": "the truth", "filter": "the vehicle's own filter", "odometry
 def write_report(
     path: Path, flown: FlightRecord, sim: Simulator | None, rendered: Future[TruthAndMap] | None = None
 ) -> None:
-    """Draw the figures beside the report and write it atomically. Raises OSError.
+    """Draw the figures next to the report and write it atomically. Raises OSError.
 
-    rendered: the 3D pictures, if they are under way already.
+    rendered: the 3D pictures, if they are already being rendered.
     """
     figures = map_figures(path.parent, flown, sim.world, sim.scene, rendered) if sim is not None else []
     figures += flight_figures(path.parent, flown, None if sim is None else sim.world)
@@ -40,7 +40,7 @@ def write_report(
 
 
 def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure]) -> None:
-    """Write the report atomically, with figures inside it as data URIs. Raises OSError."""
+    """Write the report atomically, with figures embedded as data URIs. Raises OSError."""
     score, ashore = flown.score, flown.ashore_score
     page = filled_page(
         TEMPLATE,
@@ -67,7 +67,7 @@ def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure])
 
 
 def _judged_cells(score: MapScore) -> str:
-    """Return a sentence on how many cells of the seabed were judged, and how many were not."""
+    """Return a sentence on how many cells of the seabed were evaluated, and how many were not."""
     if score.seabed is None:
         return "The map is empty."
     judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
@@ -115,7 +115,7 @@ def _stages(flown: FlightRecord) -> list[tuple[str, str, float]]:
 
 
 def _thruster_rows(samples: Samples) -> list[tuple[str, float]]:
-    """Return (name, mean command in per cent)."""
+    """Return rows of (name, mean command in per cent)."""
     commands = np.abs(samples.commands)
     return list(zip(samples.command_names, (100.0 * commands.mean(axis=0)).tolist(), strict=True))
 

@@ -1,4 +1,4 @@
-"""A flight as requested, with every default resolved: enough to build its simulator and its maps again."""
+"""A flight as requested, with every default resolved: enough to rebuild its simulator and its maps."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class FlightRequest:
     """The arguments that determine a flight.
 
     mission: the path of its file, or `module:name`; None: the scenario's survey. mission_digest: of the file's content.
-    vehicles: by default the scenario's first, or all if the mission flies `vehicles`. link: a modem, instead of the
-    scenario's; carried: how the names end of what vehicles say over it. time_limit_s: simulated time, by default the
-    battery's. voxel_m, engine, verify_map, outlier_filter, map_growth: of the map, if there is one.
+    vehicles: by default the scenario's first, or all if the mission flies `vehicles`. link: a modem, replacing the
+    scenario's; carried: name endings of the channels that vehicles send over it. time_limit_s: simulated time, by
+    default the battery's. voxel_m, engine, verify_map, outlier_filter, map_growth: of the map, if there is one.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -64,12 +64,12 @@ class FlightRequest:
         )
 
     def new_reference(self) -> OccupancyMap | None:
-        """Return an empty stock OctoMap map if the map is to be verified against one, else None."""
+        """Return an empty stock OctoMap map for verification if requested, else None."""
         assert self.voxel_m is not None or not self.verify_map
         return OccupancyMap(resolution_m=self.voxel_m or 1.0, engine="octomap") if self.verify_map else None
 
     def require_same_file(self) -> None:
-        """Raise ValueError if the mission's file is not what it was."""
+        """Raise ValueError if the mission's file has changed."""
         if self.mission is None or self.mission_digest is None:
             return
         path = Path(self.mission)
@@ -86,7 +86,7 @@ class FlightRequest:
 
 
 def resolved_path(name: Any) -> Any:
-    """Return the absolute path of a file; anything else, such as a packaged scenario's name, as it is."""
+    """Return the absolute path of a file; anything else, such as a packaged scenario's name, unchanged."""
     if isinstance(name, str | Path):
         return str(Path(name).resolve()) if Path(name).is_file() else str(name)
     return name

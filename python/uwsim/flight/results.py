@@ -1,4 +1,4 @@
-"""Scores the map of a flight, prints the summary, and writes the results into the output folder."""
+"""Scores the map of a flight, prints the summary, and writes the results to the output folder."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ RESULT_FILES = (TRACK, REPORT, SUMMARY, MAP_ASHORE, *FIGURE_FILES)
 
 
 def require_report(report: str) -> None:
-    """Raise ValueError for a report that is not known."""
+    """Raise ValueError for an unknown report."""
     if report not in REPORTS:
         raise ValueError(f"report = {report!r}: must be one of {', '.join(REPORTS)}")
 
@@ -54,9 +54,9 @@ def write_results(
 ) -> FlightRecord:
     """Write map, track, samples, and report or summary; return the record with the map's score. Raises OSError.
 
-    sim: where the flight was flown, or a simulator of the same world; None if its world is not known. ahead: what has
-    been looked at of the true surface. is_saved: whether --resume can make a report that fails. The map is written
-    while it is scored, and the key values are printed before anything that may fail on a full disk.
+    sim: the flight's simulator, or one of the same world; None if its world is unknown. ahead: the part of the true
+    surface examined so far. is_saved: whether --resume can repeat a failed report. The map is written while it is
+    scored, and the key values are printed before anything that may fail on a full disk.
     """
     with suppress(OSError):
         out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
@@ -86,12 +86,12 @@ def write_results(
 def scored(
     flown: FlightRecord, sim: Simulator, ahead: SurfaceAhead | None = None, ashore: OccupancyMap | None = None
 ) -> FlightRecord:
-    """Return the record with the score of its map, and of the station's, against the simulator's world."""
+    """Return the record with the scores of its map, and of the station's, against the simulator's world."""
     if flown.occupancy is None or flown.area_world_m is None:
         return flown
     survey = sim.scenario.survey
     if survey is None or not np.array_equal(flown.area_world_m, survey.area_m):
-        ahead = None  # it has looked at the survey's area
+        ahead = None  # it has examined the survey's area
     score = _score(flown.occupancy, flown, sim, ahead, is_exact=_is_exact(flown, sim))
     ashore_score = None if ashore is None else _score(ashore, flown, sim, ahead, is_exact=False)
     return replace(flown, score=score, ashore_score=ashore_score, free_voxels=flown.occupancy.count().free)
@@ -108,18 +108,18 @@ def _score(
 
 
 def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
-    """Whether the map is made of exact ranges and true poses."""
+    """Return whether the map is built from exact ranges and true poses."""
     is_true = flown.estimate == "truth" and not flown.closed
     return is_true and all(sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m)
 
 
 def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:
-    """Return the station's map, in the voxels of that aboard."""
+    """Return the station's map, with the voxel size of the one aboard."""
     return ashore.made_map(aboard.resolution_m, aboard.engine)
 
 
 def _render_ahead(flown: FlightRecord, sim: Simulator | None) -> Future[TruthAndMap] | None:
-    """Begin to render the report's 3D pictures on a thread, while the map is scored and written."""
+    """Start rendering the report's 3D pictures on a thread, while the map is scored and written."""
     if flown.occupancy is None or flown.area_world_m is None or sim is None:
         return None
     pool = ThreadPoolExecutor(1, "render")
@@ -129,7 +129,7 @@ def _render_ahead(flown: FlightRecord, sim: Simulator | None) -> Future[TruthAnd
 
 
 def _rendered(occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator) -> TruthAndMap:
-    from uwsim.figures.truth_and_map import render_truth_and_map  # here, since matplotlib takes a second to import
+    from uwsim.figures.truth_and_map import render_truth_and_map  # imported here, since matplotlib takes a second
 
     assert flown.area_world_m is not None
     return render_truth_and_map(
@@ -138,7 +138,7 @@ def _rendered(occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator) -> T
 
 
 def _write_map(occupancy: OccupancyMap, path: Path, is_saved: bool) -> None:
-    """Write the map; if that fails, into a temporary folder. Raises OSError that names what was tried."""
+    """Write the map; if that fails, to a temporary folder. Raises OSError that names the paths tried."""
     try:
         occupancy.write(path)
     except OSError as error:
@@ -158,7 +158,7 @@ def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
     if report != "none":
         screen.result(summary_table(flown))
     if flown.ashore is not None and flown.ashore_score is not None:
-        from uwsim.link.table import text_table  # here, since channels take long to import
+        from uwsim.link.table import text_table  # imported here, since channels take long
 
         screen.result(text_table(flown.ashore.table()))
         screen.result(f"{ashore_text(flown, flown.ashore_score)}  {out / MAP_ASHORE}")
@@ -171,7 +171,7 @@ def _write_files(
     flown: FlightRecord, sim: Simulator | None, out: Path, report: str, screen: Silent,
     rendered: Future[TruthAndMap] | None,
 ) -> None:  # fmt: skip
-    """Write everything but the map."""
+    """Write everything except the map."""
     if sim is not None and flown.track is not None:
         flown.track.write(out / TRACK)
     if report != "none":
@@ -181,6 +181,6 @@ def _write_files(
     rewrite_if_lost(out, flown.events)
     if report == "full":
         with screen.status("drawing the report"):
-            from uwsim.flight.report import write_report  # here, since matplotlib takes a second to import
+            from uwsim.flight.report import write_report  # imported here, since matplotlib takes a second
 
             write_report(out / REPORT, flown, sim, rendered)

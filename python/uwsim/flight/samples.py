@@ -1,4 +1,4 @@
-"""Samples of vehicles in flight, at a fixed rate in simulated time, and the events that they show."""
+"""Samples of vehicles in flight, at a fixed rate in simulated time, and events derived from them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ COLUMNS = (
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
 )  # fmt: skip
 TOO_MANY = {"set_effort", "set_wrench", "set_thrusters", "set_fins", "link_send"}
-"""Commands that are not noted one by one."""
+"""Commands that are not logged individually."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
 WARNING_AT = [(AT[f"{name}_warning"], f"{name}_warning") for name in WARNINGS]
 Hear = Callable[[str, str, dict[str, Any]], object]
@@ -60,8 +60,8 @@ class Samples:
         return f"<Samples: {len(self)} of {', '.join(self.names[:4])} ... {len(self.names)} columns>"
 
     def plot(self) -> Figure:
-        """Return a figure of the true path from above, coloured by its height."""
-        from uwsim.scoring.track_plot import plot  # here, since matplotlib takes a second to import
+        """Return a figure of the true path from above, coloured by height."""
+        from uwsim.scoring.track_plot import plot  # imported here, since matplotlib takes a second
 
         return plot(self.path_world_m, title=repr(self))
 
@@ -91,7 +91,7 @@ class Samples:
         return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
 
     def lit_s(self, warning: str) -> float:
-        """Return how long a warning of the panel was lit, to the samples' period."""
+        """Return how long a warning of the panel was on, to the resolution of the samples."""
         return float(self[f"{warning}_warning"].sum()) * PERIOD_S
 
     def write(self, path: Path) -> None:
@@ -104,10 +104,10 @@ class Samples:
 
 
 class Sampler:
-    """Takes samples of a simulator's vehicles, and events of what changes on their panels: an Observer of its journal.
+    """Samples a simulator's vehicles, and reports changes on their panels as events: an Observer of its journal.
 
-    vehicles: as the mission sees them, by name. timer: of the samples. saved: the rows (n, columns) of the flight that
-    is resumed, which began at begun_tick.
+    vehicles: as the mission sees them, by name. timer: for the samples. saved: the rows (n, columns) of the flight
+    being resumed, which began at begun_tick.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class Sampler:
                 rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Note commands, apart from those that steer, and messages over the link."""
+        """Log commands, except steering commands and messages over the link."""
         if name not in TOO_MANY:
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
             self._hear(str(arguments.get("vehicle") or ""), name, values)

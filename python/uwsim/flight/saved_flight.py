@@ -1,4 +1,4 @@
-"""A saved flight as data: its JSON, its arrays, and what they say about a flight that is to go on from there."""
+"""A saved flight as data: its JSON, its arrays, and checks on a flight that continues it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Tick = Annotated[int, Field(ge=0)]
 
 
 class SavedMission(BaseModel):
-    """The state from which a mission with `save` continues, beside the simulator's state and its samples.
+    """The state from which a mission with `save` continues, in addition to the simulator's state and its samples.
 
     state: of the mission. clock: see FlightClock.phase. begun_tick: of the flight. events: of its log.
     """
@@ -39,9 +39,9 @@ class SavedMission(BaseModel):
 
 
 class StateFile(BaseModel):
-    """To raise the version makes the flights that users have saved unreadable: give new fields defaults instead.
+    """Raising the version makes users' saved flights unreadable: give new fields defaults instead.
 
-    Version 1 had no checksum, and the pings' positions alone. due: see SavedPinging. echo_count: of version 1.
+    Version 1 had no checksum, and only the pings' positions. due: see SavedPinging. echo_count: of version 1.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -60,11 +60,11 @@ class StateFile(BaseModel):
     mission: SavedMission | None = None
 
     def sealed(self) -> bytes:
-        """Return the file, with the checksum of the rest in it."""
+        """Return the file, including the checksum of the rest of it."""
         return json.dumps({**self.model_dump(mode="json"), "checksum": self._checksum()}).encode()
 
     def require_whole(self) -> None:
-        """Raise ValueError unless the content is what was written."""
+        """Raise ValueError unless the content matches its checksum."""
         if self.version > 1 and self.checksum != self._checksum():
             raise ValueError("is damaged: its checksum does not match its content")
 
@@ -74,7 +74,7 @@ class StateFile(BaseModel):
 
 
 def read_state(data: bytes) -> StateFile:
-    """Return the content of a state file. Raises ValueError when it is damaged or of another version."""
+    """Return the content of a state file. Raises ValueError if it is damaged or of another version."""
     try:
         state = StateFile.model_validate(json.loads(data))
     except ValidationError as error:
@@ -92,9 +92,9 @@ def read_state(data: bytes) -> StateFile:
 class SavedFlight:
     """A flight to be resumed.
 
-    tick, state_digest: where it was, and the simulator's state there. pinging: None without a map. mission: None if
-    it is flown again as far as `tick`; else simulation, the bytes of Simulator.save_state, and samples, by vehicle,
-    belong to it. wall_s: wall time flown so far.
+    tick, state_digest: its tick, and the simulator's state there. pinging: None without a map. mission: None if it is
+    flown again up to `tick`; otherwise it comes with simulation, the bytes of Simulator.save_state, and samples, by
+    vehicle. wall_s: wall time flown so far.
     """
 
     request: FlightRequest
@@ -111,7 +111,7 @@ class SavedFlight:
     samples: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def state_file(self, files: dict[str, str]) -> StateFile:
-        """Return what flight.json holds. files: the others by name, with their checksums."""
+        """Return the content of flight.json. files: the others by name, with their checksums."""
         pinging = self.pinging
         return StateFile(
             build=build_fingerprint(), request=self.request, tick=self.tick, state_digest=self.state_digest,
@@ -121,7 +121,7 @@ class SavedFlight:
         )  # fmt: skip
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return what flight-N.npz holds: `pings:VEHICLE:NAME`, `samples:VEHICLE`, `simulation`."""
+        """Return the content of flight-N.npz: `pings:VEHICLE:NAME`, `samples:VEHICLE`, `simulation`."""
         logs = {} if self.pinging is None else self.pinging.logs
         pings = {f"pings:{vehicle}:{name}": array for vehicle, log in logs.items() for name, array in log.items()}
         samples = {f"samples:{vehicle}": rows for vehicle, rows in self.samples.items()}
@@ -133,7 +133,7 @@ class SavedFlight:
         cls, state: StateFile, arrays: Mapping[str, NDArray[Any]], occupancy: OccupancyMap | None,
         reference: OccupancyMap | None,
     ) -> SavedFlight:  # fmt: skip
-        """Return the flight of a file, its arrays and its maps. Raises KeyError."""
+        """Return the flight in a file, with its arrays and its maps. Raises KeyError."""
         if state.version == 1:
             arrays = _arrays_of_version_1(arrays, state.echo_count)
         logs: dict[str, dict[str, NDArray[Any]]] = {}
@@ -151,15 +151,15 @@ class SavedFlight:
         )  # fmt: skip
 
     def with_growth(self, growth: tuple[GrowthRow, ...]) -> SavedFlight:
-        """Return it with how the map has grown."""
+        """Return a copy with the growth of the map."""
         return self if self.pinging is None else replace(self, pinging=replace(self.pinging, growth=growth))
 
     def is_state(self, state: bytes) -> bool:
-        """Whether it was saved in this state of the simulator; that of another build cannot be compared."""
+        """Return whether it was saved in this state of the simulator; that of another build cannot be compared."""
         return self.build != build_fingerprint() or state_digest(state) == self.state_digest
 
     def another_flight(self, step_s: float) -> MissionError:
-        """Return the error of a flight that does not come by the saved state."""
+        """Return the error for a flight that does not reproduce the saved state."""
         at = f"at {self.tick * step_s:g} s it is in another state"
         if self.build != build_fingerprint():
             return MissionError(f"--resume: another build of uwsim saved this flight, and {at}")
@@ -170,12 +170,12 @@ class SavedFlight:
 
 
 def state_digest(state: bytes) -> str:
-    """Return what equal states of a simulator have in common."""
+    """Return a digest that equal states of a simulator share."""
     return hashlib.blake2b(state, digest_size=16).hexdigest()
 
 
 def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
-    """Return paths by vehicle as the arrays of this version; all echoes are counted with the first vehicle's."""
+    """Return paths by vehicle as arrays of this version; all echoes are counted under the first vehicle."""
     found: dict[str, NDArray[Any]] = {}
     for vehicle, path in paths.items():
         log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}

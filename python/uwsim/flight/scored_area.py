@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 def scored_area_m(survey_area_m: Array | None, path_world_m: Array) -> Array | None:
     """Return the polygon (k, 2) in which the map of pings from positions (n, 3) is scored; None if there is none.
 
-    It is the area of the scenario's survey, unless no ping was taken over it or the scenario has none: then it is
-    where the sonar was, with AREA_MARGIN_M round it.
+    It is the area of the scenario's survey, unless no ping was taken over it or the scenario has none: then it is the
+    area where the sonar was, with a margin of AREA_MARGIN_M.
     """
     if survey_area_m is not None:
         is_over = not len(path_world_m) or inside_polygon(path_world_m[:, :2], survey_area_m).any()
@@ -30,12 +30,12 @@ def flown_area_m(path_world_m: Array) -> Array | None:
     """Return the polygon (k, 2) within AREA_MARGIN_M of the convex hull of positions (n, 3); None without any."""
     if not len(path_world_m):
         return None
-    from scipy.spatial import ConvexHull, QhullError  # here, since scipy takes long to import
+    from scipy.spatial import ConvexHull, QhullError  # imported here, since scipy takes long
 
     angles = np.radians(np.arange(0.0, 360.0, 22.5))
     ring = AREA_MARGIN_M * np.column_stack([np.cos(angles), np.sin(angles)])
     places = np.unique(path_world_m[:, :2].round(2), axis=0)
-    with suppress(QhullError, ValueError):  # fewer than three, or on one line
+    with suppress(QhullError, ValueError):  # fewer than three positions, or collinear ones
         places = places[ConvexHull(places).vertices]
     around = (places[:, None] + ring).reshape(-1, 2)
     return np.asarray(around[ConvexHull(around).vertices], np.float64)

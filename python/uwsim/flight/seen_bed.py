@@ -1,4 +1,4 @@
-"""How much of the bed and of what stands on it a flight has seen, over time: columns of 1 m with an echo in them."""
+"""How much of the bed and of objects on it a flight has seen, over time: columns of 1 m with an echo in them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ CELL_M, PERIOD_S = 1.0, 1.0
 
 
 class SeenBed:
-    """Watches a simulator: once a second each vehicle pings, as it is; see uwsim.base.journal.Observer.
+    """Observes a simulator: each vehicle pings once a second from its present pose; see uwsim.base.journal.Observer.
 
-    Echoes are counted at their true places, whatever the vehicles believe. times_s, areas_m2: of each look. cells: all
-    columns with an echo.
+    Echoes are counted at their true positions, whatever the vehicles' estimates. times_s, areas_m2: at each look.
+    cells: all columns with an echo.
     """
 
     def __init__(self, sim: Simulator, vehicles: Iterable[str]) -> None:

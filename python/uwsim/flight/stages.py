@@ -6,8 +6,8 @@ from uwsim.mapping.map_filler import MAPPING, VERIFICATION, WAITING
 
 PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION = "physics", "rays", "codec", "conversion", "samples", "mission"
 STAGES = (PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION, MAPPING)
-AUTOSAVE = "autosave"  # present only when used, as VERIFICATION is
-MAP_THREAD_STAGES = (MAPPING, VERIFICATION, AUTOSAVE)  # run on the map's thread, where it has one
+AUTOSAVE = "autosave"  # only listed when used, like VERIFICATION
+MAP_THREAD_STAGES = (MAPPING, VERIFICATION, AUTOSAVE)  # run on the map's thread, if it has one
 
 __all__ = [
     "AUTOSAVE", "CODEC", "CONVERSION", "MAPPING", "MAP_THREAD_STAGES", "MISSION", "PHYSICS", "RAYS", "SAMPLING",

@@ -22,7 +22,7 @@ ENOUGH_PERCENT = 95.0
 
 
 def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
-    """Return rows of (name, value with unit) about the flight and its map, in the order in which they are shown."""
+    """Return rows of (name, value with unit) about the flight and its map, in display order."""
     rows = [
         ("simulated time", duration_text(flown.simulated_s)),
         ("wall time", duration_text(flown.wall_s)),
@@ -62,7 +62,7 @@ def _error_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
-    """Return a row for each warning of the vehicles' panels: when it is lit, and for what share of the pings it was."""
+    """Return a row for each warning of the panels: its condition, and for which share of the pings it was on."""
     limits_m = flown.warning_limits_m
     meanings = {
         "range": f"pings over {limits_m.get('range', 0.0):g} m from the station",
@@ -74,7 +74,7 @@ def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def _share_text(share: float) -> str:
-    """Return a share as `63 %`; one above 0 is not rounded down to 0, nor one below 1 up to 100 %."""
+    """Return a share as `63 %`; a share above 0 is not rounded down to 0, nor one below 1 up to 100 %."""
     percent = f"{100.0 * share:.0f}" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.3g}"
     return f"{percent} %"
 
@@ -124,7 +124,7 @@ def vehicle_values(samples: Samples) -> dict[str, Any]:
 def flight_values(flown: FlightRecord) -> dict[str, Any]:
     """Return the values of the flight by name, in SI units, for JSON.
 
-    The map's score is in `map`; for one version its values are beside it, too, as a survey had them.
+    The map's score is in `map`; for one version its values are also at the top level, as in earlier surveys.
     """
     errors_m, made = flown.position_error_m, flown.occupancy is not None
     values = {
@@ -182,7 +182,7 @@ def _closed_values(flown: FlightRecord, name: str) -> dict[str, Any]:
 
 
 def warnings(flown: FlightRecord) -> list[str]:
-    """Return the sentences that a reader must know before trusting the key values."""
+    """Return the sentences that a reader should know before trusting the key values."""
     found = []
     if flown.error is not None:
         found.append(f"The mission failed: {flown.error}")
@@ -224,12 +224,12 @@ def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None =
     why = f"it ended early: {flown.ended_because}" if flown.ended_early else "its mission is complete"
     if flown.coverage is None:
         return f"the survey is incomplete: its coverage is unknown, since the map was not scored; {why}"
-    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, so that it never seems to reach the minimum
+    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, so that it never appears to reach the minimum
     return f"the survey is incomplete: coverage is {shown:.1f} %, must be at least {least:g} %; {why}"
 
 
 def ashore_text(flown: FlightRecord, score: MapScore) -> str:
-    """Return a sentence on the map that the station has made."""
+    """Return a sentence on the map that the station has built."""
     count = 0 if flown.ashore is None else flown.ashore.ping_count
     share = coverage_text(score) if score.visible_truth_voxels else "-"
     distance = f", mean distance to the truth {distance_text(score.distance_mean_m)}" if score.occupied_voxels else ""

@@ -34,12 +34,11 @@ def run_survey(
         record = uwsim.run_survey("pool", "out/", report="json")
         print(record.coverage, record.simulated_s)
 
-    It is `fly` with a map, which prints its progress and ends at Ctrl-C with the map until then. mission: by default
-    the adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError or
-    ValueError for an error in the scenario or the arguments, OSError for `out`. However the flight ends, its map is
-    written.
+    It is `fly` with a map, prints its progress and on Ctrl-C ends with the map so far. mission: by default the adaptive
+    lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError or ValueError for an
+    error in the scenario or the arguments, OSError for `out`. The map is written however the flight ends.
     """
-    loaded = load(scenario)  # before the world is built
+    loaded = load(scenario)  # before building the world
     required_survey(loaded)
     require_sonar(loaded, loaded.vehicles[0].name)
     return fly(
@@ -50,8 +49,8 @@ def run_survey(
 def resume_survey(out: str | Path, *, screen: Silent | None = None, **options: Any) -> FlightRecord:
     """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
 
-    options: see uwsim.flight.fly.resume. Raises ValueError when there is nothing to resume or an argument differs;
-    otherwise as run_survey.
+    options: see uwsim.flight.fly.resume. Raises ValueError if there is nothing to resume or an argument differs;
+    otherwise like run_survey.
     """
     return resume(out, screen=screen or Terminal(), **options)
 
@@ -72,8 +71,8 @@ def fly_survey(
 
     occupancy: the map to fill; by default a new one with the scenario's voxel_m. mission: see found_mission.
     on_progress: called at every ping with the share flown, 0 to 1. transmit: see depth_string. outlier_filter: see
-    filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. least_share: of the lanes, which must be
-    flyable. Raises ScenarioError when the scenario has no survey, or most of its lanes cannot be flown. Fewer such
+    filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. least_share: share of the lanes that must
+    be flyable. Raises ScenarioError if the scenario has no survey, or most of its lanes cannot be flown. Fewer such
     lanes are left out, with a SurveyAreaWarning.
     """
     survey = required_survey(sim.scenario)

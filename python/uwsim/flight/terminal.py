@@ -20,10 +20,10 @@ REDRAW_S = 0.1  # of wall time, between two states of the progress bar
 
 
 class Silent:
-    """Shows nothing: the base of what shows a flight."""
+    """Shows nothing: the base class of all displays of a flight."""
 
     hears_signals = False
-    """Whether Ctrl-C and SIGTERM end the flight that it shows, with the results until then."""
+    """Whether Ctrl-C and SIGTERM end the flight it shows, with the results so far."""
 
     def status(self, activity: str) -> AbstractContextManager[object]:
         """Show an activity, such as "scoring the map", while the block runs."""
@@ -42,7 +42,7 @@ class Silent:
 
 
 class Terminal(Silent):
-    """Prints what a flight does and finds."""
+    """Prints the progress and the results of a flight."""
 
     hears_signals = True
 
@@ -91,7 +91,7 @@ class Terminal(Silent):
 
 @contextmanager
 def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
-    """Yield the function, called at most once in a period of wall time, and with the last arguments in the end."""
+    """Yield the function, called at most once per period of wall time, and at the end with the last arguments."""
     drawn_s = -math.inf
     last: tuple[float | None, float] | None = None
 
@@ -128,9 +128,9 @@ def _notebook_bar(activity: str) -> Show:
 
 
 class _ResultConsole(Console):
-    """Prints to stdout, and nowhere once the reader has gone: `uwsim survey | head` must not prevent the report."""
+    """Prints to stdout, or nowhere once the reader is gone: `uwsim survey | head` must not prevent the report."""
 
     def on_broken_pipe(self) -> None:
-        """Redirect stdout to nowhere; rich would end the program."""
+        """Redirect stdout to nowhere, where rich would end the program."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())

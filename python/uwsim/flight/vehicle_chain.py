@@ -1,4 +1,4 @@
-"""How a vehicle maps, as its scenario has it: the chain from pings to a map, how often it pings, what is refused."""
+"""How a scenario's vehicle maps: the chain from pings to a map, its ping rate, and the conditions it must meet."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.hull import hull_box_m
 from uwsim.simulator.simulator import Simulator
 
-PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # of scenarios without a survey
+PING_RATE_HZ, VOXEL_M = 10.0, 0.2  # for scenarios without a survey
 Array = NDArray[np.float64]
 
 
@@ -47,9 +47,9 @@ def chain_of(
 
 
 def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
-    """Whether outliers are filtered: as asked, else as the scenario says, else in the sonar's physics mode.
+    """Return whether outliers are filtered: as requested, else as in the scenario, else in the sonar's physics mode.
 
-    Raises ScenarioError if the scenario limits uncertainties that the sonar does not know.
+    Raises ScenarioError if the scenario limits uncertainties that the sonar does not provide.
     """
     survey, in_physics = sim.scenario.survey, sim.vehicles[vehicle].sonar.mode == "physics"
     if survey is not None and survey.max_uncertainty_m is not None and not in_physics:
@@ -63,18 +63,18 @@ def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
 
 
 def requested_interval_s(sim: Simulator) -> float:
-    """Return the time between pings that the scenario asks for."""
+    """Return the time between pings that the scenario requests."""
     return 1.0 / (PING_RATE_HZ if sim.scenario.survey is None else sim.scenario.survey.ping_rate_hz)
 
 
 def ping_interval_s(sim: Simulator, vehicle: str) -> float:
-    """Return the scenario's ping interval, or the two-way travel time in whole steps where that is longer."""
+    """Return the scenario's ping interval, or the two-way travel time in whole steps if that is longer."""
     least_s = 1.0 / sim.vehicles[vehicle].sonar.ping_rate_max_hz
     return max(requested_interval_s(sim), math.ceil(least_s / sim.step_s) * sim.step_s)
 
 
 def ping_steps(sim: Simulator, vehicle: str) -> int:
-    """Return the steps from ping to ping: the interval to the nearest step, never less than the travel time."""
+    """Return the steps between pings: the interval rounded to the nearest step, never less than the travel time."""
     return max(1, round(ping_interval_s(sim, vehicle) / sim.step_s))
 
 
@@ -84,7 +84,7 @@ def survey_area_m(sim: Simulator) -> Array | None:
 
 
 def default_voxel_m(sim: Simulator) -> float:
-    """Return the edge of the map's voxels that the scenario asks for."""
+    """Return the edge of the map's voxels that the scenario requests."""
     return sim.scenario.survey.voxel_m if sim.scenario.survey is not None else VOXEL_M
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Watched:
-    """A flight that is about to begin, or to go on. own: its vehicles, as the mission sees them."""
+    """A flight that is about to begin or to continue. own: its vehicles, as the mission sees them."""
 
     setup: Setup
     own: Mapping[str, OwnVehicle]
@@ -45,15 +45,15 @@ def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
 
 @contextmanager
 def linked(flight: Watched) -> Iterator[Ashore | None]:
-    """Carry what the vehicles send to the station during the block, if the scenario has a link."""
+    """Carry the vehicles' messages to the station during the block, if the scenario has a link."""
     setup, sim = flight.setup, flight.setup.sim
     if sim.link is None:
         yield None
         return
-    from uwsim.channels import Table  # here, since channels take long to import
+    from uwsim.channels import Table  # imported here, since channels take long
 
     recorded = None if setup.recorder is None else setup.recorder.table
-    table = recorded or Table(sim)  # the same for recorder and link
+    table = recorded or Table(sim)  # shared by recorder and link
     if setup.mapping is None:
         from uwsim.link import Carrier
 
@@ -74,7 +74,7 @@ def linked(flight: Watched) -> Iterator[Ashore | None]:
 
 @contextmanager
 def mapping(flight: Watched, ashore: Ashore | None) -> Iterator[MapMaker | None]:
-    """Make the map during the block, and keep what arrives ashore."""
+    """Build the map during the block, and collect the pings that arrive ashore."""
     setup, journal = flight.setup, flight.setup.sim.journal
     if setup.mapping is None:
         yield None
