@@ -1,4 +1,4 @@
-"""Sonars and cameras whose readings are placed in the world by the vehicle's estimate, not by the truth."""
+"""Sonars and cameras whose readings are placed in the world by the vehicle's estimate instead of the truth."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from uwsim.navigation.control.protocols import PoseLike
 
 
 def believed(world_from_part: NDArray[np.float64], truth: PoseLike, estimate: PoseLike) -> NDArray[np.float64]:
-    """The pose of a part of the vehicle in the world, (4, 4), if the vehicle were where it believes to be."""
+    """Return the pose of a part of the vehicle in the world, (4, 4), assuming the vehicle's estimated pose."""
     true_body, body = np.asarray(truth.world_from_body), np.asarray(estimate.world_from_body)
     return np.asarray(body @ np.linalg.inv(true_body) @ world_from_part, np.float64)
 
 
 class EstimatedPing:
-    """A ping with its estimated pose; all else is the ping's own."""
+    """A ping with its estimated pose; all other attributes are those of the ping."""
 
     def __init__(self, ping: Any, world_from_sonar: NDArray[np.float64]) -> None:
         self._ping, self.world_from_sonar = ping, world_from_sonar
@@ -28,7 +28,7 @@ class EstimatedPing:
 
 
 class EstimatedSonar:
-    """A sonar of a vehicle that goes by its estimate; all but `ping` is the sonar's own."""
+    """A sonar of a vehicle that uses its estimate; all attributes except `ping` are those of the sonar."""
 
     def __init__(self, sonar: Any, hull: Any, estimate: Any) -> None:
         self._sonar, self._hull, self._estimate = sonar, hull, estimate
@@ -43,7 +43,7 @@ class EstimatedSonar:
 
 
 class EstimatedCamera:
-    """A camera of a vehicle that goes by its estimate; all but the frames' poses is the camera's own."""
+    """A camera of a vehicle that uses its estimate; everything but the frames' poses is that of the camera."""
 
     def __init__(self, camera: Any, hull: Any, estimate: Any) -> None:
         self._camera, self._hull, self._estimate = camera, hull, estimate
@@ -55,7 +55,7 @@ class EstimatedCamera:
         return replace(frame, world_from_camera=pose)
 
     def resized(self, *arguments: Any, **options: Any) -> EstimatedCamera:
-        """The camera with pictures of another size."""
+        """Return the camera with pictures of another size."""
         return EstimatedCamera(self._camera.resized(*arguments, **options), self._hull, self._estimate)
 
     def __getattr__(self, name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Ways over a grid of square or cubic cells: which cells are where, and the cheapest ways between them."""
+"""Paths over a grid of square or cubic cells: the geometry of the cells, and the cheapest paths between them."""
 
 from __future__ import annotations
 
@@ -32,33 +32,33 @@ class Grid:
         return cells
 
     def holds(self, cells: Cells) -> NDArray[np.bool_]:
-        """Return whether each of the cells (n, d) is one of the grid's."""
+        """Return whether each of the cells (n, d) is in the grid."""
         return np.asarray(((cells >= 0) & (cells < self.shape)).all(axis=1))
 
     def centres(self, cells: NDArray[Any]) -> Floats:
-        """Return the middles (n, d) of cells (n, d)."""
+        """Return the centres (n, d) of cells (n, d)."""
         return np.asarray(self.low_m + (cells + 0.5) * self.edge_m, np.float64)
 
     def all_centres(self) -> Floats:
-        """Return the middles (n, d) of all cells, the last axis running fastest."""
+        """Return the centres (n, d) of all cells, the last axis running fastest."""
         return self.centres(np.indices(self.shape).reshape(len(self.shape), -1).T)
 
     def line(self, start_m: Floats, end_m: Floats) -> Cells:
-        """Return the cells (n, d) of points at most half an edge apart on a straight line, both ends included."""
+        """Return the cells (n, d) of points at most half an edge apart on a straight line, including both ends."""
         count = max(2, math.ceil(2.0 * float(np.linalg.norm(end_m - start_m)) / self.edge_m) + 1)
         return self.cells_of(start_m + np.linspace(0.0, 1.0, count)[:, None] * (end_m - start_m))
 
 
 class GridWays:
-    """The cheapest ways to every cell of a grid from the nearest of some sources, by Dijkstra.
+    """The cheapest paths to every cell of a grid from the nearest of several sources, by Dijkstra.
 
-    cost: of each cell, with one axis a dimension; inf closes it. A step to a neighbour costs its length in cells times
-    the mean cost of both. sources: cells (n, d). diagonal: whether cells that touch at an edge or a corner only are
-    neighbours, too.
+    cost: of each cell, with one axis per dimension; inf closes it. A step to a neighbour costs its length in cells
+    times the mean cost of both. sources: cells (n, d). diagonal: whether cells that only touch at an edge or a corner
+    are neighbours as well.
     """
 
     def __init__(self, cost: Floats, sources: Cells, *, diagonal: bool = True) -> None:
-        from scipy.sparse.csgraph import dijkstra  # here, since it takes long to import and few missions need it
+        from scipy.sparse.csgraph import dijkstra  # imported here, since it takes long and few missions need it
 
         costs, self._before, _ = dijkstra(
             _graph(cost, diagonal),
@@ -68,10 +68,10 @@ class GridWays:
             min_only=True,
         )
         self.costs: Floats = costs.reshape(cost.shape)
-        """The cost of the way to each cell; inf where none leads."""
+        """The cost of the path to each cell; inf if there is none."""
 
     def to(self, cell: Cells) -> Cells | None:
-        """Return the cells (n, d) of the way to a cell (d,), both ends included; None if there is none."""
+        """Return the cells (n, d) of the path to a cell (d,), including both ends; None if there is none."""
         if not math.isfinite(self.costs[tuple(cell)]):
             return None
         way = [int(np.ravel_multi_index(tuple(cell), self.costs.shape))]
@@ -81,7 +81,7 @@ class GridWays:
 
 
 def straightened(points: Floats, clear: Callable[[Floats, Floats], bool]) -> Floats:
-    """Leave out the points of a way (n, d) between which a straight line is clear."""
+    """Remove the points of a path (n, d) between which a straight line is clear."""
     kept, k = [points[0]], 0
     while k < len(points) - 1:
         k = next((j for j in range(len(points) - 1, k + 1, -1) if clear(points[k], points[j])), k + 1)

@@ -1,4 +1,4 @@
-"""Parallel lanes that cover a polygon, as a lawn-mower flies them."""
+"""Parallel lanes that cover a polygon, flown like a lawn-mower."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ def lawn_mower_lanes(
 ) -> list[Lane]:
     """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
-    Where the polygon is concave, a line across it is several lanes, and they fall into cells that are flown one after
-    the other. The lanes run along the polygon's longest edge, at most spacing_m apart and half of that from its sides,
-    and extend run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
+    Where the polygon is concave, a line across it becomes several lanes, and these are grouped into cells that are
+    flown one after the other. The lanes run along the polygon's longest edge, at most spacing_m apart and half of that
+    from its sides, and extend run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
     Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
@@ -80,7 +80,7 @@ def lawn_mower_lanes(
 
 
 def spans(along: Point, across: Point, offset: float) -> list[Span]:
-    """Where the line at `offset` is in a polygon, given its corners along and across the line."""
+    """Return where the line at `offset` is inside a polygon, given its corners along and across the line."""
     crossings = []
     for k in range(len(along)):
         a, b = across[k - 1], across[k]
@@ -114,7 +114,7 @@ def _overlap(a: Span, b: Span) -> bool:
 
 
 def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
-    """The lanes, each next cell and the corner to begin it at being the nearest to where the last one ended."""
+    """Return the lanes in order, always continuing with the cell and corner nearest to the end of the last one."""
     flown: list[Lane] = []
     here, left = near_m, list(cells)
     while left:
@@ -127,7 +127,7 @@ def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
 
 
 def _ways_to_fly(lanes: list[Lane]) -> list[list[Lane]]:
-    """The lanes back and forth, begun at either end of the first or the last one."""
+    """Return the lanes back and forth, starting at either end of the first or the last one."""
     turned = [Lane(lane.end_m, lane.start_m) for lane in lanes]
     both = [(lanes, turned), (lanes[::-1], turned[::-1]), (turned, lanes), (turned[::-1], lanes[::-1])]
     return [[pair[k % 2] for k, pair in enumerate(zip(*ways, strict=True))] for ways in both]

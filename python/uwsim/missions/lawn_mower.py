@@ -1,10 +1,10 @@
-"""The seed paper's adaptive lawn-mower over a polygon, written with a vehicle's public names alone.
+"""The seed paper's adaptive lawn-mower over a polygon, written only with a vehicle's public names.
 
-As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more
-than 7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor
-reads less than 7 m at a turn. This one adds the polygon (a lane ends at its edge, the mission with its last lane) and
-keeps a height above the bed and above the obstacles that the sonar sees ahead, and goes round shoals that it cannot
-pass over. Copy it to write another mission.
+As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more than
+7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less
+than 7 m at a turn. This version adds the polygon (a lane ends at its edge, the mission with its last lane), keeps a
+height above the bed and above the obstacles that the sonar sees ahead, and goes around shoals that it cannot pass over.
+Copy it to write another mission.
 """
 
 from __future__ import annotations
@@ -38,21 +38,21 @@ COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mi
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5  # a point is reached within this distance
-PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # what reaches higher is a shoal: the vehicle goes round it
-HALF_WIDTH_M = 3.0  # of the corridor ahead in which it keeps above what it has seen
+PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle goes around
+HALF_WIDTH_M = 3.0  # of the corridor ahead in which it stays above what it has seen
 LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
-SIDE_STEPS = 3.0  # line spacings: a lane farther away is reached in a transit, facing the way
+SIDE_STEPS = 3.0  # in line spacings: a lane farther away is reached in a transit, facing the direction of travel
 STUCK_AFTER_S = 60.0
 TURN_FIRST_RAD = math.radians(30.0)
 
 
 class AdaptiveLawnMower(Sealed):
-    """Flies a plan with a vehicle and a clock, as `navigation/control/protocols.py` has them; for `run` it must wait.
+    """Flies a plan with a vehicle and a clock, as defined in `navigation/control/protocols.py`.
 
-    The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for each lane; before a lane that is
-    far away come a "transit" and another "tilt". On a long way to a lane the sonar looks farther ahead than on lanes.
-    Everything that a leg remembers from one control period to the next is in `state`, so that `save` and `restore` are
-    possible at any time.
+    `run` needs a clock that waits. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for
+    each lane; a distant lane is preceded by a "transit" and another "tilt". On a long way to a lane the sonar looks
+    farther ahead than on lanes. Everything carried from one control period to the next is in `state`, so that `save`
+    and `restore` are possible at any time.
     """
 
     vehicle: SurveyVehicle
@@ -103,13 +103,13 @@ class AdaptiveLawnMower(Sealed):
         return min(1.0, (self._length_before_m[self.state.lane] + self.state.along_m) / self._length_before_m[-1])
 
     def save(self) -> dict[str, Any]:
-        """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock."""
+        """Return, as JSON values, everything that the rest of the mission depends on apart from vehicle and clock."""
         seen = self.lookout
         peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
         return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells))
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state that `save` returned; `run` then goes on from there. Raises ValueError."""
+        """Continue from the result of `save`; `run` then continues from there. Raises ValueError."""
         saved = checked_state(SavedMission, state)
         remember(self.autopilot, saved.autopilot)
         self._state = saved.mower
@@ -124,7 +124,7 @@ class AdaptiveLawnMower(Sealed):
         return drive(self.steps(), cast(Clock, self.clock))
 
     def steps(self) -> Steps[str]:
-        """Return the mission as steps, which do what `run` does: `ended = yield from mower.steps()`."""
+        """Return the mission as steps with the same effect as `run`: `ended = yield from mower.steps()`."""
         legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
             "undock": self._undock,
             "approach": self._approach,
@@ -159,7 +159,7 @@ class AdaptiveLawnMower(Sealed):
         self._length_before_m = [0.0, *accumulate(lane.length_m for lane in self._lanes)]
 
     def _look_farther_ahead(self) -> None:
-        """Tilt the sonar less than on the lanes, so that its fan meets a flat bed farther ahead."""
+        """Tilt the sonar less than on the lanes, so that its fan hits a flat bed farther ahead."""
         tilt_rad = math.atan2(self.plan.altitude_m, self.plan.transit_view_m)
         self.vehicle.sonar.aim(-min(tilt_rad, math.radians(self.plan.tilt_deg)))
 
@@ -191,17 +191,17 @@ class AdaptiveLawnMower(Sealed):
         return "tilt"
 
     def _skip_lane(self, leg: LegName) -> LegName:
-        """Leave a lane out because shoals are round it, and go on with a leg to the next one."""
+        """Skip a lane that is surrounded by shoals, and continue with a leg to the next one."""
         self.state.lane += 1
         self.state.skipped += 1
         return leg
 
     def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
-        """Wait on the spot until the sonar's head has turned to its elevation, if the sonar reports one."""
+        """Wait on the spot until the sonar's head has reached its elevation, if the sonar reports one."""
         target_rad = -math.radians(self.plan.tilt_deg)
         while not is_at(self.vehicle.sonar, target_rad):
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
-                break  # a survey with another tilt is better than none
+                break  # a survey with a different tilt is better than none
             yield from self.lookout.steer(start.yaw_rad, self._back_to(start))
         return "turn"
 
@@ -220,7 +220,7 @@ class AdaptiveLawnMower(Sealed):
         return "abreast"
 
     def _require_clearance_to_port(self) -> None:
-        """Stop, as published, if something is near to port at a turn."""
+        """Stop, as in the paper, if something is close to port at a turn."""
         port_m = self.vehicle.sensors["proximity_port"].read()
         if port_m < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
@@ -235,7 +235,7 @@ class AdaptiveLawnMower(Sealed):
         return "mow"
 
     def _transit(self, start: LegStart) -> Steps[LegName]:
-        """Go to a lane that is far away, facing the way."""
+        """Go to a distant lane, facing the direction of travel."""
         if not (yield from self._go_to(self._nearest_on_lane(start), start, heading_rad=None)):
             return self._skip_lane("tilt")
         return "tilt"
@@ -280,9 +280,10 @@ class AdaptiveLawnMower(Sealed):
         return self.lookout.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
-        """Go to a point, round shoals; return whether there is a way. On a long way the sonar looks farther ahead.
+        """Go to a point, around shoals; return whether there is a way. On a long way the sonar looks farther ahead.
 
-        The vehicle holds the heading, if one is given and the way is straight; else it faces where it goes.
+        The vehicle holds the heading if one is given and the way is straight; otherwise it faces the direction of
+        travel.
         """
         to_x, to_y = point_m.tolist()
         total_m = math.dist((to_x, to_y), start.position_world_m[:2])
@@ -299,7 +300,7 @@ class AdaptiveLawnMower(Sealed):
             straight = aim == (to_x, to_y)
             if self.clock.time_s > start.time_s + allowed_s:
                 if not straight:
-                    return False  # a long search along shoals has found no way
+                    return False  # a long search along shoals has failed
                 raise StoppedError(f"stuck {distance:.0f} m before ({to_x:.0f}, {to_y:.0f}) m")
             speed_m_s = min(self.plan.speed_m_s, 0.2 + 0.3 * distance)
             yield from self.lookout.head_for(aim, speed_m_s, heading_rad if straight else None)

@@ -1,4 +1,4 @@
-"""The state of an adaptive lawn-mower: plain data, from which another process can fly on."""
+"""The state of an adaptive lawn-mower: plain data, from which another process can continue."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class LegStart:
 class MowerState:
     """The progress of a mission.
 
-    lanes_near_m: where the mission began; it orders the lanes. lane: index of the present one. leg: the part of it that
-    is flown now. leg_start: None before the leg has begun. along_m: distance along the lane. furthest_m: the largest
-    such distance so far, reached at furthest_s. skipped: number of lanes that could not be reached.
+    lanes_near_m: where the mission began, which determines the order of lanes. lane: index of the present one. leg: the
+    part of it being flown. leg_start: None before the leg has begun. along_m: distance along the lane. furthest_m: the
+    largest such distance so far, reached at furthest_s. skipped: number of lanes that could not be reached.
     """
 
     lanes_near_m: tuple[float, float]
@@ -40,7 +40,7 @@ class MowerState:
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its state, what its pilot remembers, the obstacle memory's echoes, the shoals' cells."""
+    """A saved lawn-mower: its state, its pilot's memory, the obstacle memory's echoes, the shoals' cells."""
 
     mower: MowerState
     autopilot: tuple[float, ...]

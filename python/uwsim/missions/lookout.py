@@ -1,4 +1,4 @@
-"""Lookout: how high and how fast to fly over what the sonar has seen ahead, and which shoals lie in the way."""
+"""Lookout: how high and how fast to fly over what the sonar has seen ahead, and which shoals are in the way."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
 """The vehicle never climbs above this height on its own."""
-CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a climb still to be made slows down from the one on, over the other
+CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero over the second value
 SLOWEST = 0.1  # of the speed
 
 
 class Lookout(Sealed):
     """Steers a vehicle altitude_m above the bed and above what its sonar has seen ahead, and charts shoals.
 
-    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: of the corridor in which what has been
-    seen counts. passable_z_m: what reaches higher is a shoal. turn_first_rad: an error of heading above which it turns
-    before it goes. most_climb_m: the largest error of height that is steered by. Raises ValueError.
+    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: of the corridor in which echoes count.
+    passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which it turns before moving.
+    most_climb_m: limit of the height error used for steering. Raises ValueError.
     """
 
     vehicle: OwnVehicle
@@ -56,7 +56,7 @@ class Lookout(Sealed):
     def head_for(
         self, point_world_m: tuple[float, float], speed_m_s: float, heading_rad: float | None = None
     ) -> Steps[None]:
-        """Fly one control period towards a point, at a heading, by default facing it; it turns before it goes."""
+        """Fly one control period towards a point, at a heading, by default facing it; turn before moving."""
         pose = self.vehicle.pose
         x, y, _ = pose.position_world_m.tolist()
         to_x, to_y = point_world_m
@@ -75,7 +75,7 @@ class Lookout(Sealed):
         yield from steer(self.vehicle, heading_rad, (share * east, share * north), z_m, most_climb_m=self._most_climb_m)
 
     def look(self) -> PingLike:
-        """Ping, and note what is ahead; part of `steer`."""
+        """Ping, and record what is ahead; part of `steer`."""
         ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
         self.obstacles.add(ping, np.asarray(pose.position_world_m, np.float64), pose.yaw_rad)
         self.shoals.add(ping)
@@ -90,6 +90,6 @@ class Lookout(Sealed):
         return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
 
     def share_of_speed(self, z_world_m: float) -> float:
-        """Return the share of its speed at which the vehicle reaches a height in time: less while it must climb."""
+        """Return the share of its speed at which the vehicle reaches a height in time: lower while it must climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
         return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)

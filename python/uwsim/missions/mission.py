@@ -16,7 +16,7 @@ class SteppedMission(Protocol):
 
 
 class Mission(SteppedMission, Protocol):
-    """A mission that a survey flies; AdaptiveLawnMower is one."""
+    """A mission that a survey can fly; AdaptiveLawnMower is one."""
 
     @property
     def progress(self) -> float:
@@ -28,16 +28,16 @@ class Mission(SteppedMission, Protocol):
 
 @runtime_checkable
 class ResumableMission(Protocol):
-    """A mission that another process can continue. Without it a mission is continued by flying it again."""
+    """A mission that another process can continue. Any other mission is continued by flying it again."""
 
     def save(self) -> dict[str, Any]:
-        """Return, as JSON values, everything that the rest of the mission depends on beside vehicle and clock.
+        """Return, as JSON values, everything that the rest of the mission depends on apart from vehicle and clock.
 
-        Called while its steps are in a `yield`: what they do afterwards must follow from this state.
+        Called while its steps are in a `yield`: their further actions must follow from this state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state that `save` returned: `steps` go on as if that `yield` had just ended.
+        """Continue from the result of `save`: `steps` continue as if that `yield` had just ended.
 
         Raises ValueError.
         """

@@ -1,4 +1,4 @@
-"""Checks the saved state of a mission before the mission flies by it."""
+"""Checks the saved state of a mission before it is used."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Steps that move a vehicle: goto, hold, turn_to, dive_to, follow. Each steers by the vehicle's estimate.
 
-They avoid nothing: a way must be free. They raise StoppedError if the vehicle is stuck, its battery is
-empty or it has capsized. Positions are in the world's frame (ENU, z up).
+They do not avoid obstacles: the way must be free. They raise StoppedError if the vehicle is stuck, its battery is empty
+or it has capsized. Positions are in the world's frame (ENU, z up).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from uwsim.navigation.control.autopilot import wrap_angle
 from uwsim.navigation.control.controller import Controller
 
 Point = Sequence[float] | NDArray[Any]
-GRACE_S = 60.0  # time that a move may take beside three times what its length needs
+GRACE_S = 60.0  # extra time for a move, on top of three times the time for its length
 SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DOWN x distance
-FACE_FROM_M = 1.0  # farther away, it faces the way
+FACE_FROM_M = 1.0  # farther away, it faces the direction of travel
 TURN_FIRST_RAD = math.radians(45.0)
 BACK_PER_S = 0.5  # speed back to a point or a line, per metre
 CAPSIZED_COSINE = 0.3  # of the tilt from upright
-CLIMB_M = 1.0  # largest error of height that is steered by: fast dives with way on nose slender vehicles over
+CLIMB_M = 1.0  # limit of the height error used for steering: fast dives under way make slender vehicles pitch over
 
 
 def goto(
@@ -42,7 +42,7 @@ def goto(
 ) -> Steps[None]:
     """Go straight to a position (3,), or (2,) with altitude_m above the bed; arrive within_m of it.
 
-    heading_rad: held on the way; by default it faces the way.
+    heading_rad: held on the way; by default the direction of travel.
     """
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
     require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
@@ -77,9 +77,9 @@ def hold(
     position_world_m: Point | None = None,
     heading_rad: float | None = None,
 ) -> Steps[None]:
-    """Stay at a position (3,) and heading, by default the present ones, for a time, by default for ever.
+    """Stay at a position (3,) and heading, by default the present ones, for a time, by default forever.
 
-    A hold that follows another at once keeps the place of that one: repeated, they do not wander off.
+    A hold that directly follows another keeps the same place, so that repeated holds do not drift.
     """
     if not duration_s > 0.0:
         raise ValueError(f"hold: duration_s = {duration_s} s: must be positive")
@@ -141,7 +141,7 @@ def follow(
 def _along(
     vehicle: OwnVehicle, start: NDArray[Any], end: NDArray[Any], altitude_m: float | None, speed_m_s: float
 ) -> Steps[None]:
-    """Go along one leg, keeping to its line."""
+    """Follow one leg, staying on its line."""
     x, y, height = _target(vehicle, "follow", end, altitude_m)
     start_x, start_y = float(start[0]), float(start[1])
     length_m = math.hypot(x - start_x, y - start_y)
@@ -169,7 +169,7 @@ def _along(
 def _target(
     vehicle: OwnVehicle, step: str, position_world_m: Point, altitude_m: float | None = None
 ) -> tuple[float, float, Callable[[], float]]:
-    """Return x, y and a function that returns the height z to keep now. Raises ValueError."""
+    """Return x, y and a function that returns the height z to keep. Raises ValueError."""
     point = np.asarray(position_world_m, np.float64)
     expected = (3,) if altitude_m is None else (2,)
     if point.shape != expected or not np.isfinite(point).all():

@@ -1,4 +1,4 @@
-"""Memory of the obstacles that the sonar has seen ahead, from which follows how high to fly."""
+"""Memory of the obstacles that the sonar has seen ahead, which determines how high to fly."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import PingLike
 
 Vector = NDArray[np.float64]
-WORLD = np.eye(4)  # of points that are in the world already
+WORLD = np.eye(4)  # of points that are already in the world
 
 
 class ObstacleMemory(Sealed):
-    """Remembers the highest echo of each ping in the corridor ahead of the vehicle, until it has been passed.
+    """Stores the highest echo of each ping in the corridor ahead of the vehicle, until it has been passed.
 
-    The corridor reaches from half_width_m behind the vehicle to ahead_m before it, half_width_m to either side.
-    pings: how many are remembered.
+    The corridor reaches from half_width_m behind the vehicle to ahead_m in front of it, half_width_m to either side.
+    pings: how many are stored.
     """
 
     half_width_m: float
@@ -36,12 +36,12 @@ class ObstacleMemory(Sealed):
 
     @property
     def peaks_world_m(self) -> Vector:
-        """The remembered echoes, (n, 3), the oldest first."""
+        """The stored echoes, (n, 3), the oldest first."""
         held, next_place = min(self._seen, len(self._ring)), self._seen % len(self._ring)
         return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
 
     def restore(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
-        """Remember these echoes (n, 3), the oldest first, and no others. Raises ValueError."""
+        """Replace the stored echoes by these (n, 3), the oldest first. Raises ValueError."""
         peaks = np.asarray(peaks_world_m, np.float64).reshape(-1, 3)
         if len(peaks) > len(self._ring) or not np.isfinite(peaks).all():
             raise ValueError(f"lookout: {len(peaks)} peaks: must be at most {len(self._ring)}, and finite")
@@ -49,14 +49,14 @@ class ObstacleMemory(Sealed):
         self._seen = len(peaks)
 
     def add(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
-        """Remember the highest echo of a ping in the corridor, if there is one."""
+        """Store the highest echo of a ping in the corridor, if there is one."""
         peak = self._highest(ping.points_sonar_m, ping.world_from_sonar, position_world_m, heading_rad)
         if peak is not None:
             self._ring[self._seen % len(self._ring)] = peak
             self._seen += 1
 
     def highest_m(self, position_world_m: Vector, heading_rad: float) -> float:
-        """Height (z) of the highest remembered echo in the corridor; -inf if there is none."""
+        """Height (z) of the highest stored echo in the corridor; -inf if there is none."""
         peaks = self._ring[: min(self._seen, len(self._ring))]
         peak = self._highest(peaks, WORLD, position_world_m, heading_rad)
         return -math.inf if peak is None else peak[2]

@@ -1,4 +1,4 @@
-"""OwnVehicle: gives a mission the Vehicle that it sees, made of a simulated or remote one, a clock and an estimate."""
+"""OwnVehicle: the Vehicle given to a mission, made from a simulated or remote one, a clock and an estimate."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class Event(NamedTuple):
 class OwnVehicle(Sealed, Commandable):
     """A mission's vehicle; see Vehicle.
 
-    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: gives time_s. estimate: by default the
-    hull itself, which is the truth. autopilot: see `autopilot`. hear: called with each event of the log.
+    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: provides time_s. estimate: by default
+    the hull itself, which is the truth. autopilot: see `autopilot`. hear: called with each event of the log.
     """
 
     name: str
@@ -90,29 +90,29 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def autopilot(self) -> Autopilot | Controller:
-        """The autopilot of goto, hold and the others: one, so that it keeps what it has learnt of trim and current.
+        """The autopilot shared by goto, hold and the others, so that it keeps its estimates of trim and current.
 
-        A Controller with the model and the gains of the vehicle's file; for a remote vehicle, which reports neither, an
-        Autopilot. Both have `steer` and `period_s`.
+        A Controller with the model and the gains of the vehicle's file; for a remote vehicle, which provides neither,
+        an Autopilot. Both have `steer` and `period_s`.
         """
         return self._autopilot
 
     def held(self) -> Held | None:
-        """Return what `hold` held until this very time; None if the vehicle has done something else since."""
+        """Return the place held by `hold` until this very time; None if the vehicle has done something else since."""
         return self._held[1] if self._held is not None and abs(self.time_s - self._held[0]) < SAME_TIME_S else None
 
     def note_held(self, held: Held) -> None:
-        """Take note that `hold` holds this until now."""
+        """Record that `hold` holds this place until now."""
         self._held = (self.time_s, held)
 
     @property
     def authority(self) -> Any:
-        """The effect of full efforts, (6,), or None if it is not known; see uwsim.simulator.vehicle.Vehicle."""
+        """The effect of full efforts, (6,), or None if unknown; see uwsim.simulator.vehicle.Vehicle."""
         return getattr(self._hull, "authority", None)
 
     @property
     def control(self) -> Any:
-        """The model and the gains of its file, for a Controller, or None if they are not known."""
+        """The model and the gains of its file, for a Controller, or None if unknown."""
         return getattr(self._hull, "control", None)
 
     @property
@@ -164,7 +164,7 @@ class OwnVehicle(Sealed, Commandable):
         return bool(getattr(self._hull, "all_stopped", False))
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Give a command that a real vehicle could take. Raises ValueError."""
+        """Issue a command that a real vehicle could accept. Raises ValueError."""
         if (method := self._methods.get(name)) is None:
             method = self._methods[name] = self._method(name)
         result = method(**arguments)
@@ -173,7 +173,7 @@ class OwnVehicle(Sealed, Commandable):
         return result
 
     def _method(self, name: str) -> Callable[..., Any]:
-        """Return the hull's method that gives a command. Raises ValueError."""
+        """Return the hull's method for a command. Raises ValueError."""
         if not command_named(name).crosses_link:
             raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
@@ -181,7 +181,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def effort(self) -> tuple[float, ...]:
-        """Surge, sway, heave, roll, pitch, yaw as last commanded here."""
+        """Surge, sway, heave, roll, pitch, yaw as last commanded by this mission."""
         return tuple(self._efforts.get(axis, 0.0) for axis in AXES)
 
     def telemetry(self) -> Panel:
@@ -189,6 +189,6 @@ class OwnVehicle(Sealed, Commandable):
         return self._hull.telemetry()  # type: ignore[no-any-return]
 
     def log(self, event: str, **values: Any) -> None:
-        """Write an event with values of JSON's types into the mission's log. Raises ValueError for other values."""
+        """Write an event with values of JSON types to the mission's log. Raises ValueError for other values."""
         kept = {key: plain(value, f"log '{event}': {key}") for key, value in values.items()}
         self._hear(Event(self.time_s, self.name, str(event), kept))

@@ -1,8 +1,8 @@
-"""The adaptive lawn-mower of the published simulator, as its node flies it: what it sees in, what it commands out.
+"""The adaptive lawn-mower of the published simulator, as flown by its node: observations in, commands out.
 
 Source: UWRoboticsSimulator, ROS/controllerpkg/src/lawn_mower.py. It steers by three beams of the level sonar and by the
-distance to port, with the published wire's signs, and knows neither the depth nor a polygon: it takes the yaw for 0 at
-the start, and ends a turn 5 degrees early.
+distance to port, with the published wire's signs, and uses neither the depth nor a polygon: it assumes that the yaw is
+0 at the start, and ends a turn 5 degrees early.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ RELEASE = Key(function=1.0)
 
 
 def published_mower(start_m: tuple[float, float, float] = START_M) -> Generator[Key, Seen, None]:
-    """Yield the key message of each control period, given what is seen then; return at the last lane's end.
+    """Yield the key message of each control period, given the observation then; return at the last lane's end.
 
     start_m: where lanes begin, in the frame of propPos.
     """

@@ -23,7 +23,7 @@ def run(
     *,
     hear: Callable[[Event], object] = lambda event: None,
 ) -> Any:
-    """Fly a mission to its end; return what it returns.
+    """Fly a mission to its end; return its result.
 
     mission: see `begin`. vehicles: one, or a dict of several, of a Simulator, a LiveSimulator or a rosbridge. hear:
     called with each event that it logs.
@@ -42,10 +42,10 @@ def begin(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> Steps
 
 
 def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[Steps[Any] | SteppedMission]:
-    """Return one mission for all vehicles, if its first parameter is called `vehicles`, else one for each of them.
+    """Return one mission for all vehicles if its first parameter is called `vehicles`, else one for each of them.
 
-    Those that are a ResumableMission may be restored before they are flown. Raises ValueError for what is neither a
-    generator function of one argument nor such a class with `steps`.
+    A ResumableMission may be restored before it is flown. Raises ValueError for anything but a generator function of
+    one argument or such a class with `steps`.
     """
     if first_parameter(mission) == "vehicles":
         return [mission(dict(vehicles))]

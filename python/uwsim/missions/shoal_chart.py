@@ -1,4 +1,4 @@
-"""A chart of the shoals that the sonar has seen, and the way round them."""
+"""A chart of the shoals that the sonar has seen, and the way around them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ Point = tuple[float, float]
 Cell = tuple[int, int]
 
 CELL_M = 4.0
-ECHOES_IN_A_CELL = 4  # of one ping: a single echo may be a false detection
-BESIDE_A_SHOAL = 20.0  # a cell next to a shoal costs as much as this many others: it is crossed only to get away
-MARGIN_CELLS = 15  # round start, goal and shoals, for the way
+ECHOES_IN_A_CELL = 4  # in one ping: a single echo may be a false detection
+# a cell next to a shoal costs as much as this many others, so that it is only crossed to get away
+BESIDE_A_SHOAL = 20.0
+MARGIN_CELLS = 15  # around start, goal and shoals, when searching for a way
 STEPS_TO_LEAVE = 4  # of half a cell
 
 
 class ShoalChart(Sealed):
-    """Square cells of the horizontal plane in which something reaches higher than top_z_m.
+    """Square cells of the horizontal plane that contain anything higher than top_z_m.
 
     A vehicle cannot pass over them, and keeps one cell away from them.
     """
@@ -35,7 +36,7 @@ class ShoalChart(Sealed):
         self.top_z_m = top_z_m
         self._shoals: set[Cell] = set()
         self._near: set[Cell] = set()
-        self._known_way: tuple[Cell, Cell, list[Cell] | None] | None = None  # from, to, cells; of the present chart
+        self._known_way: tuple[Cell, Cell, list[Cell] | None] | None = None  # from, to, cells; for the present chart
 
     @property
     def cells(self) -> list[Cell]:
@@ -43,12 +44,12 @@ class ShoalChart(Sealed):
         return sorted(self._shoals)
 
     def restore(self, cells: Iterable[Cell]) -> None:
-        """Chart these shoals and no others."""
+        """Replace the charted shoals by these."""
         self._shoals, self._near = set(), set()
         self._chart(cells)
 
     def add(self, ping: PingLike) -> None:
-        """Chart the shoals that a ping shows."""
+        """Chart the shoals in a ping."""
         points = _core.points_above(ping.points_sonar_m, ping.world_from_sonar, self.top_z_m)
         if len(points) < ECHOES_IN_A_CELL:
             return
@@ -56,11 +57,11 @@ class ShoalChart(Sealed):
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
     def close(self, point_m: Point) -> None:
-        """Chart the cell of a point that something else than its height closes to the vehicle."""
+        """Chart the cell of a point that is closed to the vehicle for a reason other than its height."""
         self._chart([_cell(point_m)])
 
     def blocks(self, start_m: Point, end_m: Point) -> bool:
-        """Whether a shoal lies on or beside the straight line between two points.
+        """Return whether a shoal lies on or beside the straight line between two points.
 
         A start beside a shoal may be left within two cells.
         """
@@ -77,7 +78,7 @@ class ShoalChart(Sealed):
         return False
 
     def next_point(self, start_m: Point, goal_m: Point) -> Point | None:
-        """The point to head for on the way to a goal: the goal, or the last point of a way round that is in sight.
+        """Return the point to head for on the way to a goal: the goal, or the last visible point of a way around.
 
         None if there is no way.
         """
@@ -98,7 +99,7 @@ class ShoalChart(Sealed):
                 self._known_way = None
 
     def _way(self, start: Cell, goal: Cell) -> list[Cell] | None:
-        """The cheapest way over cells that are not shoals, both ends included; it depends on nothing but the chart."""
+        """Return the cheapest way over cells that are not shoals, including both ends; it depends only on the chart."""
         if self._known_way is None or self._known_way[:2] != (start, goal):
             self._known_way = start, goal, self._search(start, goal)
         return self._known_way[2]

@@ -1,4 +1,4 @@
-"""The head of a sonar that takes time to tilt."""
+"""A sonar head that takes time to tilt."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@
         yield wait(10.0)
         yield from until(lambda: vehicle.sensors["altitude"].read() < 4.0, timeout_s=60.0)
 
-`parallel` and `race` run several steps at once. The order of what happens at one time is that of the arguments.
+`parallel` and `race` run several steps at once. Simultaneous events happen in the order of the arguments.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Wait:
         return round(self.duration_s * 1e9)
 
     def __iter__(self) -> Generator[Wait, None, None]:
-        """Let `yield from wait(1.0)` do the same as `yield wait(1.0)`."""
+        """Make `yield from wait(1.0)` equivalent to `yield wait(1.0)`."""
         yield self
 
 
@@ -49,7 +49,7 @@ def wait(duration_s: float) -> Wait:
 
     A simulator rounds it to whole steps, at least one. Raises ValueError unless it is positive.
     """
-    if not 1e-9 <= duration_s <= LONGEST_S:  # false for nan, too
+    if not 1e-9 <= duration_s <= LONGEST_S:  # false for nan as well
         raise ValueError(f"wait: duration_s = {duration_s} s: must be positive and at most {LONGEST_S:g} s")
     return Wait(float(duration_s))
 
@@ -66,7 +66,7 @@ def until(condition: Callable[[], object], *, timeout_s: float = math.inf, every
 
 
 def parallel(*branches: Steps[Any]) -> Steps[list[Any]]:
-    """Run all branches at once; return their results, in their order, when all have ended.
+    """Run all branches at once; return their results, in order, when all have ended.
 
     An error in one ends the others.
     """
@@ -85,7 +85,7 @@ def race(*branches: Steps[Any]) -> Steps[tuple[int, Any]]:
 def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, Any]]:
     """Run branches, each at its own wake-up times, until enough have ended; return their results by index."""
     now_ns, results = 0, dict[int, Any]()
-    agenda = [(now_ns, k) for k in range(len(branches))]  # a heap: at one time, the first branch goes first
+    agenda = [(now_ns, k) for k in range(len(branches))]  # a heap: at equal times, the first branch goes first
     try:
         while agenda and len(results) < enough:
             wake_ns, k = heapq.heappop(agenda)
@@ -105,7 +105,7 @@ def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, A
 
 
 def checked_wait(yielded: Any) -> Wait:
-    """Return the wait that a mission has yielded. Raises TypeError, with what to write instead, if it is not one."""
+    """Return the wait that a mission has yielded. Raises TypeError, with the correct form, if it is not one."""
     if isinstance(yielded, Wait):
         return yielded
     if isinstance(yielded, Generator):

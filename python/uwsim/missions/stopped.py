@@ -1,7 +1,7 @@
-"""How a mission ends before its time."""
+"""Early endings of missions."""
 
 from __future__ import annotations
 
 
 class StoppedError(Exception):
-    """The mission ended early; the message says why, such as "stuck 3 m before (10, 20, -5) m"."""
+    """The mission ended early; the message has the reason, such as "stuck 3 m before (10, 20, -5) m"."""

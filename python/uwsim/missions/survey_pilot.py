@@ -14,10 +14,10 @@ Pilot = Autopilot | Controller
 def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
     """Return the pilot of a vehicle, to be called once in each period.
 
-    Thrusters that push below the centre of mass pitch the vehicle, and saturate together. An Autopilot, which knows
-    nothing of that, nosed a BlueROV2 Heavy over 15 s into the lake's survey at 1.4 m/s; a Controller has its model.
+    Thrusters that push below the centre of mass pitch the vehicle, and saturate together. An Autopilot, which has no
+    model of that, pitched a BlueROV2 Heavy over 15 s into the lake's survey at 1.4 m/s; a Controller has a model.
     Without thrusters the vehicle receives exactly the commanded wrench: there the Autopilot, which does not plan its
-    accelerations, is faster by 2 % and covers as much more.
+    accelerations, is faster by 2 % and covers that much more.
     """
     settings = getattr(vehicle, "control", None)
     if settings is not None and getattr(settings, "thrusters", 0) > 0:
@@ -26,12 +26,12 @@ def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
 
 
 def memory_of(pilot: Pilot) -> tuple[float, ...]:
-    """Return what one period leaves to the next: 3 numbers of an Autopilot, 25 of a Controller."""
+    """Return the state carried between periods: 3 numbers of an Autopilot, 25 of a Controller."""
     return tuple(pilot.memory.tolist()) if isinstance(pilot, Controller) else pilot.integrals
 
 
 def remember(pilot: Pilot, memory: Sequence[float]) -> None:
-    """Go on with what memory_of returned. Raises ValueError if it is another kind of pilot's."""
+    """Continue from the result of memory_of. Raises ValueError if it belongs to another kind of pilot."""
     expected = len(memory_of(pilot))
     if len(memory) != expected:
         raise ValueError(f"autopilot: {len(memory)} numbers: this vehicle's pilot has {expected}")

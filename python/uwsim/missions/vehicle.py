@@ -1,4 +1,4 @@
-"""Vehicle: all that a mission sees of a vehicle, simulated or remote."""
+"""Vehicle: everything that a mission sees of a vehicle, simulated or remote."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class CameraLike(Protocol):
 class Vehicle(Commandable, Protocol):
     """A vehicle as missions see it: readings and commands. Reading does not let time pass: only `yield` does.
 
-    estimate: where it is and how it moves, to the best of its knowledge: the truth, or a filter's estimate. pose,
+    estimate: its position and motion to the best of its knowledge: the truth, or a filter's estimate. pose,
     velocity: the estimate's. sonar: the first multibeam; sonars, sensors, cameras, lamps: by name.
     """
 
@@ -105,4 +105,4 @@ class Vehicle(Commandable, Protocol):
         """Read the vehicle's panel."""
 
     def log(self, event: str, **values: Any) -> None:
-        """Write an event with values of JSON's types into the mission's log."""
+        """Write an event with values of JSON types to the mission's log."""

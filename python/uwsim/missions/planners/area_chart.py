@@ -1,8 +1,8 @@
-"""AreaChart: where in an area a vehicle may go, as far as its sonar has seen, and the ways in it.
+"""AreaChart: where in an area a vehicle may go, according to its sonar so far, and the ways there.
 
-A raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from everything that
-reaches too high to be passed over; unknown water is open. Ways are Dijkstra's over open cells, drawn straight wherever
-a straight line stays in them, so that no way leaves the area, concave or not.
+A raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from everything too
+high to be passed over; unknown water is open. Ways are found by Dijkstra over open cells, and straightened wherever a
+straight line stays in them, so that no way leaves the area, concave or not.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions.grid_ways import Grid, GridWays, straightened
 
 Floats = NDArray[np.float64]
-BEYOND_M = 2.0  # by which ways may leave the area
-KEEP_M = 3.5  # from what cannot be passed over
+BEYOND_M = 2.0  # distance by which ways may leave the area
+KEEP_M = 3.5  # distance from anything that cannot be passed over
 FINEST_M, MOST_CELLS = 1.0, 300  # along a side
 PATCH_M = 3.0
-ECHOES_IN_A_CELL = 3  # of one ping: fewer may be false detections
+ECHOES_IN_A_CELL = 3  # in one ping: fewer may be false detections
 
 
 class AreaChart:
-    """The chart of a polygon (k, 2). Nothing that reaches higher than top_z_m can be passed over.
+    """The chart of a polygon (k, 2). Nothing higher than top_z_m can be passed over.
 
-    start_m: where the vehicle is, (2,); if that is outside, it may come in through the hull of area and start, until
-    it has visited the area.
+    start_m: the vehicle's position, (2,); if that is outside, it may enter through the convex hull of area and start,
+    until it has visited the area.
     """
 
     def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
-        import shapely  # here, since it takes 0.2 s to import
+        import shapely  # imported here, since it takes 0.2 s
 
         polygon = shapely.Polygon(area_m)
         area = polygon.buffer(BEYOND_M)
@@ -54,7 +54,7 @@ class AreaChart:
         self.visit(start_m)
 
     def visit(self, point_m: Floats) -> None:
-        """Note where the vehicle is, (2,): once it has been in the area, ways stay there."""
+        """Record the vehicle's position, (2,): once it has been in the area, ways stay there."""
         (cell,), (held,) = self.cells_of(point_m[None])
         if held:
             self._been[tuple(cell)] = True
@@ -71,7 +71,7 @@ class AreaChart:
             self._close(found[counts >= ECHOES_IN_A_CELL])
 
     def add_map(self, occupancy: OccupancyMap) -> None:
-        """Chart everything that a map knows to reach too high: rays are cast down from the surface, a voxel apart."""
+        """Chart everything in a map that is too high: rays are cast down from the surface, a voxel apart."""
         step_m = min(occupancy.resolution_m, self.grid.edge_m)
         counts = np.ceil(np.array(self._shoal.shape) * self.grid.edge_m / step_m).astype(int)
         places = Grid(self.grid.low_m, step_m, tuple(counts.tolist())).all_centres()
@@ -81,24 +81,24 @@ class AreaChart:
         self._close(np.unique(cells[held], axis=0))
 
     def close(self, point_m: Sequence[float] | Floats) -> None:
-        """Close the water about a point (2,) for another reason than its height."""
+        """Close the water around a point (2,) for a reason other than its height."""
         cells, held = self.cells_of(np.atleast_2d(np.asarray(point_m, np.float64)))
         self._close(cells[held])
 
     def open_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Whether a vehicle may be at points (n, 2), for all that is known."""
+        """Return whether a vehicle may be at points (n, 2), as far as is known."""
         return self._at(self._allowed & ~self._near, points_m)
 
     def seen_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Whether the sonar has had an echo in the cells of points (n, 2)."""
+        """Return whether the sonar has had an echo in the cells of points (n, 2)."""
         return self._at(self._seen, points_m)
 
     def open_places(self) -> Floats:
-        """The middles (n, 2) of the open cells."""
+        """Return the centres (n, 2) of the open cells."""
         return self.grid.centres(np.argwhere(self._allowed & ~self._near))
 
     def unseen_patches(self) -> Floats:
-        """Return the middles (n, 2) of squares of PATCH_M in the area in which half of the open cells are unseen."""
+        """Return the centres (n, 2) of squares of PATCH_M in the area in which half of the open cells are unseen."""
         wanted = self._inner & ~self._near
         size = max(1, round(PATCH_M / self.grid.edge_m))
         cells = np.argwhere(wanted)
@@ -109,24 +109,27 @@ class AreaChart:
         return self.grid.centres(middles[wanted[tuple(middles.T)]])
 
     def patch_seen(self, middle_m: Floats) -> bool:
-        """Whether a square of `unseen_patches` has been seen since."""
+        """Return whether a square of `unseen_patches` has been seen since."""
         return not any((middle_m == other).all() for other in self.unseen_patches())
 
     def straight(self, start_m: Floats, end_m: Floats) -> bool:
-        """Whether a straight line between two points (2,) leads over open cells, or such as the vehicle has been in."""
+        """Return whether a straight line between two points (2,) stays on open cells or visited ones."""
         return bool(self._in(self._passable, self.grid.line(start_m, end_m)).all())
 
     def ways_from(self, start_m: Floats) -> AreaWays:
-        """The ways from a point (2,); from one that is too near to a shoal they first lead back as it came."""
+        """Return the ways from a point (2,).
+
+        If it is too close to a shoal, they first lead back along the vehicle's path.
+        """
         return AreaWays(self, self._passable, self.cells_of(start_m[None])[0][0])
 
     @property
     def _passable(self) -> NDArray[np.bool_]:
-        """Cells that are open, or in which the vehicle has been."""
+        """Return the cells that are open, or that the vehicle has visited."""
         return (self._allowed & ~self._near) | (self._been & ~self._shoal)
 
     def cells_of(self, points_m: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """The cells (n, 2) of points (n, 2), and whether each lies in the raster."""
+        """Return the cells (n, 2) of points (n, 2), and whether each lies in the raster."""
         cells = self.grid.cells_of(points_m)
         return cells, self.grid.holds(cells)
 
@@ -142,7 +145,7 @@ class AreaChart:
         return self._in(raster, self.grid.cells_of(points_m))
 
     def _in(self, raster: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return what a raster holds in cells (n, 2); false outside."""
+        """Return the values of a raster in cells (n, 2); false outside."""
         held = self.grid.holds(cells)
         found = np.zeros(len(cells), bool)
         found[held] = raster[tuple(cells[held].T)]
@@ -150,7 +153,7 @@ class AreaChart:
 
 
 class AreaWays:
-    """All shortest ways from one cell over the open cells of a chart, as it was at that time."""
+    """All shortest ways from one cell over the open cells of a chart, as of that time."""
 
     def __init__(self, chart: AreaChart, open_cells: NDArray[np.bool_], first: NDArray[np.int64]) -> None:
         self._chart = chart
@@ -158,14 +161,14 @@ class AreaWays:
         self._ways = GridWays(np.where(open_cells, 1.0, np.inf), inside[None])
 
     def lengths_m(self, points_m: Floats) -> Floats:
-        """Lengths (n,) of the ways to points (n, 2); inf where none leads."""
+        """Lengths (n,) of the ways to points (n, 2); inf if there is none."""
         cells, held = self._chart.cells_of(points_m)
         lengths = np.full(len(points_m), np.inf)
         lengths[held] = self._ways.costs[tuple(cells[held].T)]
         return np.asarray(lengths * self._chart.grid.edge_m)
 
     def to(self, goal_m: Floats) -> Floats | None:
-        """The corners of the way to a point (2,), (n, 2), from the first cell on; None if there is none."""
+        """The corners (n, 2) of the way to a point (2,), starting with the first cell; None if there is none."""
         (cell,), (held,) = self._chart.cells_of(goal_m[None])
         cells = self._ways.to(cell) if held else None
         if cells is None:

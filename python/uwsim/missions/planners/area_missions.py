@@ -1,4 +1,4 @@
-"""The planners that cover an area, as missions with the same task: all water within bound_m of where they begin."""
+"""The planners that cover an area, as missions with the same task: all water within bound_m of their start."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from uwsim.missions.planners.frontier import Explored, explore
 from uwsim.missions.planners.unknown_water import MownWater, mow_unknown_water
 from uwsim.missions.steps import Steps
 
-CORNERS = 16  # of the polygon that stands for the circle
+CORNERS = 16  # of the polygon that approximates the circle
 
 
 def unknown_water(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[MownWater]:
-    """Mow without knowing more than the bound."""
+    """Mow without knowing anything but the bound."""
     _leave_station(vehicle)
     return (yield from mow_unknown_water(vehicle, bound_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
 
@@ -32,7 +32,7 @@ def frontier(
 def boustrophedon(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[MownArea]:
-    """Mow the circle as a polygon, land or not."""
+    """Mow the circle as a polygon, including any land."""
     _leave_station(vehicle)
     x, y, _ = vehicle.pose.position_world_m.tolist()
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS)]

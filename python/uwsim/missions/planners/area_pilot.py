@@ -1,4 +1,4 @@
-"""AreaPilot: goes from place to place in an area by its chart, and mends the way when the sonar sees more."""
+"""AreaPilot: goes from place to place in an area by its chart, and adapts the way when the sonar sees more."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ CLIMB_S = 20.0  # time to climb over what is ahead
 
 
 class AreaPilot:
-    """Flies by a lookout that hands its echoes to the chart."""
+    """Flies by a lookout that passes its echoes to the chart."""
 
     def __init__(self, lookout: Wayfinder, chart: AreaChart) -> None:
         self.lookout, self.chart = lookout, chart
 
     def here(self) -> Floats:
-        """Return where the vehicle is, (2,), and note it on the chart."""
+        """Return the vehicle's position, (2,), and record it on the chart."""
         here = np.array(self.lookout.vehicle.pose.position_world_m[:2], np.float64)
         self.chart.visit(here)
         return here
@@ -33,9 +33,9 @@ class AreaPilot:
     def go_to(
         self, goal: Floats, most_m: float = math.inf, enough: Callable[[], bool] = lambda: False
     ) -> Steps[bool | None]:
-        """Go to a point (2,) by open water; return whether it got there before that was closed or time was up.
+        """Go to a point (2,) through open water; return whether it got there before that was closed or time was up.
 
-        It stops when it is enough. None if the way that was left turned out to be longer than most_m.
+        It stops when `enough` holds. None if the remaining way turned out to be longer than most_m.
         """
         here, vehicle = self.here(), self.lookout.vehicle
         way, last = self.chart.ways_from(here).to(goal), here
@@ -60,7 +60,7 @@ class AreaPilot:
         return True
 
     def clear(self) -> Steps[bool]:
-        """Climb over what is near ahead; if that takes too long, close it and return False."""
+        """Climb over an obstacle close ahead; if that takes too long, close it and return False."""
         lookout, vehicle = self.lookout, self.lookout.vehicle
         end_s = vehicle.time_s + CLIMB_S
         while lookout.must_stop:

@@ -1,8 +1,9 @@
 """Boustrophedon over any simple polygon: lanes as far apart as swath and overlap allow, at a height above the bed.
 
-Lanes are parallel to the polygon's side that makes them fewest (Huang, "Optimal line-sweep-based decompositions for
-coverage algorithms", ICRA 2001). Where the polygon is concave, they fall into cells that are mown one after the other
-(Choset, "Coverage of known spaces: the boustrophedon cellular decomposition", Autonomous Robots 9, 2000).
+Lanes are parallel to the side of the polygon that minimises their number (Huang, "Optimal line-sweep-based
+decompositions for coverage algorithms", ICRA 2001). Where the polygon is concave, they are grouped into cells that are
+mown one after the other (Choset, "Coverage of known spaces: the boustrophedon cellular decomposition", Autonomous
+Robots 9, 2000).
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MownArea(FlownLanes):
-    """spacing_m: of the lanes. lanes: how many there are. See FlownLanes for the rest."""
+    """spacing_m: of the lanes. lanes: their number. See FlownLanes for the rest."""
 
     spacing_m: float
     lanes: int
@@ -49,13 +50,13 @@ def mow_area(
     speed_m_s: float = 0.6,
     known: OccupancyMap | None = None,
 ) -> Steps[MownArea]:
-    """Mow a polygon (k, 2) at altitude_m above the bed, round what cannot be passed over, and never leave it.
+    """Mow a polygon (k, 2) at altitude_m above the bed, around anything that cannot be passed over, and never leave it.
 
-    overlap: share of the swath that neighbouring lanes both see, in [0, 0.9]. known: a map, of an earlier visit; what
-    it shows to be too high is left out before the flight. Ways stay within BEYOND_M of the polygon, apart from the one
-    that leads in; what the sonar has not seen from the lanes is looked at in the end. See fly_lanes for what it logs,
-    and `shallow` where the water is too shallow for the altitude. Raises ValueError, and StoppedError if
-    nothing of the area can be flown.
+    overlap: share of the swath that neighbouring lanes both see, in [0, 0.9]. known: a map from an earlier visit;
+    whatever it shows to be too high is left out before the flight. Ways stay within BEYOND_M of the polygon, except for
+    the one that leads in; patches not seen from the lanes are looked at in the end. See fly_lanes for its log entries;
+    `shallow` is logged where the water is too shallow for the altitude. Raises ValueError, and StoppedError if no part
+    of the area can be flown.
     """
     if not 0.0 <= overlap <= 0.9:
         raise ValueError(f"overlap = {overlap}: must be in [0, 0.9]")
@@ -97,8 +98,8 @@ def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: f
 
 
 def checked_area(area_m: Sequence[Sequence[float]] | Floats) -> Floats:
-    """The corners (k, 2) of a simple polygon. Raises ValueError if it is none, or has no area."""
-    import shapely  # here, since it takes 0.2 s to import
+    """Return the corners (k, 2) of a simple polygon. Raises ValueError if it is not simple, or has no area."""
+    import shapely  # imported here, since it takes 0.2 s
 
     area = np.asarray(area_m, np.float64)
     if area.ndim != 2 or area.shape[1:] != (2,) or len(area) < 3 or not np.isfinite(area).all():
@@ -112,7 +113,7 @@ def checked_area(area_m: Sequence[Sequence[float]] | Floats) -> Floats:
 
 
 def _direction(area: Floats) -> Floats:
-    """The unit vector along that side across which the polygon is narrowest."""
+    """Return the unit vector along the side across which the polygon is narrowest."""
     sides = np.roll(area, -1, axis=0) - area
     lengths = np.linalg.norm(sides, axis=1)
     units = sides[lengths > 1e-9] / lengths[lengths > 1e-9, None]
@@ -121,9 +122,9 @@ def _direction(area: Floats) -> Floats:
 
 
 def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float, list[Span]]]:
-    """Parallel lines, at most spacing_m apart, and what of each is in the polygon.
+    """Return parallel lines, at most spacing_m apart, and the parts of each that are in the polygon.
 
-    The outermost ones are half of that from the polygon's ends and from its inner corners, where cells meet.
+    The outermost ones are half of that away from the polygon's ends and from its inner corners, where cells meet.
     """
     sweeps = []
     for low, high in pairwise(_ends_and_inner_corners(along, across)):
@@ -134,7 +135,7 @@ def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float
 
 
 def _ends_and_inner_corners(along: Floats, across: Floats) -> list[float]:
-    """The offsets, in order, of the polygon's ends and of the corners at which it is concave."""
+    """Return the offsets, in order, of the polygon's ends and of its concave corners."""
     into = along - np.roll(along, 1), across - np.roll(across, 1)
     out = np.roll(along, -1) - along, np.roll(across, -1) - across
     turns = into[0] * out[1] - into[1] * out[0]

@@ -1,4 +1,4 @@
-"""Square cells of the horizontal plane: where a vehicle has been, what is closed to it, and the way between."""
+"""Square cells of the horizontal plane: those visited by a vehicle, those closed to it, and the way between them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ NEIGHBOURS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 class Cells:
-    """Numbers cells of edge_m from the first one, about origin_world_m (2,); the first axis is along heading_rad."""
+    """Numbers cells of edge_m from the first one, centred on origin_world_m (2,).
+
+    The first axis is along heading_rad.
+    """
 
     def __init__(self, origin_world_m: Sequence[float], heading_rad: float, edge_m: float) -> None:
         self._origin = float(origin_world_m[0]), float(origin_world_m[1])
@@ -23,29 +26,29 @@ class Cells:
         self.edge_m = edge_m
 
     def middle_m(self, cell: Cell) -> tuple[float, float]:
-        """The middle of a cell in the world."""
+        """Return the centre of a cell in the world."""
         along, across = cell[0] * self.edge_m, cell[1] * self.edge_m
         x, y = self._origin
         return x + self._cos * along - self._sin * across, y + self._sin * along + self._cos * across
 
     def of(self, points_world_m: NDArray[np.float64]) -> NDArray[np.int64]:
-        """The cells (n, 2) of points (n, 2) or (n, 3)."""
+        """Return the cells (n, 2) of points (n, 2) or (n, 3)."""
         away = np.asarray(points_world_m, np.float64)[:, :2] - self._origin
         axes = np.array([[self._cos, -self._sin], [self._sin, self._cos]])
         cells: NDArray[np.int64] = np.floor(away @ axes / self.edge_m + 0.5).astype(np.int64)
         return cells
 
     def cell_of(self, point_world_m: Sequence[float] | NDArray[np.float64]) -> Cell:
-        """The cell of one point."""
+        """Return the cell of one point."""
         i, j = self.of(np.asarray(point_world_m, np.float64)[None])[0].tolist()
         return i, j
 
 
 def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Collection[Cell]) -> list[Cell] | None:
-    """Return the shortest way from a cell to the nearest wanted one over passable cells, both ends included.
+    """Return the shortest way from a cell to the nearest wanted one over passable cells, including both ends.
 
-    None if there is none. A wanted cell need not be passable. Of equal ways it is the one that takes the first of
-    NEIGHBOURS for as long as it can, then the second, and so on.
+    None if there is none. A wanted cell need not be passable. Among equal ways, the one is chosen that takes the first
+    of NEIGHBOURS for as long as it can, then the second, and so on.
     """
     ground = {start, *passable}
     goals = {cell for here in ground for cell in _around(here) if cell != start and wanted(cell)}

@@ -1,8 +1,8 @@
 """Waypoints with Dubins paths or splines between them: for vehicles that cannot turn on the spot, and smooth tracks.
 
-A Dubins path is the shortest one of arcs of one radius and straight lines (Dubins, "On curves of minimal length with a
-constraint on average curvature", 1957), by OMPL. The spline is a cubic through all points, parametrised by the chords'
-lengths, by SciPy; its curvature has no limit.
+A Dubins path is the shortest one made of arcs of one radius and straight lines (Dubins, "On curves of minimal length
+with a constraint on average curvature", 1957), computed by OMPL. The spline is a cubic through all points, parametrised
+by the chords' lengths, computed by SciPy; its curvature has no limit.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from uwsim.missions.stopped import StoppedError
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
 LOOK_PERIOD_S = 0.2
-UNDER_WAY_M_S = 0.1  # slower, it turns on the spot, and what is ahead is in no way
+UNDER_WAY_M_S = 0.1  # slower than this, it is turning on the spot, and objects ahead are not in its way
 
 
 def fly_through(
@@ -39,11 +39,11 @@ def fly_through(
     altitude_m: float | None = None,
     speed_m_s: float = 0.5,
 ) -> Steps[Floats]:
-    """Fly from where the vehicle is through points (n, 3), or (n, 2) with altitude_m above the bed, on a curve.
+    """Fly on a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
 
-    radius_m: of the Dubins path's turns; the first leg begins with the vehicle's heading. Return the path that was
-    flown along, (m, 3) or (m, 2). It goes round nothing. A vehicle with a sonar and a sensor 'altitude' looks out, if
-    altitude_m is given, and stops before what it sees at its height. Raises ValueError, StoppedError.
+    radius_m: of the Dubins path's turns; the first leg begins with the vehicle's heading. Returns the path that was
+    followed, (m, 3) or (m, 2). It does not go around obstacles. If altitude_m is given, a vehicle with a sonar and a
+    sensor 'altitude' keeps a lookout, and stops before obstacles at its height. Raises ValueError, StoppedError.
     """
     width = 3 if altitude_m is None else 2
     points = np.asarray(points_world_m, np.float64)
@@ -68,7 +68,7 @@ def fly_through(
 
 
 def _stop_before_things(lookout: Wayfinder) -> Steps[None]:
-    """Look ahead for ever. Raises StoppedError when something is in the way of a vehicle under way."""
+    """Look ahead forever. Raises StoppedError if something is in the way of a moving vehicle."""
     while True:
         lookout.look()
         if lookout.must_stop and float(lookout.vehicle.velocity.linear_body_m_s[0]) > UNDER_WAY_M_S:
@@ -79,10 +79,10 @@ def _stop_before_things(lookout: Wayfinder) -> Steps[None]:
 def dubins_path(
     points_m: Sequence[Sequence[float]] | Floats, radius_m: float, start_heading_rad: float, step_m: float = 0.5
 ) -> Floats:
-    """The Dubins path through points (n, 2) or (n, 3), as points at most step_m apart.
+    """Return the Dubins path through points (n, 2) or (n, 3), as points at most step_m apart.
 
     It leaves the first point at start_heading_rad, the others along the bisector of both chords, and reaches the last
-    along its chord. The height changes evenly with the way between points. Raises ValueError.
+    along its chord. The height changes evenly with the distance between points. Raises ValueError.
     """
     points = _checked(points_m, radius_m=radius_m, step_m=step_m)
     need_extra("ompl", "planning", "a Dubins path")
@@ -104,7 +104,7 @@ def dubins_path(
 
 
 def spline_path(points_m: Sequence[Sequence[float]] | Floats, step_m: float = 0.5) -> Floats:
-    """The cubic spline through points (n, 2) or (n, 3), as points about step_m apart. Raises ValueError."""
+    """Return the cubic spline through points (n, 2) or (n, 3), as points about step_m apart. Raises ValueError."""
     points = _checked(points_m, step_m=step_m)
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     lengths = np.concatenate([[0.0], np.cumsum(chords)])

@@ -1,8 +1,8 @@
 """Gate passing by sonar: finds two posts in a level ping, goes in front of the middle between them, and through.
 
-A post is a group of neighbouring beams that is narrow and whose echo is nearer than those on both sides of it. Two
-posts as far apart as the gate is wide are the gate; its place is the median over some pings. It is measured from afar,
-and again from in front of it.
+A post is a narrow group of neighbouring beams whose echo is nearer than those on both sides of it. Two posts as far
+apart as the gate is wide are the gate; its position is the median over several pings. It is measured from afar, and
+again from in front of it.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.protocols import PingLike
 
 Floats = NDArray[np.float64]
-STAND_OFF_M = 6.0  # in front of the gate and behind it
-STEPS_OUT_M = 1.0  # by which a post is nearer than what is beside it
+STAND_OFF_M = 6.0  # in front of and behind the gate
+STEPS_OUT_M = 1.0  # by which a post is nearer than its surroundings
 WIDEST_POST_M = 0.8
 WIDTH_TOLERANCE = 0.2  # of the gate's width
 LOOKS, LOOK_PERIOD_S = 8, 0.3
-NEAR_M = 8.0  # the gate is at most this far from where it is said to be
-SEARCH_RAD = math.radians(30.0)  # looked aside, to both sides, if it is not seen ahead
+NEAR_M = 8.0  # largest distance of the gate from its given position
+SEARCH_RAD = math.radians(30.0)  # direction of the search to both sides, if it is not seen ahead
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def pass_gate(
     *,
     speed_m_s: float = 0.4,
 ) -> Steps[Gate]:
-    """Find a gate of a known width and height near a place (2,), from where the vehicle is, and pass it in its middle.
+    """Find a gate of known width and height near a place (2,), starting from here, and pass through its middle.
 
     Logs `gate_seen` for each measurement and `gate_passed`. Raises StoppedError if it is not seen; ValueError.
     """
@@ -66,7 +66,7 @@ def pass_gate(
         ahead = np.array([math.cos(gate.heading_rad), math.sin(gate.heading_rad)])
         before = gate.middle_m - distance_m * ahead
         if float((np.asarray(vehicle.pose.position_world_m[:2]) - before) @ ahead) > 0.0 and distance_m > STAND_OFF_M:
-            continue  # it is nearer than that already
+            continue  # it is already nearer than that
         yield from goto(vehicle, before, altitude_m=altitude_m, speed_m_s=speed_m_s)
         yield from turn_to(vehicle, gate.heading_rad)
         gate = (yield from _measured(vehicle, gate.middle_m, width_m, altitude_m)) or gate
@@ -78,7 +78,7 @@ def pass_gate(
 
 
 def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate]:
-    """Look where the gate should be, then to both sides."""
+    """Look towards the expected gate, then to both sides."""
     x, y, _ = vehicle.pose.position_world_m.tolist()
     towards_rad = math.atan2(place[1] - y, place[0] - x)
     for aside_rad in (0.0, SEARCH_RAD, -SEARCH_RAD):
@@ -90,7 +90,7 @@ def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float
 
 
 def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate | None]:
-    """The gate as the median of some pings from one place sees it; None if fewer than half of them do."""
+    """Return the gate as the median over several pings from one place; None if fewer than half of them show it."""
     seen = []
     x, y, z = vehicle.pose.position_world_m.tolist()
     here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # it may still be sinking
@@ -110,7 +110,7 @@ def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: fl
 
 
 def posts(ping: PingLike) -> Floats:
-    """The posts in a ping from starboard to port, (k, 2), world; see the file's head."""
+    """Return the posts in a ping from starboard to port, (k, 2), world; see the module's docstring."""
     ranges = np.where(np.isfinite(ping.ranges_m), ping.ranges_m, np.inf).astype(np.float64)
     nearer = np.flatnonzero(ranges[:-1] - ranges[1:] > STEPS_OUT_M) + 1  # first beams of groups
     points = np.asarray(ping.points_sonar_m, np.float64)
@@ -127,7 +127,7 @@ def posts(ping: PingLike) -> Floats:
 
 
 def gate_posts(found: Floats, place: Floats, width_m: float) -> Floats | None:
-    """The two posts, port first, that are a gate of this width, and nearest to a place; None if no two are."""
+    """Return the two posts, port first, that form a gate of this width nearest to a place; None if there are none."""
     pairs = [
         np.array([port, starboard])
         for starboard, port in combinations(found, 2)

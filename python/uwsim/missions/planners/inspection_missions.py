@@ -1,4 +1,4 @@
-"""The planners that look at one thing, as missions for the things that stand in the packaged scenario `cove`."""
+"""The planners that inspect one object, as missions for the objects in the packaged scenario `cove`."""
 
 from __future__ import annotations
 

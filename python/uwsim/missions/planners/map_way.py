@@ -1,8 +1,8 @@
-"""A way through an OctoMap: shortest over voxels that are known to be free and far enough from all that are not.
+"""A way through an OctoMap: the shortest over voxels that are known to be free and far enough from all others.
 
-Unknown water is taken for an obstacle. The clearance of each voxel is its distance from the nearest one that is not
-free (an exact Euclidean distance transform); the way is Dijkstra's over the 26 neighbours of voxels with enough of it,
-drawn straight afterwards wherever a straight line keeps the clearance, too.
+Unknown water counts as an obstacle. The clearance of each voxel is its distance from the nearest one that is not free
+(an exact Euclidean distance transform); the way is found by Dijkstra over the 26 neighbours of voxels with enough
+clearance, and straightened wherever a straight line keeps the clearance.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MOST_VOXELS = 4_000_000
 class FreeWater:
     """The free water of a map in a box, and the ways through it. low_world_m, high_world_m: its corners (3,).
 
-    clearance_m: that ways keep from everything that is not known to be free. Raises ValueError.
+    clearance_m: distance of ways from everything that is not known to be free. Raises ValueError.
     """
 
     def __init__(
@@ -45,14 +45,14 @@ class FreeWater:
             raise ValueError(f"low_world_m = {list(low_world_m)}, high_world_m = {list(high_world_m)} m: {rule}")
         self._grid = Grid(origin + first * edge_m, edge_m, tuple(shape.tolist()))
         free = (occupancy.state_at(self._grid.all_centres()) == 0).reshape(self._grid.shape)
-        walled = np.pad(free, 1)  # what lies outside the box is not known
+        walled = np.pad(free, 1)  # everything outside the box is unknown
         clear_m = edge_m * (distance_transform_edt(walled)[1:-1, 1:-1, 1:-1] - 0.5)
         self._open = free & (clear_m >= clearance_m)
 
     def way(self, start_world_m: Sequence[float] | Floats, goal_world_m: Sequence[float] | Floats) -> Floats | None:
-        """The corners of the way from start to goal, (n, 3), both included; None if there is none.
+        """Return the corners of the way from start to goal, (n, 3), including both; None if there is none.
 
-        A start or goal that is too near to something is reached over the nearest open voxel.
+        A start or goal that is too close to something is reached through the nearest open voxel.
         """
         start, goal = np.asarray(start_world_m, np.float64), np.asarray(goal_world_m, np.float64)
         if not self._open.any():
@@ -68,7 +68,7 @@ class FreeWater:
         return np.vstack([*ends[:-1], inner, *ends_there[1:]])
 
     def _near(self, point: Floats, centre: Floats) -> bool:
-        """Whether a point lies in the voxel about a centre."""
+        """Return whether a point lies in the voxel around a centre."""
         return bool((np.abs(point - centre) < 0.5 * self._grid.edge_m).all())
 
     def _nearest_open(self, point: Floats) -> NDArray[np.int64]:
@@ -91,7 +91,7 @@ def go_by_map(
     margin_m: float = 15.0,
     speed_m_s: float = 0.4,
 ) -> Steps[Floats]:
-    """Go to a position (3,) through water that a map knows to be free; return the way's corners (n, 3).
+    """Go to a position (3,) through water that is free in a map; return the way's corners (n, 3).
 
     margin_m: how far around start and goal the way may lead. Raises StoppedError if there is no way.
     """

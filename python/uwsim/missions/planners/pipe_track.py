@@ -1,8 +1,8 @@
-"""The track of a pipe that a vehicle follows, from what its sonar and its camera see of it.
+"""The track of a pipe that a vehicle follows, from the observations of its sonar and its camera.
 
 The sonar sees where the pipe crosses its fan, some metres ahead; the camera sees the pipe below. Each new place beyond
-the track's end, by whichever of both, makes the track longer. Where the camera sees the pipe beside the track that the
-sonar has laid out, both differ by what the vehicle's position has drifted since: all of the track that lies ahead is
+the track's end, from either of them, extends the track. If the camera sees the pipe beside the track laid out by the
+sonar, the difference is the drift of the vehicle's position since then: the part of the track that lies ahead is
 shifted by a share of it, the gain of a Kalman filter for that one offset.
 """
 
@@ -18,22 +18,22 @@ from uwsim.missions.planners.pipe_view import SeenPipe
 
 Floats = NDArray[np.float64]
 STANDS_OUT = 0.35  # of the diameter, above the bed
-NARROWEST, WIDEST = 0.3, 3.0  # of the diameter: width of a bump
-BED_WINDOW = 6.0  # diameters: of the running median
+NARROWEST, WIDEST = 0.3, 3.0  # width of a bump, in diameters
+BED_WINDOW = 6.0  # width of the running median, in diameters
 FEWEST_BEAMS = 20
-FIRST_REACH_M = 4.0  # how far aside of the way the first sight may be
-JUMP_M = 1.5  # how far from the track, drawn on, a sight may be
-STEEPEST = math.cos(math.radians(50.0))  # of a pipe in the picture towards the track
-NEW_M = 0.3  # beyond the track's end: a new place by the camera
+FIRST_REACH_M = 4.0  # how far to the side of the way the first sighting may be
+JUMP_M = 1.5  # how far a sighting may be from the extrapolated track
+STEEPEST = math.cos(math.radians(50.0))  # of the pipe's direction in the picture relative to the track
+NEW_M = 0.3  # distance beyond the track's end from which the camera adds a new place
 PURSUED_M = 3.0  # distance ahead on the track at which the vehicle aims
-TRACK_M = 6.0  # length of the track's end that gives its direction
-BESIDE_M = 2.0  # along the track: the places that what the camera sees is compared with
+TRACK_M = 6.0  # length at the track's end that determines its direction
+BESIDE_M = 2.0  # distance along the track of places compared with the camera's
 SONAR_M, CAMERA_M = 0.25, 0.15  # standard deviations of a place across the pipe
-DRIFT = 0.03  # of the vehicle's position, of the way
+DRIFT = 0.03  # drift of the vehicle's position, relative to the distance travelled
 
 
 class PipeTrack:
-    """The places of a pipe in their order, (2,) each, and where they lead. length_m: of the track."""
+    """The places of a pipe in order, (2,) each, and its direction. length_m: of the track."""
 
     def __init__(self, start_m: Floats, heading_rad: float, diameter_m: float) -> None:
         self._end = start_m
@@ -45,11 +45,11 @@ class PipeTrack:
         self.length_m = 0.0
 
     def beyond_m(self, position: Floats) -> float:
-        """How far past the track's end a position is, along its direction."""
+        """Return how far past the track's end a position is, along its direction."""
         return float((position - self._end) @ self._direction)
 
     def ahead(self, position: Floats) -> Floats:
-        """The point to aim at: on the track PURSUED_M ahead, or as far beyond its end."""
+        """Return the point to aim at: on the track PURSUED_M ahead, or as far beyond its end."""
         for place in self.places[-50:]:
             away = place - position
             if float(away @ self._direction) > 0.0 and float(np.linalg.norm(away)) >= PURSUED_M:
@@ -58,7 +58,7 @@ class PipeTrack:
         return self._end + along_m * self._direction
 
     def add_ping(self, echoes_world_m: Floats) -> bool:
-        """Add where the pipe crosses a ping; return whether it is seen."""
+        """Add the place where the pipe crosses a ping; return whether it is seen."""
         bumps = crossings(echoes_world_m, self._diameter_m)
         if not len(bumps):
             return False
@@ -69,9 +69,9 @@ class PipeTrack:
         return True
 
     def add_picture(self, pipe: SeenPipe | None) -> bool:
-        """Take what a picture shows, None for nothing: correct the track, and add what is new; return whether it fits.
+        """Process the pipe in a picture (None if none is seen): correct and extend the track; return whether it fits.
 
-        Two pictures in a row must show the pipe: one of caustics alone may look like it.
+        Two consecutive pictures must show the pipe, since a single picture of caustics may look like it.
         """
         before, self._seen_before = self._seen_before, False
         if pipe is None or abs(along := float(pipe.direction @ self._direction)) < STEEPEST:
@@ -91,7 +91,7 @@ class PipeTrack:
         return bool(self.places)
 
     def _aside_m(self, points: Floats) -> Floats:
-        """How far (n,) points (n, 2) are aside of the track, drawn on."""
+        """Return how far (n,) points (n, 2) are to the side of the extrapolated track."""
         return np.asarray(np.abs((points - self._end) @ (-self._direction[1], self._direction[0])))
 
     def _fits(self, place: Floats) -> bool:
@@ -110,7 +110,7 @@ class PipeTrack:
             self._direction = _direction(np.array(near), self._direction)
 
     def _shift(self, offset_m: Floats, since: Floats) -> None:
-        """Move what lies ahead of a place by the share of an offset that the filter's gain gives."""
+        """Move the part ahead of a place by the share of an offset that the filter's gain gives."""
         gain = self._variance_m2 / (self._variance_m2 + CAMERA_M**2)
         self._variance_m2 *= 1.0 - gain
         moved = [
@@ -121,9 +121,10 @@ class PipeTrack:
 
 
 def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
-    """Where in a ping, (n, 3) in the order of its beams, something of a pipe's width stands out of the bed: (k, 2).
+    """Return where in a ping, (n, 3) in beam order, something as wide as a pipe stands out of the bed: (k, 2).
 
-    The fan meets the bed in a line across the way. Less its running median, which is the bed, a pipe is a bump.
+    The fan hits the bed in a line across the direction of travel. After subtracting the running median, which is the
+    bed, a pipe is a bump.
     """
     if len(echoes_world_m) < FEWEST_BEAMS:
         return np.empty((0, 2))
@@ -142,6 +143,6 @@ def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
 
 
 def _direction(points: Floats, before: Floats) -> Floats:
-    """The direction of the line through points (n, 2), the way that `before` points."""
+    """Return the direction of the line through points (n, 2), oriented like `before`."""
     _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     return np.asarray(axes[0] if float(axes[0] @ before) >= 0.0 else -axes[0])

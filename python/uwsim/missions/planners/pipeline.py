@@ -1,9 +1,10 @@
-"""Pipeline following: it steers by what the sonar sees stand out of the bed, and by the pipe in the camera's picture.
+"""Pipeline following: steers by what stands out of the bed in the sonar's pings, and by the pipe in camera pictures.
 
-The tilted fan crosses the pipe some metres ahead, the camera sees it below (`pipe_view`); both together make the pipe's
-track (`pipe_track`), and each alone does if the other sees nothing. The vehicle pursues the track (Coulter,
-"Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992). Neither chart nor label is used. A
-pipe that crosses the way at more than about 60 degrees fills the fan and is not seen as a bump: begin roughly along it.
+The tilted fan crosses the pipe some metres ahead, and the camera sees it below (`pipe_view`); both together form the
+pipe's track (`pipe_track`), or either alone if the other sees nothing. The vehicle pursues the track (Coulter,
+"Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992). Neither charts nor labels are
+used. A pipe that crosses the path at more than about 60 degrees fills the fan and is not seen as a bump: start roughly
+along it.
 """
 
 from __future__ import annotations
@@ -28,16 +29,16 @@ from uwsim.missions.vehicle import PictureLike
 
 Floats = NDArray[np.float64]
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 1.0
-LOOK_PIXELS = 320  # across: of the pictures in which it looks for the pipe
-FARTHEST = 1.5  # times the view: what the fan meets beyond, from too high, would leave a gap in the track
-BLIND_S = 15.0  # without a sight of the pipe: the instrument does not see it
+LOOK_PIXELS = 320  # width of the pictures in which it looks for the pipe
+FARTHEST = 1.5  # in multiples of the view: hits beyond it, from too high, would leave a gap in the track
+BLIND_S = 15.0  # without a sighting: the instrument counts as not seeing the pipe
 
 
 @dataclass(frozen=True, eq=False)
 class PipelineTrack:
-    """crossings_m: (n, 2), where the pipe was seen, in order. by_sonar, by_camera: how often.
+    """crossings_m: (n, 2), where the pipe was seen, in order. by_sonar, by_camera: number of sightings.
 
-    pictures: how many were taken, of length_m.
+    pictures: number taken along length_m.
     """
 
     crossings_m: Floats
@@ -61,9 +62,9 @@ def follow_pipeline(
 ) -> Steps[PipelineTrack]:
     """Go to start_m (2,), look for a pipe along heading_rad, and follow it until it is not seen for search_m.
 
-    camera: one that looks down, by which it steers, too, and takes a picture every picture_every_m; None for none. Logs
-    `pipe_found`, `picture` with the mean brightness and the contrast of its grey levels in 0..255, `unseen` when sonar
-    or camera have not seen the pipe for some time, and `pipe_lost`. Raises StoppedError if no pipe is found in
+    camera: one that looks down, also used for steering, which takes a picture every picture_every_m; None for none.
+    Logs `pipe_found`, `picture` with the mean brightness and the contrast of its grey levels in 0..255, `unseen` if
+    sonar or camera have not seen the pipe for some time, and `pipe_lost`. Raises StoppedError if no pipe is found in
     search_m; ValueError.
     """
     require_positive(diameter_m=diameter_m, search_m=search_m, picture_every_m=picture_every_m)
@@ -97,18 +98,18 @@ def follow_pipeline(
 
 
 class _Look:
-    """Looks for the pipe by sonar and by camera when each is due. sights: how often each has seen it."""
+    """Looks for the pipe with sonar and camera when each is due. sights: number of sightings of each."""
 
     def __init__(self, vehicle: OwnVehicle, lookout: Wayfinder, eye: Any, track: PipeTrack, diameter_m: float) -> None:
         self._vehicle, self._lookout, self._track, self._diameter_m = vehicle, lookout, track, diameter_m
-        resized = getattr(eye, "resized", None)  # a remote camera has one size
+        resized = getattr(eye, "resized", None)  # a remote camera has a fixed size
         self._eye = eye if resized is None else resized(LOOK_PIXELS)
         self.sights = {"by_sonar": 0, "by_camera": 0}
         self._due_s = dict.fromkeys(self.sights, -math.inf)
         self._seen_s = dict.fromkeys(self.sights, vehicle.time_s)
 
     def now(self) -> None:
-        """Look by what is due."""
+        """Look with the instruments that are due."""
         if self._is_due("by_sonar", PING_PERIOD_S):
             echoes = self._lookout.echoes_world_m
             away_m = np.linalg.norm(echoes[:, :2] - self._vehicle.pose.position_world_m[:2], axis=1)

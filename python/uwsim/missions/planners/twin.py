@@ -1,7 +1,7 @@
-"""A digital twin: mow an area while its map is made, fly again where the map is thin or uncertain, return, dock.
+"""A digital twin: mow an area while its map is built, fly again where the map is thin or uncertain, return, dock.
 
-A column of the map is thin if no voxel in it is occupied, and uncertain if none is so with at least `certain`
-probability: the map has been contradicted there, or has seen it only once or twice from afar.
+A column of the map is thin if no voxel in it is occupied, and uncertain if none is occupied with at least `certain`
+probability: observations there contradict each other, or there are only one or two from afar.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.protocols import PingLike, PoseLike
 
 PING_PERIOD_S = 0.2
-PATCH = 3  # columns along each side of the patches that are flown over again
+PATCH = 3  # columns along each side of the patches that are flown again
 DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """map: of the whole flight; first_map: as it was before anything was flown again.
+    """map: of the whole flight; first_map: before anything was flown again.
 
-    weak_before, weak_after: share of the area's columns that were thin or uncertain. patches: flown over again.
-    docked: whether it is back in the station's dock.
+    weak_before, weak_after: share of the area's columns that were thin or uncertain. patches: flown again. docked:
+    whether it is back in the station's dock.
     """
 
     map: OccupancyMap
@@ -61,10 +61,10 @@ def make_twin(
     certain: float = 0.8,
     most_patches: int = 20,
 ) -> Steps[Twin]:
-    """Make the twin of an area (k, 2); a docked vehicle leaves its dock before and is docked again afterwards.
+    """Make the twin of an area (k, 2); a docked vehicle leaves its dock first and docks again afterwards.
 
-    Logs `weak` with the share of weak columns after each stage, `patch` for each one that is flown over again, and
-    `docked`. Raises ValueError, StoppedError.
+    Logs `weak` with the share of weak columns after each stage, `patch` for each one that is flown again, and `docked`.
+    Raises ValueError, StoppedError.
     """
     if not 0.5 < certain < 1.0:
         raise ValueError(f"certain = {certain}: must be above 0.5 and below 1")
@@ -123,7 +123,7 @@ def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np
 
 
 def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
-    """The columns under lanes that are one column apart: those of the polygon."""
+    """Return the columns under lanes that are one column apart: those of the polygon."""
     points = []
     for lane in lanes:
         steps = np.arange(0.0, lane.length_m, 0.5 * cells.edge_m)
@@ -132,7 +132,7 @@ def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
 
 
 def _worst(weak: set[Cell], tried: set[Cell], cells: Cells, vehicle: OwnVehicle) -> Cell | None:
-    """The nearest patch, not tried yet, of which at least half is weak."""
+    """Return the nearest untried patch of which at least half is weak."""
     counts: dict[Cell, int] = {}
     for i, j in sorted(weak):
         patch = (i // PATCH, j // PATCH)
@@ -143,7 +143,7 @@ def _worst(weak: set[Cell], tried: set[Cell], cells: Cells, vehicle: OwnVehicle)
 
 
 def _middle(patch: Cell, cells: Cells) -> tuple[float, float]:
-    """The middle of a patch in the world."""
+    """Return the centre of a patch in the world."""
     corners = [
         cells.middle_m((PATCH * patch[0] + a, PATCH * patch[1] + b)) for a, b in product((0, PATCH - 1), repeat=2)
     ]

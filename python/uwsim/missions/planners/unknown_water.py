@@ -1,13 +1,13 @@
-"""The adaptive lawn-mower into unknown water: no polygon and no chart, it turns where the sonar sees an end.
+"""The adaptive lawn-mower for unknown water: without polygon and chart, it turns where the sonar sees an end.
 
 It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees something ahead that cannot be
-passed over; then it steps aside and turns. Where nothing unflown is left beside it, it goes back over water that it has
-flown to the nearest opening, and mows on from there. It is complete when no opening is left within the bound.
+passed over; then it steps aside and turns. If nothing unflown is left beside it, it goes back over flown water to the
+nearest opening, and continues mowing from there. It is complete when no opening is left within the bound.
 
 The rule for turning is the published simulator's; going back to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
 online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
-It leaves out cells that something higher than the vehicle may fly reaches into, and water that is connected only
-by passages narrower than about two cells.
+It leaves out cells containing anything higher than the vehicle may fly, and water that is connected only by passages
+narrower than about two cells.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
-ECHOES_TO_CLOSE = 4  # of one ping
-OVERSHOOT = 1.0  # cells beyond the next one at which a lane aims
-STUCK_S = 30.0  # time for a cell beside four times what its length needs
+ECHOES_TO_CLOSE = 4  # in one ping
+OVERSHOOT = 1.0  # in cells: how far beyond the next one a lane aims
+STUCK_S = 30.0  # extra time for a cell, on top of four times the time for its length
 STUCK_CELLS = 3  # in a row: the vehicle itself is stuck
 FIND_BED_S, FIND_BED_M_S = 180.0, 0.3
-ARRIVED = 0.25  # of a cell, past whose middle the next one is chosen
+ARRIVED = 0.25  # fraction of a cell, past whose centre the next one is chosen
 PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lane before aside
 
 
 @dataclass(frozen=True)
 class MownWater:
-    """Flown water: middles of the cells that the vehicle was in, and of those closed to it, (n, 2)."""
+    """Flown water: centres of the cells that the vehicle visited, and of those closed to it, (n, 2)."""
 
     flown_m: tuple[tuple[float, float], ...]
     closed_m: tuple[tuple[float, float], ...]
@@ -56,11 +56,11 @@ def mow_unknown_water(
     speed_m_s: float = 0.6,
     heading_rad: float | None = None,
 ) -> Steps[MownWater]:
-    """Mow all water that can be reached within bound_m of where it begins; return what was flown.
+    """Mow all water that can be reached within bound_m of the start; return the flown cells.
 
     line_spacing_m: by default half of the width that the sonar sees of a flat bed. heading_rad: of the lanes; by
-    default the vehicle's. Logs `closed` with a reason for each cell that the sonar closes, `opening` where it mows on,
-    and `complete`. Raises ValueError, StoppedError.
+    default the vehicle's. Logs `closed` with a reason for each cell that the sonar closes, `opening` where mowing
+    continues, and `complete`. Raises ValueError, StoppedError.
     """
     lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
@@ -88,7 +88,7 @@ class _Mower:
         start = self._vehicle.pose.position_world_m
         self._start = float(start[0]), float(start[1])
         self._cells = Cells(self._start, heading_rad, spacing_m)
-        self._flown: dict[Cell, None] = {(0, 0): None}  # in their order
+        self._flown: dict[Cell, None] = {(0, 0): None}  # in order
         self._closed: dict[Cell, str] = {}
         self._stuck = 0
 
@@ -109,7 +109,10 @@ class _Mower:
         return mown
 
     def _next(self, cell: Cell) -> list[Cell] | None:
-        """The way to the next unflown cell: along the lane, else aside, else the nearest opening; None at the end."""
+        """Return the way to the next unflown cell: along the lane, else aside, else the nearest opening.
+
+        None at the end.
+        """
         for di, dj in PRIORITY:
             following = (cell[0] + di, cell[1] + dj)
             if self._open(following):
@@ -117,7 +120,7 @@ class _Mower:
         return nearest(cell, self._open, self._flown.keys() - self._closed.keys())
 
     def _open(self, cell: Cell) -> bool:
-        """Whether a cell is within the bound, not flown and, for all that is known, not closed."""
+        """Return whether a cell is within the bound, not flown and, as far as is known, not closed."""
         return (
             cell not in self._flown
             and cell not in self._closed
@@ -166,7 +169,7 @@ class _Mower:
         return math.cos(yaw_rad) * ahead[0] + math.sin(yaw_rad) * ahead[1] > math.cos(math.radians(30.0))
 
     def _chart(self) -> None:
-        """Close the cells into which something reaches that the vehicle cannot pass over."""
+        """Close the cells that contain anything that the vehicle cannot pass over."""
         echoes = self._lookout.echoes_world_m
         high = echoes[echoes[:, 2] > PASSABLE_Z_M]
         if len(high) < ECHOES_TO_CLOSE:

@@ -1,4 +1,4 @@
-"""Looks at the patches of an area that the sonar has not seen: from as far away as its fan meets the bed."""
+"""Looks at the patches of an area that the sonar has not seen, from the distance at which its fan hits the bed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.steps import Steps
 
 MOST_PATCHES = 40
-TOO_NEAR, TOO_FAR = 1.1, 1.8  # view distances: from where a patch is looked at
+TOO_NEAR, TOO_FAR = 1.1, 1.8  # in view distances: range from which a patch is looked at
 
 
 def look_at_unseen(pilot: AreaPilot) -> Steps[int]:

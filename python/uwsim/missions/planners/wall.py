@@ -1,8 +1,8 @@
 """Wall scan by sonar: sideways passes along a wall, facing it at a distance, each at its own depth and tilt.
 
-The middle beams' echoes, seen from above, lie on a line: the wall. Its normal is the heading to hold, and the distance
-to it the one to keep. A pass ends after its length, where the wall does, or at a corner. The
-wall must be steep: seen from above, a tilted fan meets a slope nearer or farther than the vehicle does.
+Seen from above, the echoes of the middle beams lie on a line: the wall. Its normal is the heading to hold, and the
+distance to it the one to keep. A pass ends after its length, where the wall ends, or at a corner. The wall must be
+steep: seen from above, a tilted fan hits a slope nearer or farther away than it is at the vehicle's depth.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
 Floats = NDArray[np.float64]
-MIDDLE_SHARE = 0.5  # of the fan's beams that count as middle ones
+MIDDLE_SHARE = 0.5  # of the fan's beams, counted as the middle ones
 FEWEST_ECHOES = 10
-FARTHEST = 2.5  # distances: what is farther away is not the wall
+FARTHEST = 2.5  # in distances to keep: anything farther away is not the wall
 TO_WALL_PER_S, TO_WALL_M_S = 0.5, 0.3
 OFF_M, OFF_RAD, SETTLE_S = 0.3, math.radians(5.0), 90.0
 CORNER_RAD = math.radians(40.0)
-SLOWEST = 5.0  # times the time that a pass should take
+SLOWEST = 5.0  # in multiples of the expected duration of a pass
 
 
 @dataclass(frozen=True)
 class WallPass:
-    """One pass. length_m: along the wall. distance_rms_m: from the one to keep. wall_ended: before the length."""
+    """One pass. length_m: along the wall. distance_rms_m: from the one to keep. wall_ended: before the full length."""
 
     depth_m: float
     tilt_deg: float
@@ -122,7 +122,10 @@ def _along(vehicle: OwnVehicle, too_far_m: float, heading_rad: float, port_m_s: 
 
 
 def wall_ahead(vehicle: OwnVehicle, farthest_m: float) -> tuple[float, float] | None:
-    """Distance to the wall ahead, seen from above, and the heading that faces it; None if no wall is seen."""
+    """Return the distance to the wall ahead, seen from above, and the heading that faces it.
+
+    None if no wall is seen.
+    """
     ping = vehicle.sonar.ping()
     count = len(ping.ranges_m)
     margin = round(0.5 * (1.0 - MIDDLE_SHARE) * count)

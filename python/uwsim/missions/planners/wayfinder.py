@@ -1,4 +1,4 @@
-"""Wayfinder: flies a vehicle from point to point with a lookout, round shoals, and stops before what is in its way."""
+"""Wayfinder: flies a vehicle from point to point with a lookout, around shoals, and stops before obstacles."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.protocols import PingLike
 
-STOP_M, STOP_S = 2.5, 2.0  # what is at the vehicle's height stops it M + S x speed ahead of its middle
-CLEARANCE_M = 1.5  # of the vehicle at its highest
+STOP_M, STOP_S = 2.5, 2.0  # obstacles at the vehicle's height stop it M + S x speed ahead of its middle
+CLEARANCE_M = 1.5  # above the vehicle at its highest
 PASSABLE_Z_M = HIGHEST_Z_M - CLEARANCE_M
-"""What reaches higher is a shoal."""
-GRACE_S = 60.0  # time for a way beside five times what its length needs
-HALF_WIDTH_M = 1.5  # of the corridor in which things at the vehicle's height are in its way
-VIEW_S = 12.0  # time ahead at which the sonar's fan meets a flat bed
+"""Anything higher is a shoal."""
+GRACE_S = 60.0  # extra time for a way, on top of five times the time for its length
+HALF_WIDTH_M = 1.5  # of the corridor in which objects at the vehicle's height are in its way
+VIEW_S = 12.0  # time ahead at which the sonar's fan hits a flat bed
 TURN_FIRST_RAD = math.radians(25.0)
 ECHOES_OF_A_THING = 3  # fewer at the vehicle's height may be false detections
 
@@ -30,10 +30,10 @@ OnPing = Callable[[PingLike, Floats], object]
 
 
 class Wayfinder(Lookout):
-    """A lookout that goes to points and knows what it cannot pass over.
+    """A lookout that goes to points and charts what it cannot pass over.
 
-    A level range finder 'proximity_fore' is used if there is one. view_m: distance ahead at which the tilted fan meets
-    a flat bed. on_ping: called with each ping and its echoes (n, 3) in the world. Raises ValueError.
+    A level range finder 'proximity_fore' is used if there is one. view_m: distance ahead at which the tilted fan hits a
+    flat bed. on_ping: called with each ping and its echoes (n, 3) in the world. Raises ValueError.
     """
 
     speed_m_s: float
@@ -60,7 +60,7 @@ class Wayfinder(Lookout):
 
     @property
     def swath_m(self) -> float:
-        """Width of the fan where it meets a flat bed, for the beams of the newest ping; see `tilt`."""
+        """Width of the fan where it hits a flat bed, for the beams of the newest ping; see `tilt`."""
         ping = self.vehicle.sonar.ping()
         angles = np.asarray(getattr(ping, "angles_rad", np.array([-0.5, 0.5])), np.float64)
         return 2.0 * math.hypot(self.view_m, self.altitude_m) * math.tan(0.5 * float(np.ptp(angles)))
@@ -72,16 +72,16 @@ class Wayfinder(Lookout):
 
     @property
     def ahead_m(self) -> float:
-        """Distance ahead to what is at the vehicle's height, as last seen; inf if there is nothing."""
+        """Distance ahead to anything at the vehicle's height, as last seen; inf if there is nothing."""
         return self._ahead_m
 
     @property
     def must_stop(self) -> bool:
-        """Whether something at the vehicle's height is so near ahead that it must turn."""
+        """Whether an obstacle at the vehicle's height is so near ahead that it must turn."""
         return self._ahead_m < STOP_M + STOP_S * self.speed_m_s
 
     def tilt(self) -> Steps[None]:
-        """Tilt the sonar for the view, and wait on the spot until the head is there."""
+        """Tilt the sonar for the view, and wait on the spot until the head has arrived."""
         tilt_rad = -math.atan2(self.altitude_m, self.view_m)
         sonar = self.vehicle.sonar
         sonar.aim(tilt_rad)
@@ -94,9 +94,9 @@ class Wayfinder(Lookout):
         within_m: float = 1.0,
         enough: Callable[[], bool] = lambda: False,
     ) -> Steps[bool]:
-        """Go to a point (2,), round the shoals that are seen on the way, until within_m of it or until it is enough.
+        """Go to a point (2,), around shoals seen on the way, until within_m of it or until `enough` holds.
 
-        Return whether it got there; False if no way leads there, or none was found in time.
+        Returns whether it got there; False if no way leads there, or none was found in time.
         """
         goal = float(point_world_m[0]), float(point_world_m[1])
         x, y, _ = self.vehicle.pose.position_world_m.tolist()
@@ -121,7 +121,7 @@ class Wayfinder(Lookout):
         yield from self.head_for(to, min(self.speed_m_s, 0.15 + 0.4 * math.dist(to, (x, y))))
 
     def look(self) -> PingLike:
-        """Ping, and note what is ahead and what is in the way; part of `steer`."""
+        """Ping, and record what is ahead and what is in the way; part of `steer`."""
         ping, pose = super().look(), self.vehicle.pose
         points = np.asarray(ping.points_sonar_m, np.float64)
         points = points[np.isfinite(points[:, 0])]
@@ -132,7 +132,7 @@ class Wayfinder(Lookout):
         return ping
 
     def _distance_ahead_m(self, position: Floats, yaw_rad: float) -> float:
-        """Return the distance ahead of the nearest thing that is no lower than half the altitude below the vehicle."""
+        """Return the distance ahead to the nearest echo no lower than half the altitude below the vehicle."""
         away = self._echoes - position
         ahead = away @ (math.cos(yaw_rad), math.sin(yaw_rad), 0.0)
         aside = away @ (-math.sin(yaw_rad), math.cos(yaw_rad), 0.0)
@@ -142,5 +142,6 @@ class Wayfinder(Lookout):
         if self._fore is None:
             return seen_m
         fore_m = float(self._fore.read())
-        near = fore_m < STOP_M + STOP_S * self.speed_m_s  # farther away it may be the bed, or its largest reading
+        # farther away it may be the bed, or the sensor's largest reading
+        near = fore_m < STOP_M + STOP_S * self.speed_m_s
         return min(seen_m, fore_m) if near else seen_m

@@ -10,7 +10,7 @@ from uwsim.base.saved_state import Nanoseconds, State
 
 
 class WaterState(State):
-    """What a Navigator takes for granted since it was made."""
+    """The properties of the water that a Navigator assumes from its creation on."""
 
     silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
     gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
@@ -18,7 +18,10 @@ class WaterState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: of `filter`; 1 had no figures. from_ns: the earliest next sample of each sensor."""
+    """A saved Navigator. version: of `filter`; 1 had no parameters.
+
+    from_ns: the earliest next sample of each sensor.
+    """
 
     version: Literal[1, 2] = 1
     figures: WaterState | None = None
