@@ -1,4 +1,4 @@
-"""Whether a vehicle's commands take effect: all stop comes before its failsafe, and that before everybody else."""
+"""Whether a vehicle's commands take effect: all stop overrides its failsafe, and that overrides everything else."""
 
 from __future__ import annotations
 
@@ -12,48 +12,48 @@ from uwsim.simulator.docking import DockedWarning
 
 
 class FailsafeWarning(UserWarning):
-    """A vehicle has been commanded while its failsafe steers it, so that nothing happens."""
+    """A vehicle was commanded while its failsafe steers it, so the command has no effect."""
 
 
 class AllStopWarning(UserWarning):
-    """A vehicle has been commanded while all stop is set, so that nothing happens."""
+    """A vehicle was commanded while all stop is set, so the command has no effect."""
 
 
 class FailsafeLike(Protocol):
-    """What a vehicle knows of its failsafe; see uwsim.simulator.failures.Failsafe."""
+    """The interface of a vehicle's failsafe; see uwsim.simulator.failures.Failsafe."""
 
     @property
     def state(self) -> str:
-        """What it does."""
+        """Its present reaction."""
 
     @property
     def cause(self) -> str:
-        """Why it does so."""
+        """The cause of the reaction."""
 
     @property
     def alarms(self) -> tuple[str, ...]:
-        """What it notices, in words."""
+        """The alarms that it has raised, as text."""
 
     @property
     def has_control(self) -> bool:
-        """Whether it steers, and commands have no effect."""
+        """Whether it steers, so that commands have no effect."""
 
     def heard(self) -> None:
-        """Take note of a command."""
+        """Register a command."""
 
     def insist(self) -> None:
         """Set its last efforts again."""
 
     def override(self) -> None:
-        """Give the vehicle back."""
+        """Return control of the vehicle."""
 
 
 class CommandGate:
     """Stands between a vehicle's actuators and every command that moves it.
 
-    vehicle: its name. halt: stops its thrusters and puts its fins to neutral. is_driven: whether the present commands
-    would move it. all_stopped: whether all stop is set. stops: how often it has been set; what commands again and again
-    by itself ends when this changes. changed: is called when all stop is set or released.
+    vehicle: its name. halt: stops its thrusters and moves its fins to neutral. is_driven: whether the present commands
+    would move it. all_stopped: whether all stop is set. stops: how often it has been set; programs that command
+    repeatedly end when this changes. changed: called when all stop is set or released.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
@@ -67,7 +67,7 @@ class CommandGate:
         self._warned: set[type[Warning]] = set()
 
     def all_stop(self, on: bool) -> None:
-        """Set all stop, or release it. Raises ValueError."""
+        """Set or release all stop. Raises ValueError."""
         if not isinstance(on, bool | np.bool_):
             raise ValueError(f"all_stop.on = {on!r}: must be True or False")
         self.hears()
@@ -91,12 +91,15 @@ class CommandGate:
             raise ValueError(f"vehicle '{self._vehicle}': {command}: {STOPPED}")
 
     def hears(self) -> None:
-        """Tell the failsafe that a command comes."""
+        """Notify the failsafe of a command."""
         if self.failsafe is not None:
             self.failsafe.heard()
 
     def yields(self, *, moves: bool) -> None:
-        """Undo the command that has just been given if all stop is set, or if the failsafe steers. moves: not all 0."""
+        """Undo the command just issued if all stop is set, or if the failsafe steers.
+
+        moves: whether any value is nonzero.
+        """
         failsafe = self.failsafe
         self.is_driven = moves and not self.all_stopped
         if self.all_stopped:
@@ -130,7 +133,7 @@ class CommandGate:
         return is_first
 
     def override(self) -> None:
-        """Take the vehicle back. Raises ValueError if there is no failsafe."""
+        """Take control back from the failsafe. Raises ValueError if there is none."""
         if self.failsafe is None:
             raise ValueError(f"vehicle '{self._vehicle}': override_failsafe: it has no failsafe")
         self.failsafe.override()

@@ -19,7 +19,7 @@ CLEARANCE_M = 0.1
 
 
 class DockedWarning(UserWarning):
-    """A docked vehicle received a command, which has no effect: its thrusters are off."""
+    """A docked vehicle received a command, which has no effect because its thrusters are off."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,8 +52,8 @@ class Counts(NamedTuple):
 class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
-    modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message arrives whole, when its
-    last packet does, or not at all; nothing is acknowledged, but a message may be sent several times. Topics that begin
+    modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message arrives as a whole with
+    its last packet, or not at all; nothing is acknowledged, but a message may be sent several times. Topics that begin
     with `ranging/` are pings and fixes of a USBL that shares the modem.
     """
 
@@ -88,9 +88,9 @@ class Network:
     ) -> bool:
         """Put a message into the sender's queue; return False if the queue is full.
 
-        priority: 0 goes first. lifetime_s: a message that is still queued after this time is dropped. replaces: it
-        takes the place of an older message of its topic that has not begun to be sent. repeats: number of further
-        copies, in case some are lost; only the first copy to arrive counts. Raises ValueError.
+        priority: 0 goes first. lifetime_s: a message that is still queued after this time is dropped. replaces: whether
+        it replaces an older message of its topic whose sending has not begun. repeats: number of further copies, in
+        case some are lost; only the first copy to arrive counts. Raises ValueError.
         """
         if not isinstance(payload, bytes) or len(payload) > PAYLOAD_BYTES_MAX:
             raise ValueError(f"link: payload of topic '{topic}': must be at most {PAYLOAD_BYTES_MAX} bytes")

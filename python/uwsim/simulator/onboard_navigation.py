@@ -1,4 +1,4 @@
-"""The navigation that a simulated vehicle carries: a Navigator that starts when its estimate is first asked for."""
+"""The navigation aboard a simulated vehicle: a Navigator that starts when its estimate is first read."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from uwsim.navigation.estimation import Navigator, Start
     from uwsim.navigation.estimation.protocols import Instrumented
 
-KEPT_SAMPLES_S = 10.0  # samples are taken in at least so often, so that few are kept
+KEPT_SAMPLES_S = 10.0  # samples are processed at least this often, so that few are stored
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
-"""How well position and velocity are known where navigation starts: assumed, as of a surveyed dock."""
+"""Accuracy of position and velocity where navigation starts: assumed, like that of a surveyed dock."""
 MOVES = ("place", "dock", "undock")
 
 
 def new_navigator(
     vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
 ) -> Navigator:
-    """Return a Navigator, started, of a vehicle in this water."""
-    from uwsim.navigation.estimation import Navigator  # here, since scipy takes long to import
+    """Return a started Navigator of a vehicle in this water."""
+    from uwsim.navigation.estimation import Navigator  # imported here, since scipy takes long
 
     return Navigator(
         vehicle,
@@ -39,7 +39,7 @@ def new_navigator(
 class OnboardNavigation:
     """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
 
-    make(start): makes the Navigator. start: what is known now.
+    make(start): makes the Navigator. start: the present knowledge.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class OnboardNavigation:
 
     @property
     def navigator(self) -> Navigator:
-        """The Navigator; the first look starts it."""
+        """The Navigator; the first access starts it."""
         if self._navigator is None:
             self._navigator = self._make(self._start())
             self._attend()
@@ -74,26 +74,26 @@ class OnboardNavigation:
 
     @property
     def has_begun(self) -> bool:
-        """Whether somebody has asked for the estimate."""
+        """Whether the estimate has ever been read."""
         return self._navigator is not None
 
     def take_in(self) -> None:
-        """Take in what the sensors have sampled, if it has begun."""
+        """Process the sensors' new samples, if it has begun."""
         if self._navigator is not None:
             self._navigator.update()
 
     def observe(self) -> None:
-        """Take in what the sensors have sampled, so that few samples wait."""
+        """Process the sensors' new samples, so that few of them are stored."""
         self.take_in()
         self.due_tick = self._tick() + self._every_ticks
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Start anew where the vehicle was put."""
+        """Restart where the vehicle was placed."""
         if name in MOVES and arguments["vehicle"] == self._vehicle:
             self.restart()
 
     def restart(self) -> None:
-        """Start anew, now, if it has begun."""
+        """Restart now, if it has begun."""
         if self._navigator is not None:
             self._navigator.restart(self._start())
             self._attend()
@@ -103,13 +103,13 @@ class OnboardNavigation:
         return None if self._navigator is None else self._navigator.save()
 
     def end(self) -> None:
-        """Be as before it began: the next look starts another Navigator."""
+        """Return to the state before it began: the next access starts another Navigator."""
         self._navigator = None
         self.due_tick = 0
         self._journal.detach(self)
 
     def restore(self, saved: str | None) -> None:
-        """Continue from a saved state; without one it had not begun. Raises ValueError."""
+        """Continue from a saved state; None means that it had not begun. Raises ValueError."""
         if saved is None:
             self.end()
             return
@@ -120,7 +120,7 @@ class OnboardNavigation:
 
 
 def _checked(text: str) -> str:
-    from uwsim.navigation.estimation.saved import NavigatorState  # here, since scipy takes long to import
+    from uwsim.navigation.estimation.saved import NavigatorState  # imported here, since scipy takes long
 
     NavigatorState.model_validate_json(text)
     return text
@@ -140,7 +140,7 @@ class Estimates:
         return {name: state for name, state in states.items() if state is not None}
 
     def restore(self, state: Mapping[str, str]) -> None:
-        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        """Continue from the result of `save`. Raises ValueError if it belongs to other vehicles."""
         require_names("estimates", {**self._navigations, **state}, self._navigations)
         for name, navigation in self._navigations.items():
             navigation.restore(state.get(name))

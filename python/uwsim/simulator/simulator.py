@@ -1,4 +1,4 @@
-"""Simulator, the front door: it holds a scenario's world and vehicles and advances them in fixed steps."""
+"""Simulator, the main class: it holds a scenario's world and vehicles and advances them in fixed steps."""
 
 from __future__ import annotations
 
@@ -42,16 +42,15 @@ STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a w
 
 
 class Simulator(Sealed):
-    """A scenario that runs.
+    """A running scenario.
 
-    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario.
-    seed, sonar_model (of every vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model
-    that works at several), mission_time_s, link (a modem's name or path): replace the scenario's values.
-    threads: how many may be used; by default all. Results do not depend on it.
-    Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
+    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (of every
+    vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model with several), mission_time_s,
+    link (a modem's name or path): replace the scenario's values. threads: how many may be used; by default all. Results
+    do not depend on this. Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
 
-    Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample.
-    One call at a time owns the simulator; others wait. cameras: the station's, by name. events: faults, alarms and
+    Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample. Only one
+    call at a time uses the simulator; others wait. cameras: the station's, by name. events: faults, alarms and
     failsafes so far. world: as built; it cannot be changed.
     """
 
@@ -128,7 +127,7 @@ class Simulator(Sealed):
         self._estimates = Estimates({name: rov.navigation for name, rov in vehicles.items()})
         self._saved = SavedState(
             self._core,
-            before={"programs": self._aboard, "parameters": self._parameters},  # faults are laid over parameters
+            before={"programs": self._aboard, "parameters": self._parameters},  # faults apply on top of parameters
             after={
                 "lamps": SavedLamps({name: rov.lamps for name, rov in vehicles.items()}),
                 "cameras": SavedHeads(self._shared_scene.heads),
@@ -166,22 +165,22 @@ class Simulator(Sealed):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, without what `parameters` changed since; after `reset(seed)`, with that seed."""
+        """The scenario, without later changes by `parameters`; after `reset(seed)`, with that seed."""
         return self._scenario
 
     @property
     def parameters(self) -> Parameters:
-        """The figures that may be changed while it runs, by name, such as "rov.drag.linear.surge"."""
+        """The parameters that may be changed while it runs, by name, such as "rov.drag.linear.surge"."""
         return self._parameters
 
     @property
     def world(self) -> _core.FixedWorld:
-        """Terrain, obstacles and water, as they are now. It cannot be changed here."""
+        """Terrain, obstacles and water in their present state. It cannot be changed here."""
         return self._fixed_world
 
     @property
     def link(self) -> Network | None:
-        """The link between station and vehicles, or None where what they say passes at once."""
+        """The link between station and vehicles, or None if messages pass at once."""
         return self._link
 
     @property
@@ -191,11 +190,11 @@ class Simulator(Sealed):
 
     @property
     def optics(self) -> Optics:
-        """The light, for cameras: the scenario's, or as last set."""
+        """The light for cameras: the scenario's, or as last set."""
         return self.parameters.scenario.optics
 
     def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
-        """Change the light, such as jerlov="5C" or sun_elevation_deg=2, from now on. Raises ValueError."""
+        """Change the light from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
         self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
 
     @property
@@ -211,9 +210,9 @@ class Simulator(Sealed):
         return label_names(self.scenario)
 
     def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return what a sonar meets now: the world and all vehicles, apart from the one that carries it.
+        """Return the present surroundings of a sonar: the world and all vehicles except the one that carries it.
 
-        For imaging sonars and depth maps from poses of one's own. `scene`, without vehicles, is the world alone. Raises
+        For imaging sonars and depth maps from arbitrary poses. `scene`, without vehicles, is the world alone. Raises
         ValueError for an unknown vehicle.
         """
         names = list(self.vehicles)
@@ -281,10 +280,10 @@ class Simulator(Sealed):
         self.step(max(1, round(steps)) if steps else 0)
 
     def reset(self, seed: int | None = None) -> None:
-        """Begin anew, as a Simulator of this scenario and a seed would that is made now; by default of the same seed.
+        """Restart like a new Simulator of this scenario and a seed, by default the same seed.
 
-        Vehicles, sensors and sonars stay the same objects; vehicles are at their starts, lamps and parameters as
-        the scenario has them. `version` goes on. Raises ValueError, changing nothing.
+        Vehicles, sensors and sonars stay the same objects; vehicles return to their starts, lamps and parameters to the
+        scenario's values. `version` keeps counting. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
         self._aboard.restart(scenario)
@@ -303,10 +302,10 @@ class Simulator(Sealed):
         self.journal.note("reset", seed=scenario.seed)
 
     def save_state(self) -> bytes:
-        """Save everything that the future depends on, except scenario and seed.
+        """Save everything that future results depend on, except scenario and seed.
 
-        This is motion, commands, all stop, clocks, sensors' memories, lamps, cameras' aims and changed parameters. A
-        Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
+        This includes motion, commands, all stop, clocks, sensors' states, lamps, cameras' aims and changed parameters.
+        A Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
         the last bit. The states of missions and maps are not included.
         """
         return self._saved.save(self._origin)
@@ -328,7 +327,10 @@ class Simulator(Sealed):
         return scenario_fingerprint(self.scenario), build_fingerprint()
 
     def _resume_vehicles(self) -> None:
-        """End what watched the time before a jump, and know by the actuators whether a vehicle is driven."""
+        """End everything that observed the time before a jump.
+
+        Derive from the actuators whether a vehicle is driven.
+        """
         for rov in self.vehicles.values():
             commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
             rov.gate.is_driven = any(commands)
@@ -336,7 +338,7 @@ class Simulator(Sealed):
                 sensor.end_streams()
 
     def _change(self, scenario: Scenario) -> None:
-        """Go on with this scenario, which differs in parameters alone. Raises ValueError, changing nothing."""
+        """Continue with this scenario, which differs only in parameters. Raises ValueError, changing nothing."""
         for rov in self.vehicles.values():
             rov.navigation.take_in()
         before = self.parameters.scenario
@@ -350,7 +352,7 @@ class Simulator(Sealed):
         sonars = [imaging_models(self, entry) for entry in scenario.vehicles]
         if scenario.model_copy(update={"optics": before.optics}) != before:
             self._core.change(water, simulation_spec(scenario), specs)
-        # Nothing fails from here on.
+        # Nothing can fail from here on.
         self._specs = specs
         if other_water:
             self._world.water = water

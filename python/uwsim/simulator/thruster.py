@@ -1,4 +1,4 @@
-"""What a thruster does at a moment."""
+"""A thruster's present state."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The commands of a simulated vehicle: what each does to the simulation, and the journal's note of it."""
+"""The commands of a simulated vehicle: their effects on the simulation, and their notes in the journal."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PLAIN = {float}
 
 
 class CommandedVehicle(Sealed, Placeable):
-    """The part of uwsim.simulator.vehicle.Vehicle that takes commands.
+    """The part of uwsim.simulator.vehicle.Vehicle that accepts commands.
 
     Commands are held until the next one; a command that raises ValueError changes nothing. gate: decides whether they
     take effect.
@@ -47,7 +47,7 @@ class CommandedVehicle(Sealed, Placeable):
         return self.gate.all_stopped
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Give a command of uwsim.commands by its name. Raises ValueError, changing nothing."""
+        """Issue a command of uwsim.commands by name. Raises ValueError, changing nothing."""
         command = command_named(name)
         return command.give(self, self._journal, command.named(self.name, arguments))
 
@@ -62,9 +62,9 @@ class CommandedVehicle(Sealed, Placeable):
     ) -> None:
         """Command efforts in [-1, 1] along and about the body axes (REP 103: forward, left, up), held until the next.
 
-        Full effort of one axis alone is the largest wrench about it that the vehicle gives, or its fins' largest
-        deflection; efforts that exceed the thrusters together are scaled down together. Efforts of axes that are not
-        `controllable` do nothing. Raises ValueError for an effort outside [-1, 1] or not finite.
+        Full effort of one axis alone is the largest wrench about it that the vehicle can produce, or its fins' largest
+        deflection; efforts that together exceed the thrusters' limits are scaled down together. Efforts of axes that
+        are not `controllable` have no effect. Raises ValueError for an effort outside [-1, 1] or not finite.
         """
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
@@ -80,7 +80,7 @@ class CommandedVehicle(Sealed, Placeable):
     ) -> None:
         """Command the thrusters' force (3,) and torque (3,) in still water, body axes, about the origin; fins stay.
 
-        A wrench beyond the thrusters keeps its direction and is scaled to the largest that they give. Raises
+        A wrench beyond the thrusters' limits keeps its direction and is scaled to the largest possible one. Raises
         ValueError.
         """
         given = (("force_body_n", force_body_n, "N"), ("torque_body_nm", torque_body_nm, "N m"))
@@ -116,33 +116,36 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_fins", angles_rad=dict(pairs))
 
     def steer_silently(self, efforts: Sequence[float]) -> None:
-        """Set efforts, saturated, without a note: what a program aboard does follows from what is noted already."""
+        """Set efforts, saturated, without a note: a program's actions follow from what has already been noted."""
         if not self.all_stopped:
             self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
 
     def override_failsafe(self) -> None:
-        """Take the vehicle back from its failsafe, which acts no more on this cause. ValueError if there is none."""
+        """Take control back from the failsafe, which does not act again on this cause. ValueError if there is none."""
         self.gate.override()
         self._note("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
-        """Stop the thrusters and put the fins to neutral, against all commands, until False releases them. ValueError.
+        """Stop the thrusters and move the fins to neutral, against all commands, until False releases them. ValueError.
 
-        Until then commands have no effect, of which an AllStopWarning warns once, and the dock keeps a docked vehicle.
-        After that it rests until the next command; a failsafe that steers goes on from there.
+        Until then commands have no effect, with one AllStopWarning, and the dock keeps a docked vehicle. Afterwards the
+        vehicle is idle until the next command; a failsafe that steers continues from there.
         """
         self.gate.all_stop(on)
         self._note("all_stop", on=bool(on))
 
     def release(self) -> None:
-        """Leave the station; the mission time starts. Nothing if already free; ValueError if all stop keeps it."""
+        """Leave the station; the mission time starts.
+
+        Does nothing if already free; ValueError if all stop prevents it.
+        """
         if not self.released:
             self.gate.require_no_stop("release")
         self._simulation.release(self._index)
         self._note("release")
 
     def undock(self) -> None:
-        """Leave the station at once: release the vehicle and put it, at rest, at the dock's way out (station.exit_m).
+        """Leave the station at once: release the vehicle and place it, at rest, at the dock's exit (station.exit_m).
 
         It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked, the
         water there is not free, or all stop is set.
@@ -159,8 +162,8 @@ class CommandedVehicle(Sealed, Placeable):
         """Enter the station's dock from nearby: it holds the vehicle, at rest, until the next release or undock.
 
         The vehicle must be within 1.5 m of its place in the dock, slower than 0.5 m/s and within 30 degrees of the
-        dock's heading, and the dock empty; else ValueError, which says how far away it is. Its commands end and its
-        battery is charged at once: the next release starts another mission.
+        dock's heading, and the dock must be empty; otherwise a ValueError states how far away it is. Its commands end
+        and its battery is charged at once: the next release starts another mission.
         """
         if not self.released:
             raise ValueError(f"vehicle '{self.name}': dock: is docked already")
@@ -176,11 +179,11 @@ class CommandedVehicle(Sealed, Placeable):
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Put the vehicle at a pose at once, at rest unless velocity_body (6,) is given; a docked one is released.
+        """Place the vehicle at a pose at once, at rest unless velocity_body (6,) is given; a docked one is released.
 
-        Commands are still held, propellers keep turning, and sensors keep their samples. Raises ValueError for numbers
-        that are not finite or too large, and if the vehicle's origin, by whatever distance, is not above the ground or
-        is inside a closed obstacle. The hull is not checked: where it overlaps a surface, contacts push it out.
+        Commands remain held, propellers keep turning, and sensors keep their samples. Raises ValueError for numbers
+        that are not finite or too large, and if the vehicle's origin is not above the ground, however slightly, or is
+        inside a closed obstacle. The hull is not checked: if it overlaps a surface, contacts push it out.
         """
         self._put(_core.BodyState(position_world_m, orientation_xyzw, velocity_body))
         self._note(
@@ -206,6 +209,6 @@ class CommandedVehicle(Sealed, Placeable):
             self._journal.note(command, vehicle=self.name, **arguments)
 
     def warn_if_docked(self) -> None:
-        """Warn, once, if the vehicle is commanded while its dock holds it. Simulator.step calls this."""
+        """Warn, once, if the vehicle is commanded while docked. Simulator.step calls this."""
         if self.gate.is_driven and not self.released:
             self.gate.warn_of_dock()

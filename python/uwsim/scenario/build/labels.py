@@ -1,4 +1,4 @@
-"""Labels of the surfaces that rays meet, in the world and on vehicles, and how these surfaces scatter sound."""
+"""Labels of the surfaces that rays hit, in the world and on vehicles, and how these surfaces scatter sound."""
 
 from __future__ import annotations
 

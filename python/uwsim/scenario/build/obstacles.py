@@ -1,6 +1,6 @@
 """Obstacles in the world frame: closed triangle meshes, and exact shapes of round ones.
 
-Rays meet the exact shapes. Contacts, and the truth for map scores, use the mesh: its vertices lie on the round surface,
+Rays hit the exact shapes. Contacts, and the truth for map scores, use the mesh: its vertices lie on the round surface,
 its facets at most 0.5 % of the radius inside it.
 """
 

@@ -1,4 +1,4 @@
-"""Failures and what a vehicle does about them: faults that happen, alarms that it notices, its failsafe."""
+"""Failures and a vehicle's reactions to them: faults that occur, alarms that it raises, its failsafe."""
 
 from uwsim.simulator.failures.aboard import Aboard
 from uwsim.simulator.failures.events import Event, EventLog

@@ -1,4 +1,4 @@
-"""What a simulator's vehicles do by themselves, and what fails in them."""
+"""The autonomous reactions of a simulator's vehicles, and their faults."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FAILSAFE_OF = "failsafe of "
 
 
 class AboardState(State):
-    """The faults, each vehicle's failsafe by "failsafe of NAME", and the vehicles that are all stopped."""
+    """The faults, each vehicle's failsafe under "failsafe of NAME", and the vehicles with all stop set."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
@@ -71,7 +71,7 @@ class Aboard:
         return self._failsafes
 
     def restart(self, scenario: Scenario) -> None:
-        """Be as at the start of a run of a scenario, which may have another seed."""
+        """Return to the start of a run of a scenario, which may have another seed."""
         self._faults.restart(scenario)
         for failsafe in self._failsafes.values():
             failsafe.restart()
@@ -79,13 +79,13 @@ class Aboard:
             vehicle.gate.restore(all_stopped=False)
 
     def save(self) -> dict[str, Any]:
-        """Return all that the future depends on, as JSON values."""
+        """Return everything that future steps depend on, as JSON values."""
         stopped = [name for name, vehicle in self._vehicles.items() if vehicle.all_stopped]
         failsafes = {FAILSAFE_OF + name: failsafe.save() for name, failsafe in self._failsafes.items()}
         return {"all_stopped": stopped, "faults": self._faults.save(), **failsafes}
 
     def restore(self, state: AboardState) -> None:
-        """Continue from what `save` returned. Raises ValueError for that of other vehicles."""
+        """Continue from the result of `save`. Raises ValueError if it belongs to other vehicles."""
         failsafes = state.__pydantic_extra__
         require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
         require_names("all_stopped", {*self._vehicles, *state.all_stopped}, self._vehicles)

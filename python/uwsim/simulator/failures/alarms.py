@@ -1,6 +1,6 @@
-"""What a vehicle notices about itself, by what it has aboard: its charge, bilges, motors and readings.
+"""A vehicle's alarms about itself, from what it can measure aboard: its charge, bilges, motors and readings.
 
-It sees no truth: a bias, which looks like any reading, goes unnoticed.
+They do not use the truth: a bias, which looks like any reading, goes unnoticed.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Cause = Literal["battery", "leak", "thruster", "sensor"]
-LOOK_S = 0.5  # between two looks
-WET_KG = 0.05  # what a leak sensor in the bilge feels
-WEAK = 0.7  # share of the thrust that a command should give, below which a motor's telemetry is taken for a failure
-WORKING = 0.1  # share of full command below which a motor is not judged
-SILENT_LOOKS = 4  # of a sensor without a valid sample, or of a thruster that does not obey
-STUCK_LOOKS = 20  # of the same value to the last bit from a sensor with noise
+LOOK_S = 0.5  # between two checks
+WET_KG = 0.05  # mass of water that a leak sensor in the bilge detects
+WEAK = 0.7  # share of the commanded thrust below which a motor's telemetry counts as a failure
+WORKING = 0.1  # share of full command below which a motor is not checked
+SILENT_LOOKS = 4  # for a sensor without a valid sample, or a thruster that does not obey
+STUCK_LOOKS = 20  # for a sensor with noise that repeats the same value to the last bit
 
 
 class Watched(Protocol):
-    """What alarms look at of a vehicle."""
+    """The attributes of a vehicle that alarms check."""
 
     @property
     def thrusters(self) -> Mapping[str, Any]:
@@ -42,7 +42,7 @@ class Watched(Protocol):
 
 @dataclass
 class Alarms:
-    """The alarms of one vehicle. lit: which, in words, by name. counts, last: what looks leave to the next ones."""
+    """The alarms of one vehicle. lit: active ones as text, by name. counts, last: state carried between checks."""
 
     model: VehicleModel
     figures: Failsafe
@@ -51,7 +51,7 @@ class Alarms:
     last: dict[str, list[float]] = field(default_factory=dict)
 
     def look(self, vehicle: Watched, water_kg: float) -> dict[str, Cause]:
-        """Look at everything that is watched; return the alarms that are lit now. water_kg: inside the hull."""
+        """Check everything that is monitored; return the active alarms. water_kg: inside the hull."""
         lit: dict[str, Cause] = {}
         if vehicle.telemetry().battery_percent < self.figures.battery_percent:
             lit["battery low"] = "battery"
@@ -67,7 +67,7 @@ class Alarms:
         return lit
 
     def _weak_thrusters(self, vehicle: Watched) -> list[str]:
-        """Compare the thrust that each motor's revolutions tell of with that of its command, once spun up."""
+        """Compare the thrust derived from each motor's revolutions with that of its command, once spun up."""
         weak = []
         for name, state in vehicle.thrusters.items():
             expected_n = abs(self._expected_n(name, state.command))
@@ -98,13 +98,13 @@ class Alarms:
         return failing
 
     def _counted(self, what: str, fails: bool) -> int:
-        """Count the looks in a row at which something failed."""
+        """Count the consecutive checks at which something failed."""
         self.counts[what] = self.counts.get(what, 0) + 1 if fails else 0
         return self.counts[what]
 
 
 def _never_repeats(mount: SensorMount) -> bool:
-    """Whether a sensor's noise makes each sample another: some channel has noise that is not rounded."""
+    """Return whether a sensor's noise makes all samples different: some channel has noise that is not rounded."""
     if mount.noise_std is not None:
         return mount.noise_std > 0
     errors = [mount.noise, *mount.channels.values()]

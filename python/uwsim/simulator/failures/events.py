@@ -1,4 +1,4 @@
-"""What happened by itself in a run: faults, alarms, failsafes."""
+"""Spontaneous events in a run: faults, alarms, failsafes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.base.saved_state import State, Tick
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened at a tick. vehicle: "" for the world. values: of JSON's types."""
+    """An event at a tick. vehicle: "" for the world. values: of JSON types."""
 
     tick: int
     time_s: float
@@ -42,7 +42,7 @@ class EventLog(Sequence[Event]):
         self._events: list[Event] = []
 
     def add(self, tick: int, vehicle: str, name: str, **values: Any) -> None:
-        """Note an event."""
+        """Add an event."""
         self._events.append(Event(tick, round(tick * self._step_s, 9), vehicle, name, values))
 
     @overload
@@ -50,7 +50,7 @@ class EventLog(Sequence[Event]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Event]: ...
     def __getitem__(self, index: int | slice) -> Event | Sequence[Event]:
-        """Return an event, or several."""
+        """Return one event or several."""
         return self._events[index]
 
     def __len__(self) -> int:
@@ -68,5 +68,5 @@ class EventLog(Sequence[Event]):
         return [asdict(event) for event in self._events]
 
     def restore(self, state: Sequence[EventState]) -> None:
-        """Hold what `save` returned."""
+        """Replace the events by the result of `save`."""
         self._events = [Event(**dict(event)) for event in state]

@@ -1,4 +1,4 @@
-"""Failsafe: what a vehicle does by itself when nobody speaks to it, or when it notices that something aboard fails."""
+"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm that something aboard has failed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from uwsim.simulator.failures.manoeuvres import Beginning
 from uwsim.simulator.failures.steered import ZERO, Steered
 from uwsim.simulator.vehicle import Vehicle
 
-PERIOD_S = 0.05  # of control
+PERIOD_S = 0.05  # of the control loop
 SILENCE = "silence"
 
 
@@ -55,10 +55,12 @@ class FailsafeState(State):
 
 
 class Failsafe(Sealed):
-    """The failsafe of one vehicle; see uwsim.scenario.spec.failsafe for its figures. It acts once it is released.
+    """The failsafe of one vehicle; see uwsim.scenario.spec.failsafe for its parameters.
 
-    state: what it does: "" (nothing), hold, surface, return or go_on. cause: why: silence, battery, leak, thruster or
-    sensor. alarms: what it notices, in words. home_m: where it returns to.
+    It acts once the vehicle is released.
+
+    state: its reaction: "" (none), hold, surface, return or go_on. cause: silence, battery, leak, thruster or sensor.
+    alarms: the active ones as text. home_m: the position to which it returns.
     """
 
     figures: Figures
@@ -77,7 +79,10 @@ class Failsafe(Sealed):
         water_kg: Callable[[], float] = lambda: 0.0,
         link_silence_s: Callable[[], float] | None = None,
     ) -> None:
-        """home_m: where it returns to. water_kg: inside the hull. link_silence_s: of the link, if there is one."""
+        """home_m: the position to which it returns. water_kg: inside the hull.
+
+        link_silence_s: of the link, if there is one.
+        """
         self.figures = figures
         self.home_m = home_m
         self._vehicle = vehicle
@@ -92,7 +97,7 @@ class Failsafe(Sealed):
         self.restart()
 
     def restart(self) -> None:
-        """Be as at the start of a run."""
+        """Return to the state at the start of a run."""
         self._state = self._cause = ""
         self._heard_tick = self._free_tick = 0
         self._was_free = False
@@ -106,48 +111,51 @@ class Failsafe(Sealed):
 
     @property
     def state(self) -> str:
-        """What it does."""
+        """Its present reaction."""
         return self._state
 
     @property
     def cause(self) -> str:
-        """Why it does so."""
+        """The cause of the reaction."""
         return self._cause
 
     @property
     def alarms(self) -> tuple[str, ...]:
-        """What it notices, in words."""
+        """The active alarms, as text."""
         return tuple(self._alarms.lit)
 
     @property
     def has_control(self) -> bool:
-        """Whether it steers, and commands have no effect: not for silence without a link, which they end."""
+        """Whether it steers, so that commands have no effect.
+
+        Without a link a command ends a silence, so then it does not.
+        """
         is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
         return self._state in ("hold", "surface", "return") and not is_ended_by_commands
 
     def heard(self) -> None:
-        """Take note of a command, which ends a silence; where there is a link, if it came through that."""
+        """Register a command, which ends a silence; with a link, only if it came over that."""
         tick = self._heard_tick = self._tick()
         if self._cause == SILENCE and not self._is_silent(tick):
             self._end()
 
     def insist(self) -> None:
-        """Set the last efforts again: a command has just replaced them."""
+        """Set the last efforts again, since a command has just replaced them."""
         self._steered.insist()
 
     def override(self) -> None:
-        """Give the vehicle back to its pilot: what has the controls now acts no more in this run."""
+        """Return control to the pilot: the cause that has control now does not act again in this run."""
         if self._cause and self._cause != SILENCE:
             self._overridden.add(self._cause)
         self._end()
 
     @property
     def due_tick(self) -> int:
-        """The tick at which it looks or steers next."""
+        """The tick of its next check or control period."""
         return min(self._next_look, self._next_control)
 
     def act(self, tick: int) -> None:
-        """Look after the vehicle."""
+        """Check the vehicle and steer it."""
         if tick >= self._next_look:
             self._look(tick)
         if tick >= self._next_control:
@@ -155,7 +163,7 @@ class Failsafe(Sealed):
             self._next_control = tick + self._ticks(PERIOD_S)
 
     def save(self) -> dict[str, Any]:
-        """Return all that the future depends on."""
+        """Return everything that future steps depend on."""
         return {
             "state": self._state,
             "cause": self._cause,
@@ -174,7 +182,7 @@ class Failsafe(Sealed):
         }
 
     def restore(self, saved: FailsafeState) -> None:
-        """Continue from what `save` returned."""
+        """Continue from the result of `save`."""
         self._state, self._cause = saved.state, saved.cause
         self._heard_tick, self._free_tick, self._was_free = saved.heard_tick, saved.free_tick, saved.was_free
         self._overridden, self._began = set(saved.overridden), Beginning(**dict(saved.began))
@@ -212,7 +220,7 @@ class Failsafe(Sealed):
         return self.figures.silence_s is not None and self._silence_ticks(tick) >= self._ticks(self.figures.silence_s)
 
     def _silence_ticks(self, tick: int) -> int:
-        """Return for how long nobody has commanded it; where there is a link, nothing has come through that."""
+        """Return how long no command has come; with a link, how long nothing has come over that."""
         if self._link_silence_s is None:
             return tick - self._heard_tick
         return min(round(self._link_silence_s() / self._step_s), tick - self._free_tick)
@@ -237,7 +245,7 @@ class Failsafe(Sealed):
                 self._begin(tick, then, cause, what=name)
 
     def _outranks(self, then: str) -> bool:
-        """Whether something graver than what it does now has come."""
+        """Return whether something more serious than the present cause has occurred."""
         order = ("go_on", "hold", "return", "surface")
         return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
 
@@ -264,7 +272,7 @@ class Failsafe(Sealed):
         self._pilot = None
 
     def _steer(self, tick: int) -> None:
-        if self._vehicle.all_stopped:  # it begins where the vehicle is when that is released
+        if self._vehicle.all_stopped:  # it starts from the vehicle's position when all stop is released
             self._began, self._pilot = self._beginning(tick), None
             return
         pilot, time_s = self._take_pilot(), tick * self._step_s

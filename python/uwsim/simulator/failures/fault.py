@@ -18,7 +18,7 @@ class _One(Model):
 
 
 def checked_fault(given: dict[str, Any]) -> FaultModel:
-    """Return a fault that is not in a scenario's file. Raises ScenarioError, a ValueError."""
+    """Return a fault that is not from a scenario's file. Raises ScenarioError, a ValueError."""
     return validated(_One, {"faults": [given]}).faults[0]
 
 
@@ -37,13 +37,16 @@ class FaultState(State):
 
 @dataclass
 class Fault:
-    """A fault and its present state. count: how often it has begun. water_kg: that it has let in."""
+    """A fault and its present state. count: how often it has begun.
+
+    water_kg: mass of water that has entered through it.
+    """
 
     name: str
     spec: FaultModel
     vehicle: str
     begin_tick: int
-    end_tick: int | None = None  # while it lasts; NEVER: to the end of the run
+    end_tick: int | None = None  # while it is active; NEVER: until the end of the run
     count: int = 0
     began_tick: int = 0
     filled_tick: int = 0
@@ -51,7 +54,7 @@ class Fault:
 
     @property
     def is_active(self) -> bool:
-        """Whether it lasts now."""
+        """Whether it is active now."""
         return self.end_tick is not None
 
     def save(self) -> dict[str, Any]:
@@ -61,6 +64,6 @@ class Fault:
 
     @staticmethod
     def restored(name: str, state: FaultState) -> Fault:
-        """Return a saved fault. Raises ValueError for a kind of fault that does not exist."""
+        """Return a saved fault. Raises ValueError for an unknown kind of fault."""
         values = {key: getattr(state, key) for key in FaultState.model_fields if key != "spec"}
         return Fault(name, checked_fault(state.spec), **values)

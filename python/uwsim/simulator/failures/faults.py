@@ -1,7 +1,7 @@
-"""Faults: what fails, begun by schedule, by chance or by hand, and ended when its time is over.
+"""Faults: failures that begin on schedule, at random or on request, and end when their time is over.
 
-A fault acts through the figures that the simulator has anyway, such as a thruster's health or the ballast, laid over
-the scenario's and the user's (`effects`); what a sensor tells wrongly is done where it is read (`distortion`).
+A fault acts through existing parameters of the simulator, such as a thruster's health or the ballast, on top of the
+scenario's and the user's (`effects`); a sensor's wrong readings are made where it is read (`distortion`).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
 from uwsim.simulator.network import Network
 from uwsim.simulator.vehicle import Vehicle
 
-FILL_S = 1.0  # at which the water of a leak is weighed anew
+FILL_S = 1.0  # interval at which the water of a leak is updated
 
 
 class DistortionState(State):
@@ -51,7 +51,7 @@ class FaultsState(State):
 
 
 class Faults(Sealed):
-    """The faults of a simulator; `sim.faults`.
+    """The faults of a simulator, `sim.faults`.
 
     sim.faults.inject("thruster", thruster="front_left", health=0.3, for_s=20.0)
     sim.faults.active        # names
@@ -70,9 +70,10 @@ class Faults(Sealed):
         network: Network | None = None,
         has_channels: bool = True,
     ) -> None:
-        """apply: takes `overlay` into the running values. network: of the link, if there is one.
+        """apply: applies `overlay` to the running values. network: of the link, if there is one.
 
-        has_channels: whether commands may come over channels, which a link's fault cuts off where there is no network.
+        has_channels: whether commands may come over channels, which a fault of the link cuts off if there is no
+        network.
         """
         self._vehicles = vehicles
         self._events = events
@@ -86,7 +87,7 @@ class Faults(Sealed):
         self.restart(scenario)
 
     def restart(self, scenario: Scenario) -> None:
-        """Be as at the start of a run of a scenario, which may have another seed."""
+        """Return to the start of a run of a scenario, which may have another seed."""
         self._scenario = scenario
         self._faults = {}
         found = Collected()
@@ -105,7 +106,7 @@ class Faults(Sealed):
         self._attend()
 
     def _attend(self) -> None:
-        """Be on the agenda while there are faults, begun or not: a simulator without any steps at once."""
+        """Be on the agenda while there are faults, begun or not; a simulator without faults then steps at once."""
         self._agenda.remove(self)
         if self._faults:
             self._agenda.add(self, Rank.FAULT, self.act)
@@ -115,19 +116,19 @@ class Faults(Sealed):
 
     @property
     def active(self) -> tuple[str, ...]:
-        """The names of those that last now."""
+        """The names of the active faults."""
         return tuple(name for name, fault in self._faults.items() if fault.is_active)
 
     def water_kg(self, vehicle: str) -> float:
-        """Return the mass of the water inside a vehicle, as last weighed [kg]."""
+        """Return the mass of the water inside a vehicle at the last update [kg]."""
         return sum(fault.water_kg for fault in self._faults.values() if fault.vehicle == vehicle)
 
     def link_is_down(self, vehicle: str) -> bool:
-        """Whether nothing passes between the station and a vehicle."""
+        """Return whether all messages between the station and a vehicle are blocked."""
         return any(_cuts_off(fault, vehicle) for fault in self._faults.values())
 
     def inject(self, kind: str, *, name: str | None = None, **figures: Any) -> str:
-        """Let something fail now; return the fault's name. See docs/guides/faults.md for kinds and figures.
+        """Start a fault now; return its name. See docs/guides/faults.md for kinds and parameters.
 
         Raises ValueError, changing nothing.
         """
@@ -151,7 +152,7 @@ class Faults(Sealed):
         return fault.name
 
     def end(self, name: str) -> None:
-        """End a fault now, for good. The water of a leak stays. Raises ValueError."""
+        """End a fault now, for good. The water of a leak remains. Raises ValueError."""
         if name not in self._faults:
             raise ValueError(f"faults.end: name = {name!r}: must be one of {', '.join(self._faults) or 'none'}")
         fault = self._faults[name]
@@ -162,7 +163,7 @@ class Faults(Sealed):
         self._journal.note("end_fault", name=name)
 
     def overlay(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the parameters that differ from a scenario's, its user's changes included, by name."""
+        """Return the parameters that differ from a scenario's, including the user's changes, by name."""
         found: dict[str, Any] = {}
         for fault in self._faults.values():
             if fault.is_active or fault.water_kg > 0:
@@ -171,7 +172,7 @@ class Faults(Sealed):
 
     @property
     def due_tick(self) -> int:
-        """The tick at which something begins, ends or is weighed."""
+        """The tick at which a fault begins, ends or needs an update."""
         return min((self._due(fault) for fault in self._faults.values()), default=NEVER)
 
     def _due(self, fault: Fault) -> int:
@@ -194,7 +195,7 @@ class Faults(Sealed):
         self._apply()
 
     def save(self) -> dict[str, Any]:
-        """Return all that the future depends on."""
+        """Return everything that future steps depend on, as JSON values."""
         stuck = {
             f"{vehicle.name}/{name}": asdict(sensor.distortion)
             for vehicle in self._vehicles.values()
@@ -204,7 +205,7 @@ class Faults(Sealed):
         return {"faults": {name: fault.save() for name, fault in self._faults.items()}, "sensors": stuck}
 
     def restore(self, state: FaultsState) -> None:
-        """Continue from what `save` returned; the caller applies the overlay. Raises ValueError."""
+        """Continue from the result of `save`; the caller applies the overlay. Raises ValueError."""
         self._faults = {}
         for name, saved in state.faults.items():
             fault = self._faults[name] = Fault.restored(name, saved)
@@ -243,7 +244,7 @@ class Faults(Sealed):
         return next(name for name in names if name not in self._faults)
 
     def _next_begin(self, fault: Fault, after_tick: int) -> int:
-        """Return when it begins next: once at at_s, else after an interval that is drawn (a Poisson process)."""
+        """Return when it begins next: once at at_s, otherwise after a random interval (a Poisson process)."""
         if fault.spec.at_s is not None:
             return round(fault.spec.at_s / self._scenario.step_s) if fault.count == 0 else NEVER
         assert fault.spec.rate_per_h is not None
@@ -251,7 +252,7 @@ class Faults(Sealed):
         return after_tick + self._ticks(interval_s)
 
     def _draw(self, fault: Fault) -> float:
-        """Return a number in (0, 1) that follows from seed, name and count alone (Philox 4 x 64, counter-based)."""
+        """Return a number in (0, 1) that depends only on seed, name and count (Philox 4 x 64, counter-based)."""
         stream = int.from_bytes(hashlib.blake2b(f"fault/{fault.name}".encode(), digest_size=8).digest(), "little")
         key = np.array([self._scenario.seed, stream], np.uint64)
         counter = np.array([fault.count, 0, 0, 0], np.uint64)
@@ -280,10 +281,10 @@ class Faults(Sealed):
 
     def _cut_off(self, fault: Fault) -> None:
         if self._network is not None and isinstance(fault.spec, LinkLoss):
-            self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another may last
+            self._network.cut_off(fault.vehicle, self.link_is_down(fault.vehicle))  # another fault may still be active
 
     def _fill(self, fault: Fault, tick: int) -> None:
-        """Weigh the water that a leak has let in."""
+        """Update the mass of water that a leak has let in."""
         if isinstance(fault.spec, LeakFault):
             came_kg = fault.spec.kg_per_s * (tick - fault.filled_tick) * self._scenario.step_s
             fault.water_kg = min(fault.water_kg + came_kg, fault.spec.kg_max or math.inf)

@@ -1,4 +1,4 @@
-"""The vehicle as its own failsafe steers it."""
+"""The vehicle as steered by its own failsafe."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ ZERO = (0.0,) * 6
 
 
 class Steered(Steerable):
-    """The vehicle as its own failsafe steers it: unlike commands from outside, its efforts are not noted.
+    """The vehicle as steered by its own failsafe: unlike commands from outside, its efforts are not logged.
 
-    pose, velocity: by its own instruments (Vehicle.estimate) once its navigation has begun; the truth before.
+    pose, velocity: from its own instruments (Vehicle.estimate) once its navigation has begun; the truth before that.
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -23,17 +23,17 @@ class Steered(Steerable):
 
     @property
     def authority(self) -> Any:
-        """The vehicle's."""
+        """The vehicle's authority."""
         return self._vehicle.authority
 
     @property
     def pose(self) -> Any:
-        """As far as the vehicle knows."""
+        """The pose, as far as the vehicle knows it."""
         return self._known.pose
 
     @property
     def velocity(self) -> Any:
-        """As far as the vehicle knows."""
+        """The velocity, as far as the vehicle knows it."""
         return self._known.velocity
 
     @property

@@ -59,9 +59,9 @@ class Parameters(Mapping[str, Any]):
     ) -> None:
         """Start with a scenario's own values.
 
-        apply: takes the changed scenario, or raises. note: called with each change, as a command. switches: those whose
-        state is a parameter, by its name. overlay: the values that faults impose on a scenario's, by name; they are not
-        in `changes`.
+        apply: applies the changed scenario, or raises. note: called with each change, as a command. switches: those
+        whose state is a parameter, by its name. overlay: the values that faults impose on a scenario's, by name; they
+        are not in `changes`.
         """
         self._apply = apply
         self._note = note
@@ -179,7 +179,7 @@ class Parameters(Mapping[str, Any]):
         self._switch_to(dict(state), {})
 
     def lay_anew(self) -> None:
-        """Apply the present overlay."""
+        """Apply the present overlay again."""
         self._switch_to(self._changes, {})
 
     def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:

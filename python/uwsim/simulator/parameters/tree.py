@@ -91,7 +91,7 @@ class _Walk:
     towards: str
 
     def leads_on(self, name: str) -> bool:
-        """Return whether a name is above, at or below the name that is sought."""
+        """Return whether a name is above, at or below the wanted name."""
         sought = self.towards
         return (
             not sought or not name or name == sought or sought.startswith(name + ".") or name.startswith(sought + ".")
