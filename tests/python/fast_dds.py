@@ -1,4 +1,4 @@
-"""A node of ROS 2 as its default middleware makes it (tests/cpp/ros2/fast_dds_peer.cpp), in a process of its own."""
+"""A node of ROS 2 as its default middleware makes it (tests/fast_dds/fast_dds_peer.cpp), in a process of its own."""
 
 import json
 import subprocess
@@ -10,7 +10,7 @@ from typing import Any
 
 from ros2_tools import until
 
-BINARY = Path(__file__).parents[2] / "build/tests/cpp/fast_dds_peer"
+BINARY = Path(__file__).parents[2] / "build/tests/fast_dds/fast_dds_peer"
 SECONDS = 120  # after which it ends by itself
 
 

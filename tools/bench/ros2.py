@@ -1,6 +1,6 @@
 """The node of ROS 2: what a message costs, and what a node of ROS 2's default middleware gets of it.
 
-The reader is tests/cpp/ros2/fast_dds_peer.cpp (Fast DDS, Fast CDR), a process of its own on this machine; `tools/setup
+The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a process of its own on this machine; `tools/setup
 --dev` builds it. Costs are CPU time of all our threads, Cyclone DDS's included; latencies are from the reading on the
 simulator's thread to the decoded message. Each figure stands beside its goal.
 """

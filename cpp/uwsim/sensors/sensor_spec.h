@@ -15,7 +15,7 @@ namespace uwsim {
 /// Errors of one channel of a sensor: the same parameters for each component, drawn independently. [u]: the channel's
 /// unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero means no error of
 /// that kind. Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in
-/// tests/cpp/test_sensor_noise.cpp.
+/// tests/cpp/sensors/test_sensor_noise.cpp.
 struct NoiseSpec {
   double std = 0;          ///< white noise of each sample [u]
   double density = 0;      ///< white, N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)

@@ -141,7 +141,7 @@ Rule = Callable[[PurePosixPath, str], Iterator[str]]
 RULES: list[tuple[Rule, str]] = [
     (include_edges, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
     (library_includes, r"cpp/(uwsim|bindings)/.*\.(h|cpp)"),
-    (pragma_once, r"(cpp|tests/cpp)/.*\.h"),
+    (pragma_once, r"(cpp|tests/(cpp|fast_dds))/.*\.h"),
     (file_length, r"(cpp|python|tests|tools|assets)/.*\.(h|cpp|py|pyi|cmake)|tools/\w+|.*CMakeLists\.txt"),
     (only_core_from_uwsim, r"python/uwsim/(?!examples/).*\.py"),
     (
@@ -192,6 +192,13 @@ def test_the_sources_keep_the_rule(rule: Rule, applies_to: str) -> None:
 def test_the_rule_can_fail(rule: Rule, path: str, bad: str, good: str) -> None:
     assert list(rule(PurePosixPath(path), bad))
     assert list(rule(PurePosixPath(path), good)) == []
+
+
+def test_native_tests_lie_in_folders_of_the_sources() -> None:
+    """Each folder of cpp/uwsim has its tests in the folder of the same name; only what several share lies above."""
+    folders = {path.name for path in (ROOT / "tests/cpp").iterdir() if path.is_dir()}
+    assert folders == set(MAY_INCLUDE) == {path.name for path in (ROOT / "cpp/uwsim").iterdir() if path.is_dir()}
+    assert [path.name for path in (ROOT / "tests/cpp").glob("test_*")] == []
 
 
 def test_the_dispatcher_tests_every_flag_that_its_files_are_compiled_with() -> None:

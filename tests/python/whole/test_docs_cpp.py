@@ -56,7 +56,7 @@ def test_the_sources_and_tests_of_a_page_compile(name: str, tmp_path: Path) -> N
         pytest.skip("there is no C++ compiler")
     test = one(name, "test")
     if "#include" not in test:  # it is added to the sensors' tests
-        before, end, after = (ROOT / "tests/cpp/test_sensors.cpp").read_text().rpartition("}  // namespace\n")
+        before, end, after = (ROOT / "tests/cpp/sensors/test_sensors.cpp").read_text().rpartition("}  // namespace\n")
         test = before + test + end + after
     both = tmp_path / "both.cpp"
     both.write_text(one(name, "source") + test)

@@ -21,8 +21,7 @@ OTHERS: dict[str, set[str]] = {
     "add-a-sonar": {
         "cpp/uwsim/sonar/imaging/echo_sounder.cpp",
         "python/uwsim/instruments/sonars/imaging/echo_sounder.py",
-        "tests/cpp/test_echo_sounder.cpp",
-        "uwsim_test(test_echo_sounder uwsim_sonar)",
+        "tests/cpp/sonar/test_echo_sounder.cpp",
     },
     "coming-from": {  # names of the other simulators
         "AcousticBeaconSensor",

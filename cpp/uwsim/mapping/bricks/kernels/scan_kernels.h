@@ -9,7 +9,7 @@
 
 /// The inner loops of the brick engine, in three forms with the same results: portable, AVX2 and AVX-512
 /// (scan_kernels_*.cpp). Plain structs and raw pointers only: files that are compiled for newer processors must not
-/// emit code that other files could link (tests/cpp/scan_kernels_stay_apart.sh checks this).
+/// emit code that other files could link (tests/cpp/mapping/scan_kernels_stay_apart.sh checks this).
 ///
 /// A scan goes through them in the order of Kernels' members; bricks/README.md shows the whole path.
 namespace uwsim {

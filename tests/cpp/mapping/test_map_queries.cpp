@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "map_cases.h"
+#include "mapping/map_cases.h"
 #include "uwsim/core/check.h"
 
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "imaging_pool.h"
+#include "sonar/imaging_pool.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "counted_allocations.h"
-#include "heavy_rov.h"
 #include "meshes.h"
+#include "sim/counted_allocations.h"
+#include "sim/heavy_rov.h"
 
 namespace uwsim {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "imaging_pool.h"
+#include "sonar/imaging_pool.h"
 #include "uwsim/core/check.h"
 #include "uwsim/sonar/beam_angles.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"

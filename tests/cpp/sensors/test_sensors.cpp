@@ -1,4 +1,4 @@
-#include "sensor_bench.h"
+#include "sensors/sensor_bench.h"
 
 namespace uwsim {
 namespace {

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "map_cases.h"
+#include "mapping/map_cases.h"
 #include "uwsim/core/check.h"
 #include "uwsim/mapping/bricks/uninitialised_vector.h"
 #include "uwsim/mapping/quiet_stderr.h"

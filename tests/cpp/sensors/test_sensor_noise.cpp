@@ -3,7 +3,7 @@
 #include <functional>
 #include <new>
 
-#include "sensor_bench.h"
+#include "sensors/sensor_bench.h"
 #include "uwsim/sensors/sensor_rack.h"
 
 namespace {

@@ -11,7 +11,7 @@
 
 namespace {
 
-std::atomic<int> threads_left{1000};  ///< that the system below will start
+std::atomic<int> threads_left{1'000'000};  ///< that the system below will start
 
 }  // namespace
 
@@ -54,7 +54,7 @@ TEST(ThreadTeam, FewerThreadsThanAskedForStillDoAllTheWork) {
     threads_left = available;
     EXPECT_EQ(add_in_three_phases(6), std::vector<int>(100, 3));
     EXPECT_LE(threads_left, available - 5) << "the system refused no thread";
-    threads_left = 1000;
+    threads_left = 1'000'000;
   }
 }
 

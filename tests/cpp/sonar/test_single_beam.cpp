@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "imaging_pool.h"
+#include "sonar/imaging_pool.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

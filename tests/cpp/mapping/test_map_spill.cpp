@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "map_cases.h"
+#include "mapping/map_cases.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

@@ -3,7 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "map_cases.h"
+#include "mapping/map_cases.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {

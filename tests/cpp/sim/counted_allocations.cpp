@@ -2,7 +2,7 @@
 // library, too, so that allocations by Bullet, Embree and the C++ library are counted with ours. The memory comes from
 // the C library's internal functions, which glibc exports for this purpose; `free` remains the C library's.
 
-#include "counted_allocations.h"
+#include "sim/counted_allocations.h"
 
 #include <atomic>
 #include <cerrno>
