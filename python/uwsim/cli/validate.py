@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from uwsim.cli.bounds import within
 from uwsim.cli.choices import one_of
 from uwsim.cli.exit_codes import FAILED
 
@@ -20,19 +23,28 @@ def validate(
         ),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for index.md, the tables, and the curves as PNG.")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(help="Suites to run at once, each in a process. Default: one per core.", callback=within(1, 64)),
+    ] = None,
 ) -> None:
     """Compare the simulator with closed forms and published data.
 
     Prints expected, got and error; exits with 1 on a miss.
     """
-    from uwsim.evidence.validate import SUITES, run_suite
+    from uwsim.evidence.validate import SUITES, run_suites
     from uwsim.evidence.validate.check_table import print_checks
     from uwsim.evidence.validate.page import write_page
 
+    names = suites or list(SUITES)
+    jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))
+    if jobs > 1:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.default_int_handler)  # an exception, with which the jobs' processes end
     found = {}
-    for suite in suites or SUITES:
-        found[suite] = run_suite(suite, out)
-        print_checks(found[suite], suite)
+    for suite, checks in run_suites(names, out, jobs):
+        found[suite] = checks
+        print_checks(checks, suite)
     if out is not None:
         write_page(out, found)
     if not all(check.passed for checks in found.values() for check in checks):

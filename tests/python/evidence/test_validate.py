@@ -1,11 +1,14 @@
 """Checks, suites and the command of the validation. All the suites themselves are run by tools/docs."""
 
 import math
+import subprocess
+import time
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from command_line import UWSIM
 from uwsim.cli.main import app
 from uwsim.evidence import validate
 from uwsim.evidence.validate.check import Check, along, relative, within
@@ -38,7 +41,7 @@ def extra(monkeypatch: pytest.MonkeyPatch) -> list[Check]:
 
 
 def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(extra: list[Check], tmp_path: Path) -> None:
-    passed = CliRunner().invoke(app, ["validate", "--out", str(tmp_path / "new")])
+    passed = CliRunner().invoke(app, ["validate", "--jobs", "1", "--out", str(tmp_path / "new")])
     assert passed.exit_code == 0
     assert "good" in passed.output and "all within tolerance" in passed.output
     assert (tmp_path / "new" / "curve.png").exists()
@@ -58,3 +61,22 @@ def test_the_command_prints_a_table_draws_curves_and_fails_on_a_miss(extra: list
 def test_an_unknown_suite_is_refused_with_a_list_of_the_known_ones() -> None:
     with pytest.raises(ValueError, match="'optics': unknown; there are: dynamics"):
         validate.run_suite("optics")
+
+
+def test_a_suite_in_a_process_of_its_own_has_the_same_checks() -> None:
+    here, there = (dict(validate.run_suites(["camera"], None, jobs)) for jobs in (1, 2))
+    assert there == here
+
+
+def test_sigterm_ends_the_processes_of_all_suites() -> None:
+    command = subprocess.Popen([*UWSIM, "validate", "control", "estimation", "--jobs", "2"], stderr=subprocess.DEVNULL)
+    children = Path(f"/proc/{command.pid}/task/{command.pid}/children")
+    while len(pids := children.read_text().split()) < 3:  # two, and the one that tidies up after them
+        assert command.poll() is None
+        time.sleep(0.05)
+    command.terminate()
+    assert command.wait(timeout=120) == 130
+    deadline = time.monotonic() + 60.0
+    while any(Path(f"/proc/{pid}").exists() for pid in pids):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)

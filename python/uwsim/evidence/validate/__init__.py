@@ -5,7 +5,10 @@ A suite is a module with `run(out) -> list[Check]` and a line in SUITES.
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator, Sequence
 from importlib import import_module
+from itertools import repeat
 from pathlib import Path
 
 from uwsim.evidence.validate.check import Check
@@ -29,3 +32,27 @@ def run_suite(name: str, out: Path | None = None) -> list[Check]:
         out.mkdir(parents=True, exist_ok=True)
     checks: list[Check] = import_module(SUITES[name]).run(out)
     return checks
+
+
+def run_suites(names: Sequence[str], out: Path | None, jobs: int) -> Iterator[tuple[str, list[Check]]]:
+    """Yield the suites' names and checks in the given order; see run_suite(). jobs: suites that run at once.
+
+    The processes of several jobs end with the iterator.
+    """
+    if jobs == 1:
+        yield from ((name, run_suite(name, out)) for name in names)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children, get_context
+
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _leave_ctrl_c_to_the_parent) as pool:
+        try:
+            yield from zip(names, pool.map(run_suite, names, repeat(out)), strict=False)
+        except BaseException:
+            for process in active_children():
+                process.terminate()
+            raise
+
+
+def _leave_ctrl_c_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
