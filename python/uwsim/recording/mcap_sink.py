@@ -7,6 +7,7 @@ nor attachments, and makes a folder: after a kill up to a megabyte would be lost
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import os
 import re
@@ -158,7 +159,7 @@ class McapSink:
 def metadata_of(channel: Channel) -> dict[str, str]:
     """Return what a file says about a channel: as rosbag2 does, and its rate and description."""
     return {
-        QOS: _yaml(dump_qos_v9([qos(channel)])),
+        QOS: _qos_yaml(qos(channel)),
         "topic_type_hash": schema(channel.type).type_hash,
         "rate_hz": "" if channel.rate_hz is None else repr(channel.rate_hz),
         "description": channel.description,
@@ -191,6 +192,11 @@ def _checksum(name: str, metadata: Mapping[str, str]) -> int:
     record = RecordBuilder()
     Metadata(name, dict(metadata)).write(record)
     return zlib.crc32(record.end()[HEAD_BYTES:])  # type: ignore[no-untyped-call]
+
+
+@functools.cache  # a file's many channels are offered in two ways
+def _qos_yaml(offered: Qos) -> str:
+    return _yaml(dump_qos_v9([offered]))
 
 
 def _yaml(value: Any) -> str:

@@ -192,7 +192,9 @@ def test_a_report_links_the_worst_run_flown_again(folder: Path) -> None:
 
 def test_a_run_of_a_survey_flown_again_has_the_same_map(folder: Path) -> None:
     path = written(
-        folder, "scenario: pool\nvary: {survey.altitude_m: {choices: [2.0, 2.5]}}\nseeds: {first: 3}\nvoxel_m: 0.5\n"
+        folder,
+        "scenario: pool\nvary: {survey.altitude_m: {choices: [2.0, 2.5]}, mission_time_s: {choices: [8]}}\n"
+        "seeds: {first: 3}\nvoxel_m: 0.5\n",
     )
     run_sweep(path, folder / "out", workers=0, report=False)
     row = pd.read_parquet(folder / "out" / TABLE).iloc[1]

@@ -1,27 +1,20 @@
-"""Thrusters and fins pass the validation, and would not if a figure of theirs were 5 % off."""
+"""The validation of thrusters and fins, which tools/docs runs, would miss if a value of theirs were 5 % off."""
 
 from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
 
 import pytest
-from ruamel.yaml import YAML
 
 from uwsim.evidence.validate import fins, thrusters
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.published_thrusters import MOUNTS
 from uwsim.scenario import VehicleModel, load_vehicle
-from uwsim.scenario.read.assets import assets_folder
+from uwsim.scenario.dump import plain
 
 HEAVY, REMUS = "bluerov2_heavy", "remus100"
 
 
 def misses(checks: list[Check]) -> list[str]:
     return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
-
-
-def test_thrusters_and_fins_act_as_published() -> None:
-    assert misses(thrusters.thruster_checks()) == []
-    assert misses(fins.fin_checks()) == []
 
 
 Law = Callable[[str, VehicleModel], Iterable[Check]]
@@ -81,24 +74,15 @@ def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]
                 yield REMUS, fins.fin_wrenches, ("fins", fin, "position_m", k), 1.05
 
 
-def changed_copy(folder: Path, name: str, path: tuple[str | int, ...], factor: float) -> VehicleModel:
-    """Return the vehicle from a copied YAML file in which one figure is multiplied by `factor`."""
-    yaml = YAML(typ="safe")
-    vehicle = yaml.load(assets_folder() / "vehicles" / f"{name}.yaml")
-    top = vehicle
-    if path[0] == "model":
-        kind = next(iter(vehicle["thrusters"].values()))["model"]
-        top, path = yaml.load(assets_folder() / "thrusters" / f"{kind}.yaml"), path[1:]
-        for mount in vehicle["thrusters"].values():
-            mount["model"] = "changed.yaml"
-    node = top
-    for key in path[:-1]:
-        node = node[key]
-    node[path[-1]] *= factor
-    if top is not vehicle:
-        yaml.dump(top, folder / "changed.yaml")
-    yaml.dump(vehicle, folder / "vehicle.yaml")
-    return load_vehicle(folder / "vehicle.yaml")
+def changed_copy(name: str, path: tuple[str | int, ...], factor: float) -> VehicleModel:
+    """Return the vehicle with one value multiplied by `factor`; one of `model` is that of all its thrusters."""
+    vehicle = plain(load_vehicle(name))
+    tops = [vehicle] if path[0] != "model" else list(vehicle["thrusters"].values())
+    for node in tops:
+        for key in path[:-1]:
+            node = node[key]
+        node[path[-1]] *= factor
+    return VehicleModel.model_validate(vehicle)
 
 
 @pytest.mark.parametrize(
@@ -106,11 +90,11 @@ def changed_copy(folder: Path, name: str, path: tuple[str | int, ...], factor: f
     [pytest.param(*f, id="-".join(map(str, (f[0], *f[2])))) for f in actuator_figures()],
 )
 def test_an_actuator_figure_five_percent_off_is_a_miss(
-    tmp_path: Path, name: str, law: Law, path: tuple[str | int, ...], factor: float
+    name: str, law: Law, path: tuple[str | int, ...], factor: float
 ) -> None:
-    assert any(not check.passed for check in law(name, changed_copy(tmp_path, name, path, factor)))
+    assert any(not check.passed for check in law(name, changed_copy(name, path, factor)))
 
 
 @pytest.mark.parametrize("path", [("mass_kg",), ("model", "time_constant_s")])
-def test_an_unchanged_copy_passes(tmp_path: Path, path: tuple[str, ...]) -> None:
-    assert misses(list(thrusters.thruster_wrenches(HEAVY, changed_copy(tmp_path, HEAVY, path, 1.0)))) == []
+def test_an_unchanged_copy_passes(path: tuple[str, ...]) -> None:
+    assert misses(list(thrusters.thruster_wrenches(HEAVY, changed_copy(HEAVY, path, 1.0)))) == []

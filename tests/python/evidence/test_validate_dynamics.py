@@ -1,11 +1,10 @@
-"""The dynamics pass the validation, and would not if a coefficient were 5 % off."""
+"""The validation of the dynamics, which tools/docs runs, would miss if a coefficient were 5 % off."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from uwsim.evidence.validate import closed_forms, contact
 from uwsim.evidence.validate.check import Check
 from uwsim.evidence.validate.published import PUBLISHED
 from uwsim.evidence.validate.vehicle_curves import draw_decays, draw_turning
@@ -17,29 +16,6 @@ HEAVY, REMUS = "bluerov2_heavy", "remus100"
 
 def misses(checks: list[Check]) -> list[str]:
     return [f"{c.group}, {c.name}: expected {c.expected}, got {c.got}, error {c.error}" for c in checks if not c.passed]
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        closed_forms.sphere_from_rest,
-        closed_forms.terminal_speed,
-        closed_forms.floating_box,
-        closed_forms.tumbling,
-        contact.impulses,
-        contact.energy,
-        contact.rest,
-    ],
-)
-def test_a_closed_form_is_met(law) -> None:
-    assert misses(law()) == []
-
-
-@pytest.mark.parametrize("name", PUBLISHED)
-def test_a_packaged_vehicle_moves_as_published(name: str) -> None:
-    checks, curves = vehicle_checks(name)
-    assert misses(checks) == []
-    assert {curve.name for curve in curves} >= {"free fall", "turning circle", "decay of surge"}
 
 
 def coefficients(name: str) -> Iterator[tuple[str, dict[str, object]]]:

@@ -1,15 +1,13 @@
-"""The imaging suite passes, and fails if a figure of a model is wrong."""
+"""The imaging suite, which tools/docs runs, would fail if a value of a model were wrong."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from uwsim.evidence.validate import imaging as suite
-from uwsim.evidence.validate import run_suite
 from uwsim.instruments.sonars import imaging
 from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan
 
@@ -39,13 +37,6 @@ def once_at_an_even_bed(look: Callable[..., Any]) -> Callable[..., Any]:
 
 def worst_db(level: suite.Level) -> float:
     return float(np.abs(level.got - level.expected).max())
-
-
-def test_the_suite_passes_and_draws(tmp_path: Path) -> None:
-    checks = run_suite("imaging", tmp_path)
-    assert [check for check in checks if not check.passed] == []
-    assert len(checks) == 14
-    assert (tmp_path / "imaging_bed_level.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(

@@ -43,8 +43,7 @@ class Probe:
         self.rov = self._driven.rov
 
     def _simulator(self, model: VehicleModel) -> Simulator:
-        coarse = deep_water(model, density_kg_m3=self.body.water_density_kg_m3)
-        return Simulator(coarse.scenario.model_copy(update={"step_s": STEP_S}))
+        return deep_water(model, density_kg_m3=self.body.water_density_kg_m3, step_s=STEP_S)
 
     def run(self, duration_s: float) -> None:
         """Place the vehicle at rest in deep water and let its actuators follow their commands."""

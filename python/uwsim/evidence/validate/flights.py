@@ -15,12 +15,13 @@ BED_DEPTH_M = 1000.0
 SAMPLE_S = 0.05
 
 
-def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0) -> Simulator:
+def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Simulator:
     """Return a simulator with one free vehicle in still water of one density, far from the surface and the flat bed."""
     return Simulator(
         Scenario.model_validate(
             {
                 "name": "validation",
+                "step_s": step_s,
                 "water": {"density_kg_m3": density_kg_m3},
                 "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
                 "station": {"position_m": [0, 0, 0]},
