@@ -1,5 +1,6 @@
 """The node of ROS 2, seen from another participant of the same domain."""
 
+import socket
 import subprocess
 import sys
 import threading
@@ -10,9 +11,11 @@ import pytest
 
 from ros2_tools import free_domain, peer, until
 from uwsim.bridges.ros2 import Ros2Node, Ros2Settings, settings_from
+from uwsim.bridges.ros2.dds import own_udp_sockets
 from uwsim.bridges.ros2.graph import ENTITIES, ENTITIES_TOPIC
 from uwsim.bridges.ros2.parameter_topic import value_of
 from uwsim.bridges.ros2.qos import reader_qos
+from uwsim.bridges.ros2.settings import unicast_port
 from uwsim.channels import Table, build, channels
 from uwsim.channels.cdr import schema, store_of
 from uwsim.channels.messages import default_message
@@ -157,6 +160,17 @@ def test_humble_has_its_own_gids_and_ranges(live):
         data = until(lambda: ranges.take(1), "an altitude")[0]
         assert store_of("humble").deserialize_cdr(data, "sensor_msgs/msg/Range").max_range > 0
     assert schema("sensor_msgs/msg/Range", "humble").text != schema("sensor_msgs/msg/Range").text
+
+
+def test_within_this_machine_no_udp_socket_receives_from_another(node):
+    """Cyclone DDS binds its sockets to 0.0.0.0 although it is configured to use lo alone."""
+    ports = {}
+    for found in own_udp_sockets():
+        with found:
+            address, port = found.getsockname()
+            device = found.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16).rstrip(b"\0")
+            ports[port] = address == "127.0.0.1" or device == b"lo"
+    assert all(ports.values()) and min(ports) == unicast_port(SETTINGS.domain_id, 0)
 
 
 def test_it_leaves_within_a_second_and_leaves_no_thread(live):

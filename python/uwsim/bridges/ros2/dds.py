@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+import os
+import socket
+import stat
 import threading
+import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +25,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Sample, Topic
 
 from uwsim.bridges.ros2.idl import idl_type
-from uwsim.bridges.ros2.settings import Ros2Settings
+from uwsim.bridges.ros2.settings import PORTS_PER_DOMAIN, Ros2Settings, unicast_port
 
 EVENTS_MAX = 64  # returned by one wait; others follow with the next
 UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
@@ -52,6 +58,37 @@ def keep_blocks_of_messages() -> None:
         mallopt(M_TRIM_THRESHOLD, KEPT_BYTES)
 
 
+def keep_on_loopback(domain_id: int) -> None:
+    """Let this process's sockets of a domain receive from this machine only, and warn (UserWarning) if they cannot.
+
+    Cyclone DDS binds them to all addresses, whichever interfaces it is configured to use.
+    """
+    first = unicast_port(domain_id, 0)
+    ports = range(first, first + PORTS_PER_DOMAIN)
+    if not hasattr(socket, "SO_BINDTODEVICE"):  # not Linux
+        return
+    for found in own_udp_sockets():
+        with found:
+            address, port = found.getsockname()
+            if address == "0.0.0.0" and port in ports:
+                try:
+                    found.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, b"lo\0")
+                except OSError as error:  # Linux before 5.7, without privileges
+                    warnings.warn(f"ROS 2: UDP port {port} is open beyond this machine: {error}", stacklevel=2)
+
+
+def own_udp_sockets() -> Iterator[socket.socket]:
+    """Yield duplicates of this process's UDP sockets."""
+    for entry in Path("/proc/self/fd").iterdir():
+        with suppress(OSError):  # closed meanwhile
+            if stat.S_ISSOCK(os.fstat(int(entry.name)).st_mode):
+                found = socket.socket(fileno=os.dup(int(entry.name)))
+                if (found.family, found.type) == (socket.AF_INET, socket.SOCK_DGRAM):
+                    yield found
+                else:
+                    found.close()
+
+
 class Domains:
     """The domains of this process: DDS allows one instance of each, which all participants in the process share."""
 
@@ -70,6 +107,8 @@ class Domains:
                     self._domains[number] = config, Domain(number, config)
                 except DDSException as error:
                     raise OSError(f"cannot join ROS 2 domain {number}: {error}") from None
+                if settings.reach == "localhost":
+                    keep_on_loopback(number)
             elif self._domains[number][0] != config:
                 raise ValueError(f"ROS 2 domain {number}: this process is in it already, with other settings")
             self._users[number] += 1
