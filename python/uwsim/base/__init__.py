@@ -1,1 +1,1 @@
-"""Shared by all rooms, without knowledge of a simulator: checks of values, files, locks, signals, the agenda."""
+"""Shared by all rooms, without dependence on a simulator: checks of values, files, locks, signals, the agenda."""

@@ -24,7 +24,7 @@ from collections.abc import Callable, Iterable, Iterator
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
-NEVER = 2**62  # a tick that does not come
+NEVER = 2**62  # a tick that never comes
 
 
 class Rank(IntEnum):
@@ -42,7 +42,7 @@ LEFT = (Rank.FAULT, Rank.FAILSAFE)
 
 
 class Due(Protocol):
-    """Something that acts at ticks of its own choice."""
+    """Something that acts at ticks of its own choosing."""
 
     @property
     def due_tick(self) -> int:
@@ -57,7 +57,7 @@ class _Entry(NamedTuple):
 
 
 class Agenda:
-    """What is due in one simulation. Any thread may add and remove; the one that steps does the rest."""
+    """The agenda of one simulation. Any thread may add and remove items; the stepping thread does the rest."""
 
     def __init__(self, tick: Callable[[], int]) -> None:
         """tick: returns the simulation's present tick."""
@@ -79,9 +79,9 @@ class Agenda:
         *,
         jump: Callable[[int], object] = lambda tick: None,
     ) -> None:
-        """Call act(tick) when the item is due, after the others of its rank; one that is overdue after the next step.
+        """Call act(tick) when the item is due, after the others of its rank; an overdue item acts after the next step.
 
-        jump: called with the new tick when a reset or a restored state has moved the time.
+        jump: called with the new tick when a reset or a restored state has changed the time.
         """
         with self._lock:
             self._keep((*self._entries, _Entry(rank, item, act, jump)))
@@ -110,14 +110,14 @@ class Agenda:
 
     @property
     def due_tick(self) -> int:
-        """The tick at which something is due next."""
+        """The next tick at which something is due."""
         return due_tick(self._entries)
 
     def parts(self, steps: int) -> Iterator[int]:
-        """Yield the numbers of steps to make from one tick at which something acts to the next, and let it act.
+        """Yield the number of steps from each tick at which something acts to the next, and let it act.
 
-        Ends early where the time is not where the steps should have brought it: they failed, or an item reset or
-        restored the simulation.
+        Ends early if the time is not what it should be after the steps: they failed, or an item reset or restored the
+        simulation.
         """
         tick = self._tick()
         end = tick + steps
@@ -132,25 +132,25 @@ class Agenda:
                 return
 
     def jump(self) -> None:
-        """Notify all items that a reset or a restored state has moved the time."""
+        """Notify all items that a reset or a restored state has changed the time."""
         tick = self._tick()
         for one in self._entries:
             one.jump(tick)
 
 
 def due_tick(entries: Iterable[_Entry]) -> int:
-    """Return the tick at which one of these is due next."""
+    """Return the next tick at which one of these is due."""
     return min((one.item.due_tick for one in entries), default=NEVER)
 
 
 def act(entries: Iterable[_Entry], tick: int) -> None:
-    """Let those act that are due, in their order."""
+    """Let the due entries act, in order."""
     for one in entries:
         if one.item.due_tick <= tick:
             one.act(tick)
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:
-    """Return the first tick after `tick` at or after a multiple of a period."""
+    """Return the first tick after `tick` that is at or after a multiple of a period."""
     periods = tick * step_ns // period_ns + 1
     return -(-periods * period_ns // step_ns)

@@ -29,7 +29,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values, whose names end in their units, are positive and finite.
 
-    step: the function that they were given to, if that is not clear.
+    step: the function that received them, if that is not obvious.
     """
     for name, value in values.items():
         if not 0.0 < value < math.inf:
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a read-only copy, so that nobody expects a write to change the state."""
+    """Return a read-only copy, so that writing to it, which would not change the state, raises an error."""
     array.flags.writeable = False
     return array

@@ -1,4 +1,4 @@
-"""The journal of a simulator: each command as it takes effect, for those who observe it."""
+"""The journal of a simulator: reports each command, as it takes effect, to its observers."""
 
 from __future__ import annotations
 
@@ -7,42 +7,42 @@ from typing import Any, Protocol
 from uwsim.base.agenda import Agenda, Due, Rank
 
 JUMPS = ("reset", "restore_state")
-"""Commands that move the time."""
+"""Commands that change the time."""
 
 
 class CommandObserver(Protocol):
-    """Learns of commands, on the thread that gives them."""
+    """Is notified of commands, on the thread that issues them."""
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Learn of a command that has just taken effect: a name of uwsim.live.COMMANDS, restore_state or reset."""
+        """Handle a command that has just taken effect: a name of uwsim.live.COMMANDS, restore_state or reset."""
 
 
 class Observer(CommandObserver, Due, Protocol):
-    """Also looks at the simulator when it is due, before any command of that tick; must change nothing."""
+    """Also observes the simulator when due, before any command of that tick; must change nothing."""
 
     def observe(self) -> None:
-        """Look at the present; due_tick is later afterwards."""
+        """Observe the present state; due_tick is later afterwards."""
 
 
 class Journal:
-    """The log of commands. Without observers, a command costs one look at an empty tuple."""
+    """The log of commands. Without observers, a command only costs a check of an empty tuple."""
 
     def __init__(self, agenda: Agenda) -> None:
-        """agenda: where observers are due."""
+        """agenda: on which observers are scheduled."""
         self._agenda = agenda
         self.observers: tuple[CommandObserver, ...] = ()
 
     def listen(self, observer: CommandObserver) -> None:
-        """Pass commands on to an observer from now on."""
+        """Start passing commands to an observer."""
         self.observers = (*self.observers, observer)
 
     def attach(self, observer: Observer) -> None:
-        """Pass commands on to an observer, and let it look when it is due, from now on."""
+        """Start passing commands to an observer, and calling it when it is due."""
         self.listen(observer)
         self._agenda.add(observer, Rank.OBSERVER, lambda tick: observer.observe())
 
     def detach(self, observer: CommandObserver) -> None:
-        """End what `listen` or `attach` began."""
+        """End the effect of `listen` or `attach`."""
         self.observers = tuple(other for other in self.observers if other is not observer)
         self._agenda.remove(observer)
 

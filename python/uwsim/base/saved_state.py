@@ -1,7 +1,7 @@
-"""Saved states: each part of a simulator saves its own, and gets it back checked by its own model.
+"""Saved states: each part of a simulator saves its own, and gets it back validated by its own model.
 
-A saved state is the native simulation's, and beside it one JSON object with the state of each part that lives in
-Python, by name. It may come from a stranger, so nothing of it is used before all of it is checked.
+A saved state consists of the native simulation's state and one JSON object with the state of each Python part, by name.
+It may come from an untrusted source, so nothing in it is used before all of it has been checked.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Nanoseconds = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Part(Protocol):
-    """A part of a simulator on which its future depends. STATE: the type of its state, by which pydantic checks it."""
+    """A part of a simulator on which its future depends. STATE: the type of its state, which pydantic validates."""
 
     STATE: ClassVar[Any]
 
@@ -41,7 +41,7 @@ class Part(Protocol):
         """Return the state, as JSON values."""
 
     def restore(self, state: Any) -> None:
-        """Continue from a state of the type STATE. Raises ValueError for that of another simulator."""
+        """Continue from a state of the type STATE. Raises ValueError if it belongs to another simulator."""
 
 
 class SavedState:
@@ -54,7 +54,7 @@ class SavedState:
         after: Mapping[str, Part],
         resume: Callable[[], object],
     ) -> None:
-        """before, after: the parts that are restored before the native simulation, and after it, in their order.
+        """before, after: the parts that are restored before and after the native simulation, in order.
 
         resume: called when the native simulation has been restored.
         """
@@ -66,7 +66,7 @@ class SavedState:
         return self._core.save_state(*origin, json.dumps({key: self._parts[key].save() for key in KEYS}))
 
     def restore(self, state: bytes, origin: Origin) -> None:
-        """Continue from what `save` returned. Raises ValueError, changing nothing."""
+        """Continue from the result of `save`. Raises ValueError, changing nothing."""
         before, states = self.save(origin), self._read(state, origin)
         try:
             self._put(state, origin, states)
@@ -94,7 +94,7 @@ def _model(types: tuple[tuple[str, Any], ...]) -> type[State]:
 
 
 def checked(model: type[M], text: str) -> M:
-    """Return a state that was saved as JSON. Raises ValueError with the first value that it cannot have."""
+    """Return a state that was saved as JSON. Raises ValueError with the first invalid value."""
     try:
         return model.model_validate_json(text)
     except ValidationError as error:

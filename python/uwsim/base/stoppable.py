@@ -1,4 +1,4 @@
-"""Stoppable: long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM skips what can be done later."""
+"""Stoppable: long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM skips work that can be done later."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 GRACE_S = 1.0
-"""Wall time after SIGTERM within which a pause must come: a service manager kills the process soon afterwards."""
+"""Wall time after SIGTERM within which a pause must come, since a service manager kills the process soon afterwards."""
 
 
 class Stoppable:
     """A run that can be ended early.
 
-    in_haste: whether to skip all that can be done later, such as a report.
+    in_haste: whether to skip everything that can be done later, such as a report.
     """
 
     in_haste = False

@@ -1,4 +1,4 @@
-"""Wall time by stage. Blocks may lie within one another: each second counts once, for the innermost."""
+"""Wall time by stage. Blocks may be nested: each second counts once, for the innermost block."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ class _Inner(threading.local):
 
 
 class Measurement:
-    """Adds what a `with` block takes to a stage, without the blocks within it.
+    """Adds the time of a `with` block, without nested blocks, to a stage.
 
-    Faster than a generator's context manager: there are several in each ping.
+    Faster than a generator-based context manager, since there are several in each ping.
     """
 
     __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_wall_s")

@@ -1,4 +1,4 @@
-"""Many independent simulations of one world, stepped and asked together, with arrays that have a row for each."""
+"""Many independent simulations of one world, stepped and read together, with arrays that have one row for each."""
 
 from uwsim.batch.aboard import MemberAboard
 from uwsim.batch.batch import Batch

@@ -1,4 +1,4 @@
-"""What runs aboard one member of a batch: its faults and the failsafes of its vehicles, as in a Simulator."""
+"""Programs aboard one member of a batch: its faults and the failsafes of its vehicles, as in a Simulator."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class MemberAboard:
-    """What runs aboard a member, until it is reset.
+    """The programs aboard a member, until it is reset.
 
     events: faults, alarms and failsafes so far. faults: to `inject` and `end` them. failsafes: by vehicle; see
     uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda: when they act.
@@ -45,9 +45,9 @@ class MemberAboard:
         member: Member,
         control: Sequence[ControlSettings],
     ) -> None:
-        """core: the member as it was made. control: of each vehicle. Changes nothing of the member.
+        """core: the newly made member. control: of each vehicle. Does not change the member.
 
-        Raises ValueError for faults of what it has not.
+        Raises ValueError for faults of parts that it does not have.
         """
         scenario = member.original
         self._core, self._world, self._water = core, world, member.water
@@ -97,18 +97,21 @@ class MemberAboard:
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:
-        """Whether something is due before so many steps are made."""
+        """Whether something is due before this many steps have been made."""
         return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
-        """Take note of an effort (6,) that has been set: it ends a silence, or yields to a failsafe that steers."""
+        """Handle an effort (6,) that has been set: it ends a silence, or is overridden by a failsafe that steers."""
         if vehicle in self.failsafes:
             self._vehicles[vehicle].set_effort(*effort.tolist())
 
     def tell(
         self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
     ) -> None:
-        """Make of a sample what the sensor tells, as Sensor.read does: values (width,), valid (1,), written into."""
+        """Convert a sample to the sensor's reading, like Sensor.read.
+
+        Values (width,) and valid (1,) change in place.
+        """
         instrument = self._sensors[vehicle][sensor]
         if not instrument.on:
             values[...], valid[...] = np.nan, False
@@ -117,16 +120,16 @@ class MemberAboard:
             values[...] = instrument.distortion.of_rows(values[None], fields)[0]
 
     def camera_is_on(self, vehicle: str, camera: str) -> bool:
-        """Whether a camera of the vehicle's file gives pictures that are not black."""
+        """Return whether a camera in the vehicle's file gives pictures that are not black."""
         entry = next(entry for entry in self._parameters.scenario.vehicles if entry.name == vehicle)
         return camera not in entry.model.cameras or entry.model.cameras[camera].on
 
     def save(self) -> dict[str, Any]:
-        """Return what a saved state notes of it."""
+        """Return its part of a saved state."""
         return {"programs": self._programs.save(), "events": self.events.save()}
 
     def _change(self, scenario: Scenario) -> None:
-        """Give the member a scenario's figures, which differ in parameters alone. Raises ValueError."""
+        """Apply a scenario that differs from the member's only in parameters. Raises ValueError."""
         before = self._parameters.scenario
         other_water = scenario.water != before.water
         water = scenario_water(scenario, self._world) if other_water else self._water

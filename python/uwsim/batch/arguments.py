@@ -1,4 +1,4 @@
-"""Checks of what a batch is given for each of its members."""
+"""Checks of the arguments of a batch for each of its members."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FaultList = Sequence[Mapping[str, Any]]
 
 
 class _Faults(Model):
-    """For the check of faults that are not in a file."""
+    """Used to check faults that are not in a file."""
 
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)]
 
@@ -31,7 +31,7 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int]:
-    """Return the seeds of the chosen of n members. Raises ValueError."""
+    """Return the seeds of the chosen ones of n members. Raises ValueError."""
     given = list(values)
     if len(given) != n:
         raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
@@ -39,7 +39,7 @@ def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int
 
 
 def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
-    """Return the parameters of the chosen of n members; one mapping is for all. Raises ValueError."""
+    """Return the parameters of the chosen ones of n members; a single mapping is for all. Raises ValueError."""
     each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
@@ -47,7 +47,7 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
 
 
 def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
-    """Return the faults of the chosen of n members; one list of them is for all. Raises ValueError."""
+    """Return the faults of the chosen ones of n members; a single list is for all. Raises ValueError."""
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
         raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
     if all(isinstance(one, Mapping) for one in given):
@@ -72,7 +72,7 @@ def _mapping(one: object, name: str) -> dict[str, Any]:
 
 
 def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64]:
-    """Return (n, width) numbers; one row is for all. Raises ValueError."""
+    """Return (n, width) numbers; a single row is for all. Raises ValueError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")
@@ -82,7 +82,7 @@ def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64
 
 
 def members(mask: ArrayLike | None, n: int) -> list[int]:
-    """Return the members that a mask (n,) bool chooses; without one, all. Raises ValueError."""
+    """Return the members selected by a mask (n,) bool; without one, all. Raises ValueError."""
     if mask is None:
         return list(range(n))
     chosen = np.asarray(mask)

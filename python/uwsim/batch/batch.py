@@ -40,19 +40,19 @@ MEMBERS_MAX = 1_000_000
 
 
 class Batch(Sealed):
-    """n simulations of one scenario that do not know of each other.
+    """n independent simulations of one scenario.
 
     Member k is Simulator(scenario, seed=seeds[k]) with parameters[k] set, to the last bit, whatever `threads` is; they
     share terrain, obstacles and the trees that rays and contacts search.
 
-    scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default
-    the scenario's and those that follow it. parameters: of each member, by the names of Simulator.parameters; one
-    mapping is for all. faults: instead of the scenario's, with the keys that it has; a list for all, or n lists.
-    threads: by default all.
+    scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default the
+    scenario's and the following ones. parameters: of each member, by the names of Simulator.parameters; a single
+    mapping is for all. faults: instead of the scenario's, with the same keys; one list for all, or n lists. threads: by
+    default all.
 
-    Calls release the GIL and use all threads. `observe`, `read` and `ping` give arrays that belong to the batch: the
-    next such call writes into them, so copy what you keep. One thread at a time may use a batch. Raises ValueError;
-    what is wrong in one member begins with its place, such as batch[3].
+    Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch: the
+    next such call overwrites them, so copy what you keep. Only one thread at a time may use a batch. Raises ValueError;
+    errors of one member begin with its place, such as batch[3].
     """
 
     scenario: Scenario
@@ -107,25 +107,25 @@ class Batch(Sealed):
 
     @property
     def parameters(self) -> tuple[Changes, ...]:
-        """What was set for each member."""
+        """The parameters set for each member."""
         return tuple(MappingProxyType(changes) for changes in self._changes.values())
 
     @property
     def faults(self) -> tuple[tuple[FaultModel, ...], ...]:
-        """The faults that each member begins with."""
+        """The initial faults of each member."""
         return tuple(self._faults.values())
 
     @property
     def world(self) -> _core.FixedWorld:
-        """Terrain and obstacles, which all members share. Its water is the scenario's, not that of a member."""
+        """Terrain and obstacles, which all members share. Its water is the scenario's, not that of any member."""
         return self._fixed_world
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
         """Advance every member by n fixed steps, after setting efforts if they are given; they are held.
 
         efforts: (n, 6) in [-1, 1], surge to yaw, of each member's first vehicle, or a dict of such arrays by vehicle;
-        float64 in C order is not copied. Raises ValueError for wrong efforts, before any step, and if a member's motion
-        diverges, when all others have made their steps: that one stays where it was; reset it.
+        float64 in C order is not copied. Raises ValueError for invalid efforts, before any step, and if a member's
+        motion diverges, after all others have made their steps: that one stays where it was and must be reset.
         """
         steps = whole(n, "n", 0, 2**63 - 1)
         if efforts is not None:
@@ -142,14 +142,14 @@ class Batch(Sealed):
         self._programs.step(steps)
 
     def observe(self, vehicle: str | None = None) -> BatchMotion:
-        """Return where a vehicle of each member is, by default the first, as it truly is."""
+        """Return the true motion of a vehicle of each member, by default the first."""
         index = self._vehicle(vehicle)
         motion = self._motion[index]
         self._core.motion(index, *motion.writable)
         return motion.shown
 
     def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
-        """Return the newest sample of a sensor of each member, as Sensor.read does."""
+        """Return the newest sample of a sensor of each member, like Sensor.read."""
         index = self._vehicle(vehicle)
         sensors = self._members.vehicles[index].sensors
         names = [spec.name for spec in sensors]
@@ -167,7 +167,7 @@ class Batch(Sealed):
     def ping(self, vehicle: str | None = None) -> BatchPings:
         """Ping with the first sonar of a vehicle of each member; in physics mode these are BatchPhysicsPings.
 
-        All members' sonars must have as many beams and be in one mode. Raises ValueError.
+        All members' sonars must have the same number of beams and the same mode. Raises ValueError.
         """
         index = self._vehicle(vehicle)
         if not self._members.vehicles[index].sonars:
@@ -193,10 +193,10 @@ class Batch(Sealed):
         mask: ArrayLike | None = None,
         vehicle: str | None = None,
     ) -> None:
-        """Put a vehicle of each member at a pose at once, as Vehicle.place does; a docked one is released.
+        """Place a vehicle of each member at a pose at once, like Vehicle.place; a docked one is released.
 
         position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): or one row for all. mask (n,) bool: of
-        the members to place; the others' rows are ignored. Raises ValueError for a place that is not free, when the
+        the members to place; the others' rows are ignored. Raises ValueError for a place that is not free, after the
         others have been placed.
         """
         members = arguments.members(mask, self.n)
@@ -207,7 +207,10 @@ class Batch(Sealed):
         self._core.set_states(self._vehicle(vehicle), members, states)
 
     def release(self, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
-        """Release a vehicle from the station, of all members or those of a mask (n,) bool; see Vehicle.release."""
+        """Release a vehicle from the station, of all members or those selected by a mask (n,) bool.
+
+        See Vehicle.release.
+        """
         self._core.release(self._vehicle(vehicle), arguments.members(mask, self.n))
 
     def reset(
@@ -218,9 +221,9 @@ class Batch(Sealed):
         parameters: Changes | Sequence[Changes] | None = None,
         faults: FaultList | Sequence[FaultList] | None = None,
     ) -> None:
-        """Begin members anew, as they were made: all, or those of a mask (n,) bool.
+        """Restart members as they were made: all, or those selected by a mask (n,) bool.
 
-        seeds, parameters, faults: other ones from now on, n of them, of which those of the mask count. Raises
+        seeds, parameters, faults: new ones from now on, n of them, of which those selected by the mask are used. Raises
         ValueError, changing nothing.
         """
         chosen = arguments.members(mask, self.n)
@@ -240,7 +243,10 @@ class Batch(Sealed):
             self._programs.begin(k, member)
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return what runs aboard a member, until it is reset: its faults, failsafes and events. Raises ValueError."""
+        """Return the programs aboard a member, until it is reset: its faults, failsafes and events.
+
+        Raises ValueError.
+        """
         k = whole(member, "member", 0, self.n - 1)
         return self._programs.aboard(k, lambda: self._member(k))
 
@@ -248,7 +254,7 @@ class Batch(Sealed):
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
 
     def simulator(self, member: int) -> Simulator:
-        """Return a Simulator in the present state of a member, to look closer. It goes its own way from there."""
+        """Return a Simulator in the present state of a member, for a closer look. It is independent from then on."""
         k = whole(member, "member", 0, self.n - 1)
         scenario = self.scenario.with_changes(seed=self._seeds[k])
         if self._faults[k] != scenario.faults:

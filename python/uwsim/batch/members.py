@@ -1,4 +1,4 @@
-"""What each member of a batch is built from."""
+"""The parts from which each member of a batch is built."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ from uwsim.simulator.parameters.tree import Place
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """What a member is. original: the scenario of its seed and faults. scenario: that with its parameters."""
+    """The definition of a member. original: the scenario with its seed and faults.
+
+    scenario: also with its parameters.
+    """
 
     original: Scenario
     scenario: Scenario
@@ -43,13 +46,13 @@ class Member:
 
     @property
     def has_programs(self) -> bool:
-        """Whether something runs aboard: faults, or the failsafe of a vehicle."""
+        """Whether it has programs: faults, or the failsafe of a vehicle."""
         failsafes = (entry.failsafe or entry.model.failsafe for entry in self.scenario.vehicles)
         return bool(self.scenario.faults) or any(failsafes)
 
 
 class Members:
-    """Makes the specs of members of one scenario and world, which share the vehicles that are the same.
+    """Makes the specs of members of one scenario and world, which share identical vehicles.
 
     vehicles: the scenario's own, without a member's parameters.
     """
@@ -61,7 +64,10 @@ class Members:
         self.vehicles = [self._made(scenario, index) for index in range(len(scenario.vehicles))]
 
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
-        """Return what the member of a place, seed, parameters and faults is built from. ValueError that names it."""
+        """Return the definition of the member with this index, seed, parameters and faults.
+
+        ValueError that names it.
+        """
         try:
             original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
             scenario = self._changed(original, changes)
@@ -82,8 +88,8 @@ class Members:
     def _changed(self, original: Scenario, changes: Changes) -> Scenario:
         """Return a scenario with parameters.
 
-        Finding the places of parameters takes most of the time, so they are kept when numbers of these names have been
-        accepted: what has an effect does not depend on numbers.
+        Finding the places of parameters takes most of the time, so they are cached once numbers for these names have
+        been accepted: which parameters have an effect does not depend on the numbers.
         """
         names = tuple(changes)
         if not names:
@@ -94,7 +100,7 @@ class Members:
             try:
                 return edited(original, dict(zip(places, changes.values(), strict=True)))
             except ScenarioError:
-                pass  # said below, by the parameters' names
+                pass  # reported below, with the parameters' names
         parameters = Parameters(original, lambda _: None, lambda *_, **__: None, {})
         parameters.update(changes)
         if are_numbers:

@@ -1,4 +1,4 @@
-"""The members of a batch in which something runs aboard, and how they are stepped: each in parts of its own."""
+"""The members of a batch that have programs, and how they are stepped: each in its own parts."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from uwsim.batch.results import BatchSamples, Buffers
 class Programs:
     """Faults and failsafes of the members that have any, and which sensors are off. Other members cost nothing.
 
-    Each member has an agenda of its own (`base/agenda.py`): between two ticks at which something acts, in Python, it is
-    stepped as any other. Members need not be at the same tick meanwhile, so that a round of parts keeps all threads
+    Each member has its own agenda (`base/agenda.py`): between two ticks at which something acts, in Python, it is
+    stepped like any other. Members need not be at the same tick meanwhile, so that a round of parts keeps all threads
     busy.
     """
 
@@ -28,12 +28,12 @@ class Programs:
         self._off: dict[int, list[tuple[int, int]]] = {}
 
     def check(self, k: int, member: Member) -> None:
-        """Raise ValueError for programs that a member could not have."""
+        """Raise ValueError for programs that a member cannot have."""
         if member.has_programs:
             self._new(k, member)
 
     def begin(self, k: int, member: Member) -> None:
-        """Begin those of a member that has just been made."""
+        """Start the programs of a member that has just been made."""
         self._aboard.pop(k, None)
         self._made.pop(k, None)
         self._off.pop(k, None)
@@ -44,7 +44,7 @@ class Programs:
             self._aboard[k] = self._new(k, member)
 
     def begin_again(self, members: Iterable[int]) -> None:
-        """Begin those of members that have been restarted as they were."""
+        """Restart the programs of members that have been restarted with the same definition."""
         for k in members:
             self._aboard.pop(k, None)
             if k in self._made:
@@ -55,7 +55,7 @@ class Programs:
         return k in self._aboard
 
     def aboard(self, k: int, made: Callable[[], Member]) -> MemberAboard:
-        """Return what runs aboard a member; from now on it has it, if nothing has run there so far."""
+        """Return the programs aboard a member; creates them if there were none so far."""
         if k not in self._aboard:
             self._aboard[k] = self._new(k, made())
         return self._aboard[k]
@@ -67,12 +67,12 @@ class Programs:
             raise ValueError(f"batch[{k}]: {error}") from None
 
     def hear_efforts(self, vehicle: str, efforts: NDArray[np.float64]) -> None:
-        """Tell the failsafes of efforts (n, 6) that have been set."""
+        """Notify the failsafes of efforts (n, 6) that have been set."""
         for k, aboard in self._aboard.items():
             aboard.hear_effort(vehicle, efforts[k])
 
     def step(self, steps: int) -> None:
-        """Step all members. Raises ValueError if one cannot go on, when the others have made their steps."""
+        """Step all members. Raises ValueError if one cannot continue, after the others have made their steps."""
         if not self._aboard:
             self._core.step(steps)
             return
@@ -98,7 +98,7 @@ class Programs:
             raise ValueError(mistakes[0])
 
     def tell(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
-        """Make of samples what the sensors tell that are off or fail."""
+        """Convert samples to the readings of sensors that are off or have failed."""
         values, _, valid = samples.writable
         for k, off in self._off.items():
             if k not in self._aboard and (vehicle, sensor) in off:

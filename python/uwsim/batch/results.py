@@ -1,4 +1,4 @@
-"""What a batch shows: arrays with a row for each member, made once and written into by each call."""
+"""The results of a batch: arrays with one row per member, made once and overwritten by each call."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, eq=False)
 class BatchMotion:
-    """Where one vehicle of each member is, and how it moves. Read-only arrays that belong to the batch.
+    """Position and motion of one vehicle of each member. Read-only arrays that belong to the batch.
 
-    time_ns (n,) uint64, since each member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body
-    (n, 6) [m/s, rad/s]: float64. collisions (n,) uint64: how often it has come to touch something. released (n,) bool.
+    time_ns (n,) uint64, since each member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n,
+    6) [m/s, rad/s]: float64. collisions (n,) uint64: how often it has started to touch something. released (n,) bool.
     """
 
     time_ns: NDArray[np.uint64]
@@ -35,8 +35,8 @@ class BatchMotion:
 class BatchSamples:
     """The newest sample of one sensor of each member; see Sensor.read. Read-only arrays that belong to the batch.
 
-    values (n, width) float64: the fields one after the other. fields: a view by each field's name, (n,) or (n, width).
-    stamp_ns (n,) uint64: the time of the measurement. valid (n,) bool.
+    values (n, width) float64: the fields one after the other. fields: one view per field, (n,) or (n, width). stamp_ns
+    (n,) uint64: the time of the measurement. valid (n,) bool.
     """
 
     values: Floats
@@ -64,7 +64,7 @@ class BatchPings:
 
 @dataclass(frozen=True, eq=False)
 class BatchPhysicsPings(BatchPings):
-    """A ping of one sonar of each member in physics mode, and what _core.PhysicsPing has besides.
+    """A ping of one sonar of each member in physics mode, with the additional arrays of _core.PhysicsPing.
 
     (n, beams): snr_db, travel_time_s, deviation_m float32, detections uint8.
     """
@@ -77,7 +77,7 @@ class BatchPhysicsPings(BatchPings):
 
 @dataclass(frozen=True, eq=False)
 class Buffers(Generic[R]):
-    """Arrays that the core writes into, in its order, and what shows them, read-only."""
+    """Arrays that the core writes to, in its order, and their read-only presentation."""
 
     writable: tuple[NDArray[Any], ...]
     shown: R

@@ -1,4 +1,4 @@
-"""Fills a map with scans in their order, in batches, where there are threads in parallel to the simulation."""
+"""Fills a map with scans in order, in batches; with several threads in parallel to the simulation."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class MapFiller:
         on_mapped: Callable[[NDArray[np.float32]], None] | None = None,
     ) -> None:
         self.occupancy, self.reference = occupancy, reference
-        self._max_range_m = max_range_m  # applied already; float32 points may come out slightly longer
+        self._max_range_m = max_range_m  # already applied; float32 points may come out slightly longer
         self._timer = timer or WallTimer()
         self._mapping, self._waiting = self._timer.measure(MAPPING), self._timer.measure(WAITING)
         self._thread = ThreadPoolExecutor(1, "map") if threads > 1 else None
-        self._map_threads = max(1, threads - 1)  # one thread flies
+        self._map_threads = max(1, threads - 1)  # one thread is used for flying
         self._batch: list[Scan] = []
         self._batches_sent = self._batches_mapped = 0
         self._on_mapped = on_mapped if self._thread is not None else None
@@ -106,7 +106,7 @@ class MapFiller:
             origins_m = np.array([origin_m for _, origin_m in batch])
             try:
                 self.occupancy.insert_scans(points_world_m, counts, origins_m, self._max_range_m, self._map_threads)
-            except ValueError:  # refuses the whole batch; the scans before the invalid one belong in the map
+            except ValueError:  # the whole batch is refused; the scans before the invalid one belong in the map
                 self._insert_one_by_one(self.occupancy, batch)
         self._batches_mapped += 1
         if self.reference is not None:

@@ -65,7 +65,7 @@ def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
 
 
 def _states(source: Path, scratch: Path) -> OccupancyMap:
-    """Return a map of states alone: an .ot is read as its .bt."""
+    """Return a map without probabilities: an .ot is read as its .bt."""
     if map_format(source) == "ot":
         open_map(source).write(scratch)
         source = scratch

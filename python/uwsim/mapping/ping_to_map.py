@@ -15,15 +15,15 @@ from uwsim.mapping.map_filler import MapFiller
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
 """A box's low and high corners, (3,) each."""
 Wire = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-"""Returns the ranges (beams,) that arrive of those that were sent."""
+"""Returns the ranges (beams,) that arrive, given those that were sent."""
 
 
 class PingToMap(Sealed):
     """Passes pings through the chain into a map.
 
-    hull: a box about the vehicle's own hull, body frame; echoes from inside it are discarded. wire: what carries the
-    ranges from the sonar to the map; by default a depth string. outlier_filter: whether ranging.reject_outliers is a
-    link of the chain. max_uncertainty_m: the limit of ranging.reject_uncertain; None if that is no link.
+    hull: a box about the vehicle's own hull, body frame; echoes from inside it are discarded. wire: carries the ranges
+    from the sonar to the map; by default a depth string. outlier_filter: whether ranging.reject_outliers is part of the
+    chain. max_uncertainty_m: the limit of ranging.reject_uncertain; None if that is not part of it.
     """
 
     model: _core.MultibeamModel
@@ -58,7 +58,7 @@ class PingToMap(Sealed):
     ) -> NDArray[np.float32]:
         """Pass on one ping, ranges (beams,), taken at these poses (4, 4); return its echoes in the world, (n, 3).
 
-        deviation_m: (beams,), of the echoes' places, where they are known: in physics mode.
+        deviation_m: (beams,), of the echoes' positions, if known: in physics mode.
         """
         certain_m = self._certain(ranges_m, deviation_m)
         arrived_m = self._carried(certain_m)
@@ -80,7 +80,7 @@ class PingToMap(Sealed):
 
 
 def depth_string(model: _core.MultibeamModel, transmit: Callable[[str], str] | None = None) -> Wire:
-    """Return the published wire: ranges become a depth string, which is decoded.
+    """Return the published wire: ranges are converted to a depth string, which is then decoded.
 
     transmit: simulates the channel; receives each depth string and returns the string that arrives.
     """

@@ -30,8 +30,8 @@ MODELS: Mapping[int, _core.MultibeamModel] = MappingProxyType({n: _core.multibea
 """The four EM 2040 variants of the published wire: 600 kHz single, 700 kHz single, 600 kHz dual, 700 kHz dual swath.
 
 Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which
-stands for a beam without echo, and range_limit_m (94.9 or 54.9), the LaserScan's range_max: the decoder takes a larger
-value for no echo.
+represents a beam without echo, and range_limit_m (94.9 or 54.9), the LaserScan's range_max: the decoder interprets
+larger values as no echo.
 """
 
 CONFIDENCE = 1.96
@@ -141,7 +141,8 @@ def reject_outliers(scan: LaserScan) -> LaserScan:
 
     A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
     STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if
-    AGREEING of its REACH neighbours to either side agree, and so is an object that at least AGREEING + 1 beams meet.
+    AGREEING of its REACH neighbours to either side agree, which also keeps an object that at least AGREEING + 1 beams
+    hit.
     """
     ranges = scan.ranges
     nearby = np.lib.stride_tricks.sliding_window_view(np.pad(ranges, REACH, constant_values=np.inf), 2 * REACH + 1)

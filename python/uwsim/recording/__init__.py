@@ -1,4 +1,4 @@
-"""Recordings: what a run said and was told, in one file, from which it can be repeated, compared and drawn."""
+"""Recordings: a run's messages and commands in one file, from which it can be repeated, compared and plotted."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ __all__ = ["Command", "Recorded", "Recorder", "Recording", "open"]
 
 
 def open(path: str | Path) -> Recording:  # noqa: A001  # recording.open("run.mcap")
-    """Open a recording, also one of a run that was killed. Raises ValueError, OSError."""
+    """Open a recording, including one of a run that was killed. Raises ValueError, OSError."""
     return Recording(path)

@@ -16,7 +16,7 @@ from uwsim.channels.messages import to_bytes
 
 
 class BagSink:
-    """One .bag file. It has neither attachments nor an index before it is closed: `rosbag reindex` mends that."""
+    """One .bag file. It has no attachments, and no index until it is closed: `rosbag reindex` repairs that."""
 
     def __init__(self, path: Path) -> None:
         """Create the file. Raises OSError if it exists or cannot be written."""
@@ -42,7 +42,7 @@ class BagSink:
         )
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message. ROS 1 takes a time of 0 for none, so the start is a nanosecond later."""
+        """Append a message. ROS 1 interprets time 0 as missing, so the start is a nanosecond later."""
         self._writer.write(self._connections[topic], max(time_ns, 1), data)
 
     def flush(self) -> None:
@@ -58,6 +58,6 @@ class BagSink:
             raise
 
     def abandon(self) -> None:
-        """Close after an error of writing, with the index if there is room for it."""
+        """Close after a write error, with the index if there is room for it."""
         with contextlib.suppress(Exception):
             self.close({})

@@ -19,9 +19,9 @@ from uwsim.scenario.read.validated import validated
 SCENARIO = "scenario.json"
 FILE = "$file"
 HOLDS, GIVEN = "$holds", "given"
-"""The mark of a scenario that holds only what it was given; without it, it holds every default."""
+"""The mark of a scenario that contains only given values; without it, it contains every default."""
 NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
-"""Of a file in a recording: nothing that would be written elsewhere than into the folder."""
+"""Permitted name of a file in a recording: none that would be written outside the folder."""
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
@@ -33,10 +33,10 @@ def pack(scenario: Scenario) -> dict[str, bytes]:
 
 
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
-    """Return the scenario that `pack` took apart.
+    """Return the scenario from the result of `pack`.
 
-    Files are those where the scenario had them if they are unchanged, so that textures beside meshes are found;
-    otherwise they are written into the folder. Raises ValueError, OSError.
+    Files at their original places are used if they are unchanged, so that textures next to meshes are found; otherwise
+    they are written to the folder. Raises ValueError, OSError.
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")
@@ -49,7 +49,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
 
 
 def fingerprint(scenario: Scenario) -> str:
-    """Return the digest by which two scenarios are the same, their files included."""
+    """Return a digest that is the same for equal scenarios, including their files."""
     return scenario_fingerprint(scenario)
 
 

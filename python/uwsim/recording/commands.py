@@ -1,4 +1,4 @@
-"""Commands in a recording: a message each, with JSON in it, on a topic of their own."""
+"""Commands in a recording: one message each, with JSON content, on a separate topic."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ BYTES = "$bytes"
 
 
 class Command(NamedTuple):
-    """A command, and the tick at whose beginning it took effect; of a jump of time, the tick that it led to.
+    """A command, and the tick at whose beginning it took effect; for a jump of time, the tick that it led to.
 
-    name: of uwsim.live.COMMANDS, reset or restore_state. arguments: of JSON's types and bytes.
+    name: of uwsim.live.COMMANDS, reset or restore_state. arguments: of JSON types and bytes.
     """
 
     tick: NonNegativeInt
@@ -34,12 +34,12 @@ def command_message(command: Command) -> Any:
 
 
 def command_of(message: Any) -> Command:
-    """Return the command that a message holds. Raises ValueError if it holds none."""
+    """Return the command in a message. Raises ValueError if there is none."""
     return command_from(message.data)
 
 
 def command_from(text: str) -> Command:
-    """Return the command that JSON holds. Raises ValueError if it holds none."""
+    """Return the command in JSON. Raises ValueError if there is none."""
     try:
         command = _COMMAND.validate_json(text)
     except ValidationError as error:

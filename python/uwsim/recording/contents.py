@@ -1,8 +1,9 @@
-"""What a recording's file holds besides its messages: read once, with all checksums, indexes and counts compared.
+"""The content of a recording's file except its messages: read once, with all checksums, indexes and counts verified.
 
-A file that was finished has a checksum of all its bytes. One whose process was killed has not: there each chunk and
-attachment has its own, and the header has that of the metadata at the start. So every wrong bit is found in either.
-Files that other tools have written anew, such as `mcap filter`, are held to the checksums and indexes that they have.
+A finished file has a checksum over all its bytes. If the process was killed, the file lacks it, but each chunk and
+attachment has its own, and the header has that of the metadata at the start. So every wrong bit is detected in either
+case. Files rewritten by other tools, such as `mcap filter`, are checked against the checksums and indexes that they
+have.
 """
 
 from __future__ import annotations
@@ -35,17 +36,17 @@ from uwsim.recording.records import FIRST, HEAD_BYTES, Message, Record, RecordFi
 
 WRONG_CHECKSUM = "its checksum is wrong"
 SEQUENCES = 1 << 32
-"""A channel's messages are numbered up to here, and again from 0."""
+"""A channel's messages are numbered up to this value, then again from 0."""
 INDEXES: dict[int, str] = {
     Opcode.CHUNK_INDEX: "chunk",
     Opcode.ATTACHMENT_INDEX: "attachment",
     Opcode.METADATA_INDEX: "metadata",
 }
-"""The kinds of records that are the index at the end, and what they list."""
+"""The kinds of records in the index at the end, and what they list."""
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk of a file. checksum: of its record's content; channels: whose messages it has."""
+    """A chunk of a file. checksum: of its record's content; channels: those whose messages it contains."""
 
     number: int
     start: int
@@ -56,10 +57,10 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class Contents:
-    """A file but for its messages. metadata, attachments: by name; schemas, channels: by number; counts: of messages.
+    """A file without its messages. metadata, attachments: by name; schemas, channels: by number; counts: of messages.
 
-    indexes: what the index at the end lists, by the kind of record. is_ours: whether uwsim wrote the file itself.
-    is_whole: whether the data are there to their end; complete: whether the index is, too.
+    indexes: the content of the index at the end, by kind of record. is_ours: whether uwsim wrote the file itself.
+    is_whole: whether the data are complete; complete: whether the index is as well.
     """
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -74,14 +75,14 @@ class Contents:
     complete: bool = False
 
     def announce(self, record: Channel | Schema) -> None:
-        """Add a channel or a schema. Raises ValueError if another has its number."""
+        """Add a channel or a schema. Raises ValueError if its number is already in use."""
         known: dict[int, Any] = self.channels if isinstance(record, Channel) else self.schemas
         if known.setdefault(record.id, record) != record:
             raise ValueError(f"its {type(record).__name__.lower()} {record.id} is another than before")
 
 
 def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]:
-    """Yield the messages of chunks. Raises ValueError if one has changed since it was read first, OSError."""
+    """Yield the messages of chunks. Raises ValueError if one has changed since it was first read, OSError."""
     with path.open("rb") as file:
         for chunk in chunks:
             file.seek(chunk.start)
@@ -94,15 +95,15 @@ def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]
 
 
 class DataReader:
-    """Reads the records up to the end of the data into `contents`, and checks each."""
+    """Reads the records up to the end of the data into `contents`, and validates each."""
 
     def __init__(self, file: RecordFile) -> None:
         self.contents = Contents()
         self._file = file
-        self._start_checksum: int | None = None  # of the metadata at the start; the header has it
+        self._start_checksum: int | None = None  # from the header, for the metadata at the start
         self._index: dict[int, list[tuple[int, int]]] = {}  # of the last chunk's messages, by channel
         self._sequences: dict[int, int] = {}  # of the last message of each channel
-        self._before = 0  # checksum of all that is before the present record
+        self._before = 0  # checksum of everything before the present record
         self._take: dict[int, Callable[[Record, Any], None]] = {
             Opcode.HEADER: self._take_header,
             Opcode.METADATA: self._take_metadata,
@@ -113,7 +114,7 @@ class DataReader:
         }
 
     def read(self) -> None:
-        """Read them all. Raises CutOffError, ValueError."""
+        """Read all records. Raises CutOffError, ValueError."""
         while not self.contents.is_whole:
             self._before = self._file.checksum
             record = self._file.record()
@@ -208,22 +209,22 @@ class DataReader:
             raise ValueError(f"before it, an index of chunk {len(chunks)} is missing")
 
     def _require_in_turn(self, message: Message) -> None:
-        """Raise ValueError for a message of no channel, or one that does not follow the last of its channel."""
+        """Raise ValueError for a message without a channel, or one that is out of sequence in its channel."""
         channel = self.contents.channels.get(message.channel_id)
         if channel is None:
             raise ValueError(f"it has a message of channel {message.channel_id}, which there is not")
         if self._start_checksum is None:
-            return  # of an earlier build, or of another tool
+            return  # from an earlier build, or another tool
         last = self._sequences.get(message.channel_id, -1)
         ahead = (message.sequence - last) % SEQUENCES
         if not 0 < ahead < SEQUENCES // 2:
             raise ValueError(f"a message of {channel.topic} is there twice, or not in its turn")
-        if ahead > 1 and channel.topic == f"/{COMMANDS}":  # they are never left out
+        if ahead > 1 and channel.topic == f"/{COMMANDS}":  # these are never dropped
             raise ValueError(f"before it, {ahead - 1} commands are missing")
         self._sequences[message.channel_id] = message.sequence
 
     def _compare(self, given: int, found: int) -> None:
-        """Raise ValueError if a checksum is not as given; 0 is what other tools write that have none."""
+        """Raise ValueError if a checksum differs from the given one; other tools write 0 if they have none."""
         if given != found and (given or self.contents.is_ours):
             raise ValueError(WRONG_CHECKSUM)
 

@@ -1,4 +1,4 @@
-"""Where two recordings part: the first tick and channel whose messages differ, by how much, and how it goes on."""
+"""Where two recordings diverge: the first tick and channel whose messages differ, by how much, and what follows."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 from uwsim.recording.difference import differences, largest
 from uwsim.recording.reader import Recorded, Recording
 
-AHEAD_MAX = 100_000  # messages by which one recording may be ahead of the other
+AHEAD_MAX = 100_000  # messages by which one recording may get ahead of the other
 
 
 @dataclass
 class Parting:
     """A channel whose messages differ. text: the first difference.
 
-    gaps: (time [s], largest absolute difference), of the messages in which numbers differ.
+    gaps: (time [s], largest absolute difference), for messages with different numbers.
     """
 
     topic: str
@@ -29,9 +29,9 @@ class Parting:
 
 @dataclass
 class Comparison:
-    """What two recordings have in common. compared: messages. partings: by tick, then in the order of recording.
+    """The comparison of two recordings. compared: number of messages. partings: by tick, then in recording order.
 
-    notes: what differs besides messages, such as the seed, as sentences.
+    notes: differences other than messages, such as the seed, as sentences.
     """
 
     compared: int
@@ -40,12 +40,12 @@ class Comparison:
 
     @property
     def same(self) -> bool:
-        """Whether every message of both is the same to the last byte."""
+        """Whether all messages of both are identical to the last byte."""
         return not self.partings
 
 
 def diff(first: Recording, second: Recording) -> Comparison:
-    """Compare two recordings message by message: of each channel the n-th, in the order of recording."""
+    """Compare two recordings message by message: the n-th messages of each channel, in recording order."""
     found: dict[str, Parting] = {}
     waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording that is ahead: 0 or 1
     compared = 0
@@ -70,7 +70,7 @@ def diff(first: Recording, second: Recording) -> Comparison:
 
 
 def _in_turn(first: Recording, second: Recording) -> Iterator[tuple[int, Recorded]]:
-    """Yield messages of both in turn, with 0 or 1 for whose it is, so that neither is far ahead."""
+    """Yield messages of both in turn, with the recording's number (0 or 1), so that neither gets far ahead."""
     sides = [iter(first.messages()), iter(second.messages())]
     open_sides = {0, 1}
     while open_sides:

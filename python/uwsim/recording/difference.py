@@ -1,4 +1,4 @@
-"""How two messages of one type differ: the fields, by name, and by how much."""
+"""The difference between two messages of one type: the fields, by name, and by how much."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SHOWN = 50  # characters of long text
 
 
 def differences(kind: str, first: bytes, second: bytes) -> str:
-    """Return the first fields that differ and by how much, as one line; two fields at most."""
+    """Return the first fields that differ, and by how much, as one line; at most two fields."""
     found = list(_fields(kind, from_bytes(first, kind), from_bytes(second, kind), ""))
     if not found:
         return "bytes that belong to no field"
@@ -23,7 +23,7 @@ def differences(kind: str, first: bytes, second: bytes) -> str:
 
 
 def largest(kind: str, first: bytes, second: bytes) -> float:
-    """Return the largest finite difference of two numbers in two messages; nan if none differ by a finite amount.
+    """Return the largest finite difference between numbers in two messages; nan if there is none.
 
     Only floating-point numbers count: bytes of pictures, counts and text have no amount.
     """
@@ -32,7 +32,7 @@ def largest(kind: str, first: bytes, second: bytes) -> float:
 
 
 def _parts(kind: str, first: Any, second: Any, path: str) -> Iterator[tuple[str, Any, Any]]:
-    """Yield path and values of all fields that hold no messages."""
+    """Yield path and values of all fields that contain no messages."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -78,7 +78,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _short(value: Any, at: int) -> str:
-    """Return a value as text, of long text the part about a place."""
+    """Return a value as text; for long text, the part around a place."""
     if isinstance(value, str) and len(value) > SHOWN:
         start = max(at - SHOWN // 2, 0)
         value = ("..." if start else "") + value[start : start + SHOWN] + ("..." if start + SHOWN < len(value) else "")

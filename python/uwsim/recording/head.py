@@ -1,4 +1,4 @@
-"""The multibeam whose pings a recording holds, as the recording's own scenario has it."""
+"""The multibeam whose pings a recording contains, according to the recording's own scenario."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecordedHead:
-    """A multibeam. interval_s: from ping to ping. prefix: of its vehicle's topics and frames. hull_m: its vehicle's."""
+    """A multibeam. interval_s: between pings. prefix: of its vehicle's topics and frames. hull_m: its vehicle's."""
 
     model: _core.MultibeamModel
     interval_s: float
@@ -31,14 +31,15 @@ class RecordedHead:
     scenario: Scenario
 
     def new_map(self) -> OccupancyMap:
-        """Return an empty map, as a live run of the scenario begins with."""
+        """Return an empty map, like the one that a live run of the scenario starts with."""
         return empty_map(self.scenario)
 
 
 def recorded_head(recording: Recording, topic: str) -> RecordedHead:
     """Return the multibeam of a channel of pings. Raises ValueError, OSError."""
     name, _, _ = topic.rpartition("/")
-    with tempfile.TemporaryDirectory(prefix="uwsim-head-") as folder:  # for meshes that are no longer where they were
+    # for meshes that are no longer at their original place
+    with tempfile.TemporaryDirectory(prefix="uwsim-head-") as folder:
         scenario = unpack(recording.attachments, Path(folder))
         entry = next(each for each in scenario.vehicles if each.model.sonar is not None and name in ("", each.name))
         return RecordedHead(

@@ -1,4 +1,4 @@
-"""The map that a live run made, from its recording alone: the bytes of its /octomap_binary and save_map."""
+"""The map built by a live run, from its recording alone: the bytes of its /octomap_binary and save_map."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""A recording as MCAP, as rosbag2 writes it: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
+"""A recording as MCAP, in rosbag2's form: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
 Written by the `mcap` library. The writer of `rosbags` cannot finish a chunk before it is full, has neither checksums
-nor attachments, and makes a folder: after a kill up to a megabyte would be lost, minutes of a quiet run.
+nor attachments, and creates a folder: a kill would lose up to a megabyte, which is minutes of a quiet run.
 """
 
 from __future__ import annotations
@@ -30,15 +30,18 @@ from uwsim.recording.records import HEAD_BYTES
 
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
-"""Names of metadata records: what the recording begins with, what it ends with, and rosbag2's own."""
+"""Names of metadata records: written at the beginning, at the end, and rosbag2's own."""
 VERSION = "1"
-"""Of the metadata and attachments. To raise it makes the recordings that users have unreadable."""
+"""Version of the metadata and attachments. Raising it makes users' recordings unreadable."""
 LIVE, SURVEY = "live", "survey"
-"""Kinds of runs: the pings of a survey tell all that its sonar said."""
+"""Kinds of runs: the pings of a survey contain everything that its sonar produced."""
 PROFILE = "ros2"
 LIBRARY = re.compile("uwsim(?:, start ([0-9a-f]{8}))?")
-"""What the header names as the writer: with the checksum of the metadata at the start, which after a kill no other
-covers; the recordings of earlier builds are without, and have no checksum of all data at their end."""
+"""The writer's name in the header, with the checksum of the metadata at the start.
+
+Nothing else covers these after a kill. Recordings of earlier builds lack it, and have no checksum over all data at
+their end.
+"""
 ROSBAG2_VERSION = 9
 FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's infinite duration
 DEPTH = 10
@@ -46,13 +49,13 @@ QOS = "offered_qos_profiles"
 
 
 class McapSink:
-    """One MCAP file. Each flush ends a chunk, which from then on survives this process."""
+    """One MCAP file. Each flush ends a chunk, which then survives the end of this process."""
 
     def __init__(self, path: Path, start: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
         """Create the file, with metadata and attachments. Raises OSError if it exists or cannot be written."""
         self._path = path
         self._file = path.open("xb")
-        # LZ4 takes a tenth of zstd's time, and every reader of MCAP knows it.
+        # LZ4 takes a tenth of zstd's time, and every reader of MCAP supports it.
         self._writer = Writer(
             self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
         )
@@ -109,10 +112,9 @@ class McapSink:
             os.fsync(self._file.fileno())
 
     def abandon(self) -> None:
-        """Close after an error of writing, and cut the file off after the last flush.
+        """Close after a write error, and truncate the file after the last flush.
 
-        What was written since lacks what found no room: with more behind it, it would be no file that was cut off, but
-        a damaged one.
+        The part written since then has gaps: with more data after it, the file would be damaged instead of cut off.
         """
         kept = os.dup(self._file.fileno())
         with contextlib.suppress(OSError):
@@ -122,7 +124,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return what `ros2 bag info` shows; as in the metadata.yaml of a folder."""
+        """Return the information shown by `ros2 bag info`, as in the metadata.yaml of a folder."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},
@@ -157,7 +159,7 @@ class McapSink:
 
 
 def metadata_of(channel: Channel) -> dict[str, str]:
-    """Return what a file says about a channel: as rosbag2 does, and its rate and description."""
+    """Return the metadata of a channel in the file: those of rosbag2, and its rate and description."""
     return {
         QOS: _qos_yaml(qos(channel)),
         "topic_type_hash": schema(channel.type).type_hash,
@@ -167,7 +169,7 @@ def metadata_of(channel: Channel) -> dict[str, str]:
 
 
 def qos(channel: Channel) -> Qos:
-    """Return how a channel is offered: reliable, and kept for those who come later if it is latched."""
+    """Return a channel's quality of service: reliable, and kept for late readers if it is latched."""
     durability = QosDurability.TRANSIENT_LOCAL if channel.latched else QosDurability.VOLATILE
     return Qos(
         QosHistory.KEEP_LAST,
@@ -183,7 +185,7 @@ def qos(channel: Channel) -> Qos:
 
 
 def is_latched(metadata: Mapping[str, str]) -> bool:
-    """Whether a channel's metadata say that late listeners get its newest message."""
+    """Return whether a channel's metadata mark it as latched."""
     return any(profile.durability == QosDurability.TRANSIENT_LOCAL for profile in parse_qos(metadata[QOS]))
 
 

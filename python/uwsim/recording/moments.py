@@ -1,4 +1,4 @@
-"""Moments: renders in a replay what a recording's pictures show, at the moments that they show."""
+"""Moments: renders a recording's pictures in a replay, at the times that they show."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from uwsim.simulator.simulator import Simulator
 
 
 class Moments:
-    """An observer that renders pictures when the simulator comes to the times of their stamps.
+    """An observer that renders pictures when the simulator reaches the times of their stamps.
 
-    On the wall clock a picture is begun by whoever reads first after the last is ready, so that its moment depends on
-    the machine and on all who read; the recorded stamps alone tell it. A command of the same tick may have come before
-    or after: pictures are rendered before and after each. What a picture shows depends on its moment alone, whichever
-    topics carry it.
+    On the wall clock a picture is started by the first reader after the previous one is ready, so that its time depends
+    on the machine and on all readers; only the recorded stamps contain it. A command at the same tick may have come
+    before or after: pictures are rendered before and after each. The content of a picture depends only on its time,
+    whichever topics carry it.
     """
 
     def __init__(
         self, sim: Simulator, channels: Iterable[Channel], pictures: Pictures, recorded: Iterable[Recorded]
     ) -> None:
-        """channels: those that give pictures. recorded: the messages to render."""
+        """channels: those with pictures. recorded: the messages to render."""
         self._sim = sim
         self._pictures = pictures
         self._by_kind: dict[tuple[str, str], Channel] = {}
@@ -46,12 +46,12 @@ class Moments:
         self.due_tick = NEVER
 
     def start(self) -> None:
-        """Render what is due now, and watch from now on."""
+        """Render what is due now, and start observing."""
         self.again()
         self._sim.journal.attach(self)
 
     def stop(self) -> None:
-        """Watch no more."""
+        """Stop observing."""
         self._sim.journal.detach(self)
 
     def observe(self) -> None:
@@ -59,12 +59,12 @@ class Moments:
         self.again()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """After a jump of time be due where it goes on."""
+        """After a jump of time, become due where time continues."""
         if name in JUMPS:
             self._be_due(bisect_left(self._ticks, self._sim.tick))
 
     def again(self) -> None:
-        """Render what is due now, also if it was rendered already: after a command it may look otherwise."""
+        """Render what is due now, even if it has already been rendered, since a command may have changed the view."""
         tick = self._sim.tick
         self._be_due(bisect_right(self._ticks, tick))
         if tick not in self._due:
@@ -77,7 +77,7 @@ class Moments:
                 self._seen.add(_digest(kind[0], encode(message)))
 
     def shows(self, recorded: Recorded) -> bool:
-        """Whether a recorded picture was rendered, to the last byte."""
+        """Return whether a recorded picture was rendered identically to the last byte."""
         return _digest(recorded.type, recorded.data) in self._seen
 
     def _be_due(self, place: int) -> None:

@@ -1,8 +1,8 @@
-"""Scenarios of recordings that hold every field of every model, whether or not the scenario gave it.
+"""Scenarios of recordings that contain every field of every model, whether or not the scenario gave it.
 
-There the presence of a key says nothing. So those whose presence has a meaning are left out where they hold their
-default: the scenario then is built as it was for the recording. What cannot be known is whether a figure of
-`sonar.noise` or `link.carries` was given with just that value.
+There the presence of a key means nothing. So keys whose presence matters are removed if they have their default value:
+the scenario is then built as it was for the recording. It cannot be known whether a value of `sonar.noise` or
+`link.carries` was given with exactly its default.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
     ("vehicles", "sonar", "noise"): (SonarNoise, tuple(SonarNoise.model_fields)),
     ("link",): (LinkSetup, ("carries",)),
 }
-"""The keys, and where they are: lists are passed through."""
+"""The keys, and where they are; lists are traversed."""
 BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
 """Keys of the water that a scenario with a profile cannot have given."""
 

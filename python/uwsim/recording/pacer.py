@@ -7,11 +7,11 @@ from typing import Literal
 
 
 class Pacer:
-    """Waits until simulated time is due. It begins with the first call, and anew when simulated time goes back."""
+    """Waits until simulated time is due. It starts with the first call, and restarts when simulated time goes back."""
 
     def __init__(self, speed: float | Literal["max"]) -> None:
         """speed: simulated seconds per wall second, or "max". Raises ValueError."""
-        if speed != "max" and not 1e-3 <= speed <= 1e6:  # false for nan, too
+        if speed != "max" and not 1e-3 <= speed <= 1e6:  # false for nan as well
             raise ValueError(f"speed = {speed:g}: must be in [0.001, 1000000], or max")
         self._speed = speed
         self._zero_s = 0.0

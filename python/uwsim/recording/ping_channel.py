@@ -1,4 +1,4 @@
-"""The pings of a multibeam with the exact poses at which they were taken: what maps are made from."""
+"""The pings of a multibeam with the exact poses at which they were taken, from which maps are built."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NAME = "sonar_ping"
 
 
 def ping_channel(pings: Pings) -> Channel:
-    """Return the channel of a vehicle's pings, in odom. It is recorded, but not sent."""
+    """Return the channel of a vehicle's pings, in odom. It is recorded, but not published."""
     source = pings.source
     frame_id = source.frame("odom")
 
@@ -33,7 +33,7 @@ def ping_channel(pings: Pings) -> Channel:
 
 
 def survey_ping(sim: Simulator) -> Any:
-    """Return a ping of the first vehicle as a survey takes it, now, in the world."""
+    """Return a present ping of the first vehicle, in the world, as in a survey."""
     rov = sim.rov
     ping = rov.sonar.ping()
     return ping_message(ping, rov.telemetry(), "world", rov.pose.world_from_body, ping.world_from_sonar)

@@ -1,4 +1,4 @@
-"""The pings of a recording, as those who map take them."""
+"""The pings of a recording, in the form that mapping takes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Panel(NamedTuple):
 
 
 def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
-    """Return the channel of a vehicle's pings, by default of the first that has some. Raises ValueError."""
+    """Return the channel of a vehicle's pings, by default of the first vehicle that has any. Raises ValueError."""
     topics = [name for name in recording.channels if name == NAME or name.endswith("/" + NAME)]
     if not topics:
         raise ValueError(f"recording '{recording.path}': holds no pings ({NAME})")
@@ -55,7 +55,7 @@ def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
 
 
 def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
-    """Yield the pings of a channel in their order, each with the poses at which it was taken."""
+    """Yield the pings of a channel in order, each with the poses at which it was taken."""
     for recorded in recording.messages(topic):
         message = recorded.message
         panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)
@@ -63,7 +63,7 @@ def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing
 
 
 def taken_ping(message: Any) -> TakenPing:
-    """Return the ping of a message of the type SONAR_PING."""
+    """Return the ping in a message of the type SONAR_PING."""
     body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
     stamp = message.header.stamp
     ping = RecordedPing(

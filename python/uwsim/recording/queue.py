@@ -1,4 +1,4 @@
-"""The way from the simulator's thread to the file: a bounded queue and the thread that empties it."""
+"""The path from the simulator's thread to the file: a bounded queue and the thread that empties it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from uwsim.recording.sink import Sink
 
 WAITING_BYTES = 64 << 20
-"""Bytes that may wait to be written; beyond that messages are left out, or, flat out, the steps wait."""
-MESSAGE_BYTES = 200  # that an entry of the queue takes besides its data
+"""Bytes that may wait to be written; beyond that messages are dropped or, flat out, the steps wait."""
+MESSAGE_BYTES = 200  # of an entry in the queue, in addition to its data
 FLUSH_S = 1.0
-"""Wall time after which what was written is handed to the operating system: a kill loses at most this."""
+"""Wall time after which written data are passed to the operating system: a kill loses at most this much."""
 GATHER_S = 0.1
 
 logger = logging.getLogger("uwsim.recording")
@@ -25,7 +25,7 @@ Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, dat
 class WritingQueue:
     """Messages on their way to a sink, which one thread writes.
 
-    error: why nothing more can be written, such as a full disk; the simulation goes on.
+    error: why nothing more can be written, such as a full disk; the simulation continues.
     """
 
     def __init__(self, sink: Sink, limit_bytes: int = WAITING_BYTES) -> None:
@@ -59,7 +59,7 @@ class WritingQueue:
         return True
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write what waits, and close the sink. Raises OSError, also for an earlier error."""
+        """Write everything queued, and close the sink. Raises OSError, also for an earlier error."""
         with self._changed:
             self._ends = True
             self._changed.notify_all()

@@ -1,4 +1,4 @@
-"""Recording: what a file says, message by message, also if the run was killed while it wrote."""
+"""Recording: the content of a file, message by message, even if the run was killed while writing it."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ class Recorded(NamedTuple):
 class Recording:
     """A recording that was written by a Recorder, from .mcap.
 
-    start, end: what is known at both ends; end is None if the recording was killed. complete: whether it ended in
-    order. attachments: by name. channels: what was recorded; derived: what else can be read by its name, since it
-    follows from a survey's pings.
+    start, end: the information at both ends; end is None if the run was killed. complete: whether it ended properly.
+    attachments: by name. channels: those recorded; derived: others that can be read by name, since they follow from a
+    survey's pings.
     """
 
     def __init__(self, path: str | Path) -> None:
-        """Read everything but the messages. Raises ValueError for a file that is no recording, OSError."""
+        """Read everything except the messages. Raises ValueError for a file that is not a recording, OSError."""
         self.path = Path(path)
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': a bag of ROS 1 cannot be read here; record .mcap instead")
@@ -108,17 +108,17 @@ class Recording:
     def _derived(self) -> Derived | None:
         if self.start.kind != SURVEY or PINGS not in self.channels:
             return None
-        from uwsim.recording.derived import Derived  # here, since few need it, and it builds a sonar
+        from uwsim.recording.derived import Derived  # imported here, since it is rarely needed and builds a sonar
 
         return Derived(self)
 
     def info(self, topic: str) -> ChannelInfo:
-        """Return what is known of a channel, recorded or derived. Raises ValueError."""
+        """Return the description of a channel, recorded or derived. Raises ValueError."""
         name = self._named(topic)
         return self.channels[name] if name in self.channels else self.derived[name]
 
     def metadata(self, topic: str) -> dict[str, str]:
-        """Return what the file says about a channel: QoS, type hash, rate, description. Raises ValueError."""
+        """Return a channel's metadata in the file: QoS, type hash, rate, description. Raises ValueError."""
         name = self._named(topic)
         if name in self.channels:
             (number,) = self._numbers((name,))
@@ -133,27 +133,27 @@ class Recording:
 
     @property
     def dropped(self) -> dict[str, int]:
-        """How many messages of each channel were left out because writing was too slow."""
+        """Number of messages of each channel that were dropped because writing was too slow."""
         return {} if self.end is None else self.end.dropped
 
     @property
     def was_on_wall_clock(self) -> bool:
-        """Whether steps may not have waited for pictures: then what was ready when depends on the machine.
+        """Whether steps may not have waited for pictures, so that their times depend on the machine.
 
-        After a kill nobody knows.
+        Unknown after a kill.
         """
         end = self.end
         return self.start.on_wall_clock or end is None or bool(end.on_wall_clock)
 
     @property
     def notes(self) -> dict[str, Any]:
-        """Values that belong to the whole run; those that are known at its end are missing if it was cut off."""
+        """Values for the whole run; those known only at its end are missing if it was cut off."""
         return (self.end or self.start).notes
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
-        """Yield the messages in the order in which they were recorded; of these topics, by default of all recorded.
+        """Yield the messages of these topics, by default of all recorded ones, in recording order.
 
-        Those that are derived from a ping follow it. Raises ValueError for a topic that there is not.
+        Messages derived from a ping follow it. Raises ValueError for an unknown topic.
         """
         names = [self._named(topic) for topic in topics]
         made = [name for name in names if name not in self.channels]
@@ -171,7 +171,7 @@ class Recording:
                 yield from self._made(recorded, makers)
 
     def _made(self, ping: Recorded, makers: Mapping[str, Make]) -> Iterator[Recorded]:
-        """Yield what follows from a ping."""
+        """Yield the messages derived from a ping."""
         taken = taken_ping(ping.message)
         for name, make in makers.items():
             yield Recorded(name, self.derived[name].type, ping.time_ns, bytes(encode(make(taken))))
@@ -215,7 +215,7 @@ class Recording:
             raise ValueError(f"recording '{self.path}': is of version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or one of our own that had other fields when it was written."""
+        """Raise ValueError if a channel has no type, or a type of ours that had other fields when it was written."""
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
@@ -232,12 +232,12 @@ class Recording:
 
 
 def _fields(text: str) -> list[str]:
-    """Return the lines of a message's definition, without its comments, which may be written anew."""
+    """Return the lines of a message's definition, without its comments, which may change."""
     return [line for each in text.splitlines() if (line := " ".join(each.split("#")[0].split()))]
 
 
 def _read_contents(path: Path) -> Contents:
-    """Read a file up to its end, or to where it is cut off. Raises ValueError if it is damaged, OSError."""
+    """Read a file to its end, or to where it is cut off. Raises ValueError if it is damaged, OSError."""
     with path.open("rb") as opened:
         file = RecordFile(path, opened)
         data = DataReader(file)

@@ -1,4 +1,4 @@
-"""Recorder: writes what a simulator says and is told into a file, from which the run can be repeated."""
+"""Recorder: writes a simulator's messages and commands to a file, from which the run can be repeated."""
 
 from __future__ import annotations
 
@@ -45,17 +45,17 @@ class Recorder:
         with LiveSimulator("lake") as live, Recorder(live, "run.mcap"):
             ...
 
-    path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels that
-    are recorded, and that are not, such as "camera/*". By default all are; of a survey all but pictures and what
-    follows from its pings (FROM_PINGS, and the map), which readers get nevertheless, see Recording.derived.
-    shared: the table of a server, so that pings and pictures are made once for both; by default one of its own. feed:
-    of other sinks, such as a node of ROS 2, which then get the recorder's readings with their bytes instead of taking
-    their own. kind: LIVE or SURVEY. written: channels that only `write` gives messages to. notes: plain values for the
-    metadata.
+    path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
+    record, and not to record, such as "camera/*". By default all are recorded; for a survey all but pictures and those
+    that follow from its pings (FROM_PINGS, and the map), which readers get nevertheless, see Recording.derived. shared:
+    the table of a server, so that pings and pictures are made once for both; by default a new one. feed: of other
+    sinks, such as a ROS 2 node, which then get the recorder's readings with their bytes instead of taking their own.
+    kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the metadata.
 
-    Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait: what
-    does not fit into the queue (queue_bytes) is left out, counted in `dropped` and said. Flat out the steps wait
-    instead, and nothing is lost. After a kill, everything but the last second remains. Raises ValueError, OSError.
+    Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait:
+    messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. Flat out the
+    steps wait instead, and nothing is lost. After a kill, everything but the last second remains. Raises ValueError,
+    OSError.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class Recorder:
         return [channel for channel in said if self._is_chosen(channel)]
 
     def _follows(self, channel: Channel) -> bool:
-        """Whether a survey's channel follows from its pings or, as pictures do, from the rest."""
+        """Return whether a survey's channel can be derived from the pings or, like pictures, from the rest."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         return channel.late or channel.type == MAP_TYPE or channel.name in from_pings
 
@@ -124,17 +124,17 @@ class Recorder:
         return self._live is None or self._live.speed == "max"
 
     def start(self) -> Self:
-        """Create the file and record from now on; return itself. Raises OSError, ValueError."""
+        """Create the file and start recording; return itself. Raises OSError, ValueError."""
         if self._queue is not None:
             raise RuntimeError("the recorder has been started already")
         self._on_simulator(self._begin)
         return self
 
     def close(self) -> None:
-        """Record no more, and finish the file. Raises OSError if something could not be written."""
+        """Stop recording, and finish the file. Raises OSError if something could not be written."""
         if self._queue is None:
             return
-        end = self._on_simulator(self._end)  # between two steps: no tick is recorded in part
+        end = self._on_simulator(self._end)  # between two steps, so that no tick is recorded in part
         queue, self._queue = self._queue, None
         try:
             queue.close(end)
@@ -148,7 +148,7 @@ class Recorder:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
 
     def try_close(self) -> OSError | None:
-        """Close; return its error, for who has other results to save before that is told."""
+        """Close; return its error, for callers that save other results before they report it."""
         try:
             self.close()
         except OSError as error:
@@ -165,9 +165,9 @@ class Recorder:
         self.close()
 
     def hear(self, channels: Iterable[Channel]) -> list[Channel]:
-        """Return a server's channels such that messages that come in on them, such as /cmd_vel, are recorded, too.
+        """Return a server's channels so that messages received on them, such as /cmd_vel, are recorded as well.
 
-        Before `start`. They are for those who read the recording: a replay needs only the commands that they became.
+        To be called before `start`. These messages are for readers: a replay needs only the resulting commands.
         """
         return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
 
@@ -184,21 +184,21 @@ class Recorder:
         return replace(channel, apply=apply)
 
     def write(self, channel: Channel, message: Any) -> None:
-        """Record a message of the present that no channel says by itself. On the simulator's thread."""
+        """Record a present message of a channel that is not read by itself. On the simulator's thread."""
         self._take(channel, message)
 
     def note(self, **notes: Any) -> None:
-        """Put plain values into the metadata at the end."""
+        """Add plain values to the metadata at the end."""
         self._notes |= notes
 
     def _on_simulator(self, function: Callable[[Simulator], Any]) -> Any:
-        """Call a function where no step is under way."""
+        """Call a function while no step is under way."""
         if self._live is not None and self._live.running:
             return self._live.read(function).result()
         return function(self._sim)
 
     def _begin(self, sim: Simulator) -> None:
-        self._table.look_anew()  # a replay knows nothing from before
+        self._table.look_anew()  # a replay has nothing from before
         self._sink = self._new_sink(sim)
         self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):
@@ -219,7 +219,7 @@ class Recorder:
         }
 
     def _is_kept(self) -> bool:
-        """Whether the file has a name still, though perhaps another one."""
+        """Return whether the file still has a name, though perhaps a different one."""
         links = os.fstat(self._descriptor).st_nlink
         os.close(self._descriptor)
         return links > 0
@@ -280,7 +280,7 @@ class Recorder:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
         self._on_wall_clock |= not waits
-        with self._lock:  # messages that are heard come from other threads; the numbers of a topic are in order
+        with self._lock:  # received messages come from other threads; the numbers of a topic are in order
             item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1
             is_put = queue.put(item, waits=waits, needed=needed)
@@ -295,5 +295,5 @@ def _matches(channel: Channel, patterns: Sequence[str]) -> bool:
 
 
 def state_digest(sim: Simulator) -> str:
-    """Return what two simulators in the same state to the last bit have in common."""
+    """Return a digest that two simulators in exactly the same state share."""
     return hashlib.blake2b(sim.save_state(), digest_size=16).hexdigest()

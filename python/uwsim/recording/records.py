@@ -1,7 +1,7 @@
-"""The records of a recording's file: read one by one, each with its place, so that damage is found and named.
+"""The records of a recording's file: read one by one, each with its place, so that damage is detected and located.
 
-MCAP frames each record as a kind, a length and a content. A process that is killed leaves the beginning of a file, so
-that the last record is cut off; anything else that cannot be read is damage.
+MCAP frames each record as a kind, a length and a content. A killed process leaves the beginning of a file, whose last
+record is cut off; anything else that cannot be read is damage.
 """
 
 from __future__ import annotations
@@ -22,19 +22,22 @@ from mcap.stream_reader import get_chunk_data_stream
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK_BYTES_MAX = 1 << 32
-"""Of an unpacked chunk. A damaged number would else have as much memory allocated as it says."""
+"""Limit of an unpacked chunk: a damaged number would otherwise cause the allocation of that much memory."""
 FIRST = len(MAGIC)
 """Where the first record is."""
 _HEAD = struct.Struct("<BQ")  # kind, length of the content
 HEAD_BYTES = _HEAD.size
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, times of recording and of publishing
-_PEEKED = 1 << 16  # bytes of a record that is cut off: those that its lengths are in
+_PEEKED = 1 << 16  # bytes read of a record that is cut off, which contain its lengths
 _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, EOFError, OverflowError, MemoryError)
-"""What a damaged content raises; RuntimeError is lz4's, ValueError also that of bytes that are no text."""
+"""Errors raised for damaged content; RuntimeError is lz4's, ValueError also comes from bytes that are not text."""
 
 
 class Layout(NamedTuple):
-    """A kind of record. parts: of its content; a number of bytes, or, if negative, of those of a length before it."""
+    """A kind of record.
+
+    parts: of its content: a number of bytes or, if negative, of a length field for the bytes after it.
+    """
 
     name: str
     parser: Any
@@ -57,7 +60,7 @@ LAYOUTS = {
     Opcode.SUMMARY_OFFSET: Layout("summary offset", kinds.SummaryOffset, (17,)),
     Opcode.DATA_END: Layout("the end of the data", kinds.DataEnd, (4,)),
 }
-"""The kinds that a recording has. Messages are in chunks, with the schemas and channels that they need."""
+"""The kinds of records in a recording. Messages are in chunks, with the schemas and channels that they need."""
 
 
 class CutOffError(Exception):
@@ -75,7 +78,7 @@ class Message(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A record as it is in the file from start on. number: of its kind, from 1."""
+    """A record in the file, starting at start. number: of its kind, from 1."""
 
     kind: int
     number: int
@@ -84,7 +87,7 @@ class Record(NamedTuple):
 
     @property
     def length(self) -> int:
-        """How many bytes it takes."""
+        """Its length in bytes."""
         return HEAD_BYTES + len(self.content)
 
     @property
@@ -94,19 +97,19 @@ class Record(NamedTuple):
 
     @property
     def place(self) -> str:
-        """What it is, and where."""
+        """Its description and place."""
         return _place(self.kind, self.number, self.start, self.start + self.length)
 
     @contextmanager
     def named(self, file: RecordFile) -> Iterator[None]:
-        """Make of each ValueError that of a damaged file, with the record's place."""
+        """Turn each ValueError into that of a damaged file, with the record's place."""
         try:
             yield
         except ValueError as error:
             raise file.damaged(f"{self.place}: {error}") from None
 
     def parsed(self) -> Any:
-        """Return the record by its kind. Raises ValueError if its content is no such record."""
+        """Return the record parsed by its kind. Raises ValueError if its content is invalid."""
         return _parsed(LAYOUTS[Opcode(self.kind)].parser, self.content)
 
 
@@ -118,7 +121,7 @@ def _place(kind: int, number: int, start: int, end: int) -> str:
 class RecordFile:
     """A file that is read record by record.
 
-    position: in the file. checksum: the CRC-32 of all that was read since it was last set to 0.
+    position: in the file. checksum: the CRC-32 of everything read since it was last set to 0.
     """
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
@@ -134,7 +137,7 @@ class RecordFile:
         return ValueError(f"recording '{self.path}': damaged: {what}")
 
     def magic(self) -> bool:
-        """Return whether those bytes come next with which every MCAP file begins and ends.
+        """Return whether the bytes with which every MCAP file begins and ends come next.
 
         Raises CutOffError if the file ends within them.
         """
@@ -145,7 +148,7 @@ class RecordFile:
 
     @property
     def is_at_end(self) -> bool:
-        """Whether nothing follows."""
+        """Return whether nothing follows."""
         return self.position == self._size
 
     def record(self) -> Record:
@@ -166,7 +169,7 @@ class RecordFile:
 
     @property
     def _ends_whole(self) -> bool:
-        """Whether the file ends as one does that was finished."""
+        """Return whether the file ends like a finished one."""
         if self._size < 2 * len(MAGIC):
             return False
         here = self._file.tell()
@@ -176,7 +179,7 @@ class RecordFile:
         return last == MAGIC
 
     def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
-        """Raise ValueError if a record's length is wrong, rather than its end missing."""
+        """Raise ValueError if a record's length is wrong, as opposed to its end missing."""
         peeked = self._file.read(min(_PEEKED, self._size - self.position))
         expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
         if self._ends_whole or expected not in (None, length):
@@ -207,7 +210,7 @@ def unpacked(chunk: kinds.Chunk) -> bytes:
 
 
 def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
-    """Yield what an unpacked chunk holds. Raises ValueError for what is no record."""
+    """Yield the content of an unpacked chunk. Raises ValueError for invalid records."""
     at = 0
     while at < len(data):
         if len(data) - at < HEAD_BYTES:
@@ -229,14 +232,14 @@ def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
 
 
 class _Strict:
-    """A content that is not read beyond its end."""
+    """Content that cannot be read beyond its end."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
         self.position = 0
 
     def read(self, size: int) -> bytes:
-        """Return so many bytes. Raises EOFError if there are fewer."""
+        """Return this many bytes. Raises EOFError if there are fewer."""
         if size > len(self._content) - self.position:
             raise EOFError("it ends early")
         self.position += size
@@ -255,7 +258,7 @@ def _parsed(parser: Any, content: bytes) -> Any:
 
 
 def _length(parts: tuple[int, ...], content: bytes) -> int | None:
-    """Return the length that a content has by the lengths in it; None if they are not all there."""
+    """Return the length of a content according to the lengths in it; None if they are not all there."""
     at = 0
     for part in parts:
         if part > 0:

@@ -1,4 +1,4 @@
-"""What a recording is written to: one interface for the formats."""
+"""The destination of a recording: one interface for all formats."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.channels.feed import Reading
 
 
 class Sink(Protocol):
-    """A file that takes messages. All calls but `encode` come from one thread at a time."""
+    """A file that accepts messages. All calls except `encode` come from one thread at a time."""
 
     def encode(self, reading: Reading) -> bytes | memoryview:
         """Return a message in the format's bytes."""
@@ -22,10 +22,10 @@ class Sink(Protocol):
         """Append a message, in simulated time. Raises OSError."""
 
     def flush(self) -> None:
-        """Hand what was written so far to the operating system, so that it survives this process. Raises OSError."""
+        """Pass everything written so far to the operating system, so that it survives this process. Raises OSError."""
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write what belongs at the end, and close. Raises OSError."""
+        """Write the end of the file, and close. Raises OSError."""
 
     def abandon(self) -> None:
-        """Close after an error of writing, and keep what can be read."""
+        """Close after a write error, and keep what can be read."""

@@ -1,4 +1,4 @@
-"""The end of a recording's file: index and counts, which must be those of the data before it."""
+"""The end of a recording's file: index and counts, which must match the data before it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from uwsim.recording.contents import INDEXES, WRONG_CHECKSUM, Contents
 from uwsim.recording.records import Record, RecordFile
 
 WITHOUT_CHECKSUM = 16
-"""Bytes of the footer's content that its checksum covers, with all of the summary before it."""
+"""Bytes of the footer's content that its checksum covers, in addition to the summary before it."""
 
 
 def read_summary(file: RecordFile, contents: Contents) -> None:
-    """Read what follows the data, and compare it with them. Raises CutOffError, ValueError."""
+    """Read everything after the data, and compare it with them. Raises CutOffError, ValueError."""
     start, file.checksum = file.position, 0
     given: dict[int, list[Any]] = {kind: [] for kind in INDEXES}
     statistics: Statistics | None = None
@@ -57,7 +57,7 @@ def _compare_footer(record: Record, footer: Footer, start: int, before: int, con
 
 
 def _compare_indexes(file: RecordFile, kind: int, given: list[Any], contents: Contents) -> None:
-    """Raise ValueError if an index does not list what is there. Other tools may leave it out."""
+    """Raise ValueError if an index does not match the data. Other tools may omit indexes."""
     expected = contents.indexes[kind]
     what = INDEXES[kind]
     if not given and not contents.is_ours:
@@ -70,7 +70,7 @@ def _compare_indexes(file: RecordFile, kind: int, given: list[Any], contents: Co
 
 
 def _compare_counts(given: Statistics, contents: Contents) -> None:
-    """Raise ValueError if the counts are not those of what is there."""
+    """Raise ValueError if the counts do not match the data."""
     indexes = zip(contents.indexes[Opcode.CHUNK_INDEX], contents.chunks, strict=True)
     chunks = [index for index, chunk in indexes if chunk.channels]
     expected = Statistics(

@@ -1,4 +1,4 @@
-"""A recording's channels as tables: Arrow and pandas, one row a message, and xarray for arrays."""
+"""A recording's channels as tables: Arrow and pandas, one row per message, and xarray for arrays."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def arrow(recording: Recording, topic: str) -> pyarrow.Table:
 
 
 def pandas_frame(recording: Recording, topic: str) -> pandas.DataFrame:
-    """Return a channel as a pandas DataFrame, indexed by simulated seconds; columns as of `arrow`."""
+    """Return a channel as a pandas DataFrame, indexed by simulated seconds; columns as in `arrow`."""
     need_extra("pandas", "tables", "a recording as a table")
     return arrow(recording, topic).to_pandas().set_index(TIME)
 
@@ -83,7 +83,7 @@ Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(kind: str, path: str = "", get: Callable[[Any], Any] = lambda message: message) -> Iterator[Column]:
-    """Yield name, getter and kind of each field; messages inside are taken apart, those in arrays are not."""
+    """Yield name, getter and kind of each field; nested messages are expanded, those in arrays are not."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -201,7 +201,7 @@ def _image_variables(kind: str, messages: list[Any]) -> Variables:
 
 
 def _padded(arrays: list[Any]) -> NDArray[Any]:
-    """Return arrays as rows, those that are shorter padded with NaN."""
+    """Return arrays as rows, padding shorter ones with NaN."""
     lengths = {len(array) for array in arrays}
     if len(lengths) <= 1:
         return np.array(arrays).reshape(len(arrays), -1) if lengths != {0} else np.zeros((len(arrays), 0))

@@ -16,11 +16,11 @@ TakeCommand = Callable[[str, dict[str, Any]], object]
 
 
 class Watch:
-    """Hands on each message of the channels, and each command, in the order in which they happen.
+    """Passes on each message of the channels, and each command, in order.
 
     Channels are read when `start` is called, after each jump of time and at all multiples of their period, before the
-    commands of that tick. So a replay reads the same at the same ticks. A channel without a rate is read
-    at the start and after jumps alone.
+    commands of that tick. So a replay reads the same at the same ticks. A channel without a rate is read only at the
+    start and after jumps.
     """
 
     def __init__(
@@ -32,20 +32,20 @@ class Watch:
         self._subscriptions = [self._subscription(channel) for channel in channels]
 
     def start(self) -> None:
-        """Read all channels now, and watch from now on. On the simulator's thread."""
+        """Read all channels now, and start watching. On the simulator's thread."""
         self._read_all()
         self._sim.journal.listen(self)
         for subscription in self._subscriptions:
             self._sim.agenda.add(subscription, Rank.OBSERVER, subscription.act)
 
     def stop(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         self._sim.journal.detach(self)
         for subscription in self._subscriptions:
             subscription.cancel()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Hand a command on; after a jump of time read everything anew."""
+        """Pass a command on; after a jump of time, read everything again."""
         if self._command is not None:
             self._command(name, arguments)
         if name in JUMPS:

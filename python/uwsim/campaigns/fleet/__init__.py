@@ -1,4 +1,4 @@
-"""Fleets: a large area in tiles, each surveyed by a vehicle of its own, and the maps of all as one."""
+"""Fleets: a large area in tiles, each surveyed by its own vehicle, with all maps merged into one."""
 
 from uwsim.campaigns.fleet.fleet import Fleet, run_fleet
 

@@ -1,4 +1,4 @@
-"""The picture of a fleet's work: the merged map from above, the tiles, and how much of each was mapped."""
+"""The picture of a fleet's work: the merged map from above, the tiles, and the coverage of each."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from uwsim.mapping import OccupancyMap
 
 MAX_PIXELS = 1200
 FEW = 150
-"""Tiles, of which each has room for a text."""
+"""Up to this many tiles, each has room for a text."""
 
 
 def draw_fleet(

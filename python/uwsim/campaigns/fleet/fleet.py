@@ -1,4 +1,4 @@
-"""run_fleet: surveys a large area by tiles on many workers, merges their maps and scores the whole."""
+"""run_fleet: surveys a large area in tiles on many workers, merges their maps and scores the whole."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ SUMMARY, FIGURE = "summary.json", "tiles.png"
 RETRIES = 2
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of tiles that are finished, that failed, and of all."""
+"""Called with the numbers of tiles finished, failed, and in all."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
-    """An area that was surveyed by tiles, or begun.
+    """An area whose survey in tiles is complete or in progress.
 
-    results: by the number of the tile. figures: of the whole. interrupted: whether tiles or the score are missing;
+    results: by tile number. figures: values of the whole. interrupted: whether tiles or the score are missing;
     `resume=True` continues.
     """
 
@@ -69,12 +69,12 @@ def run_fleet(
     tell: Tell = lambda finished, failed, count: None,
     show: Show = lambda activity: nullcontext(),
 ) -> Fleet:
-    """Survey a scenario's area by tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
+    """Survey a scenario's area in tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
 
-    Each tile is flown from a start of its own, by the scenario's first vehicle, in its part of the terrain. voxel_m,
-    seed: instead of the scenario's. vehicles: among how many the tiles are shared out, which decides how long the fleet
-    is out, and no byte of the map. workers, scheduler, resume, retry_failed: see uwsim.campaigns.sweeps.run_sweep.
-    Raises ScenarioError, ValueError, OSError.
+    Each tile has its own start, and is flown by the scenario's first vehicle in its part of the terrain. voxel_m, seed:
+    instead of the scenario's. vehicles: number among which the tiles are divided, which determines the fleet's total
+    time, but not the map. workers, scheduler, resume, retry_failed: see uwsim.campaigns.sweeps.run_sweep. Raises
+    ScenarioError, ValueError, OSError.
     """
     base = load(scenario)
     survey = required_survey(base)
@@ -126,14 +126,14 @@ def run_fleet(
             ledger.close()
         write_json(into / SUMMARY, figures)
         with show("drawing the tiles"):
-            from uwsim.campaigns.fleet.figure import draw_fleet  # here, since matplotlib takes a second to import
+            from uwsim.campaigns.fleet.figure import draw_fleet  # imported here, since matplotlib takes a second
 
             draw_fleet(into / FIGURE, into / MAP, tiles, ledger.results, figures)
         return Fleet(into, tiles, ledger.results, figures)
 
 
 def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
-    """Raise what makes the first tile with water wrong, or ScenarioError if there is none."""
+    """Raise the error of the first tile with water, or ScenarioError if there is none."""
     for job in jobs.values():
         try:
             job.scenario_of_tile(base)
@@ -201,9 +201,9 @@ def _flown_figures(
 
 
 def shares(times_s: list[float], vehicles: int) -> list[float]:
-    """Return how long each vehicle is out: the longest tile first, to the one that is free first (LPT; Graham 1969).
+    """Return how long each vehicle works: the longest tile first, to the vehicle that is free first (LPT; Graham 1969).
 
-    Without the ways from tile to tile.
+    The ways between tiles are not included.
     """
     busy = [0.0] * min(vehicles, max(len(times_s), 1))
     for time_s in sorted(times_s, reverse=True):

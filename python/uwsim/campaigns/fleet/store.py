@@ -1,4 +1,4 @@
-"""What a fleet's folder holds: the map, and of each tile its own map and the positions of its pings."""
+"""The content of a fleet's folder: the map, and for each tile its own map and the positions of its pings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The jobs of a fleet's workers: survey a tile, and score the part of the merged map that lies in it."""
+"""The jobs of a fleet's workers: survey a tile, and score its part of the merged map."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator.simulator import Simulator
 
 MARGIN_M = 30.0
-"""Beyond the sonar's range, for lanes that begin outside the tile."""
+"""Distance beyond the sonar's range, for lanes that begin outside the tile."""
 START_Z_M, CLEAR_M = -1.5, 2.0
-"""A vehicle is put into the water here, at a place with this much water below it."""
+"""Height at which a vehicle is placed in the water, and the depth of water required below it."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,9 @@ class TileJob:
     voxel_m: float
 
     def scenario_of_tile(self, base: Scenario) -> Scenario:
-        """Return the scenario of the tile: its area, its part of the terrain, one vehicle over its deepest place.
+        """Return the scenario of the tile: its area, its part of the terrain, one vehicle over its deepest point.
 
-        Vehicles have names of their own, and so noise of their own, in the same water. Raises ScenarioError.
+        Each vehicle has its own name, and thus its own noise, in the same water. Raises ScenarioError.
         """
         survey, entry = required_survey(base), base.vehicles[0]
         window = window_m(base, np.array(self.tile.area_m))
@@ -75,7 +75,10 @@ class DryTileError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class ScoreJob:
-    """The part of a merged map that is a tile's to score. occupied_m (n, 3): voxels. path_m (k, 3): pings in range."""
+    """The part of a merged map that belongs to a tile's score. occupied_m (n, 3): voxels.
+
+    path_m (k, 3): pings in range.
+    """
 
     job: TileJob
     grid: Grid
@@ -99,20 +102,20 @@ def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, 
     sonar = base.vehicles[0].sonar
     reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_khz).range_max_m
     (x0, y0), (x1, y1) = (area_m.min(axis=0) - reach_m).tolist(), (area_m.max(axis=0) + reach_m).tolist()
-    limit = 10_000.0  # of a scenario's metres
+    limit = 10_000.0  # of positions in a scenario
     return (max(x0, -limit), max(y0, -limit)), (min(x1, limit), min(y1, limit))
 
 
 def fly_tile(job: TileJob) -> dict[str, Any]:
-    """Survey a tile; return its figures, its map as the bytes of an .ot, and its pings' positions as those of an .npy.
+    """Survey a tile; return its values, its map as bytes of an .ot, and its pings' positions as bytes of an .npy.
 
-    A tile without water has `dry`, a mistake is an `error` in the result. Raises OSError and MemoryError.
+    In the result, a tile without water has `dry`, a failed one `error`. Raises OSError and MemoryError.
     """
     begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"error": None, "dry": None, "build": build_fingerprint()}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SurveyAreaWarning)  # the figures say lanes_left_out
+            warnings.simplefilter("ignore", SurveyAreaWarning)  # the values contain lanes_left_out
             _fly(job, result)
     except (OSError, MemoryError):
         raise
@@ -130,7 +133,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
     occupancy = OccupancyMap(resolution_m=job.voxel_m)
     _, record = fly_survey(sim, occupancy, least_share=0.0)
     if record.interrupted:
-        raise KeyboardInterrupt  # which the survey has swallowed: half a tile is no result
+        raise KeyboardInterrupt  # which the survey has caught: half a tile is no result
     path = io.BytesIO()
     np.save(path, record.path_world_m.astype(np.float32))
     result |= {

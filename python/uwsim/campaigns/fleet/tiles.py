@@ -14,14 +14,14 @@ from uwsim.scenario.spec.polygon import area, narrowest_width
 Corners = tuple[tuple[float, float], ...]
 MAX_TILES = 1_000_000
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 4, 40
-"""A smaller part of the area, cut off at its rim, is left out."""
+"""Smaller parts of the area, cut off at its rim, are left out."""
 
 
 @dataclass(frozen=True)
 class Tile:
     """A part of the area that one vehicle surveys. area_m: its corners, (x, y). cell: the square of the grid, (i, j).
 
-    Several tiles have the same cell where the area's outline cuts a square into pieces.
+    Several tiles have the same cell if the area's outline cuts a square into pieces.
     """
 
     number: int
@@ -31,7 +31,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class Grid:
-    """Squares over an area's bounding box. low_m: of its corner. edge_m: (x, y), at most as long as asked for."""
+    """Squares over an area's bounding box. low_m: of its corner. edge_m: (x, y), at most the requested length."""
 
     low_m: tuple[float, float]
     edge_m: tuple[float, float]
@@ -50,7 +50,7 @@ class Grid:
 
 
 def grid_over(area_m: Corners, tile_m: float) -> Grid:
-    """Return squares of about tile_m, which cover the bounding box without a rest. Raises ValueError."""
+    """Return squares of about tile_m that cover the bounding box exactly. Raises ValueError."""
     low, high = np.min(area_m, axis=0), np.max(area_m, axis=0)
     across, up = (max(1, math.ceil(size / tile_m - 1e-9)) for size in (high - low).tolist())
     if across * up > MAX_TILES:
@@ -60,7 +60,7 @@ def grid_over(area_m: Corners, tile_m: float) -> Grid:
 
 
 def tiles_of(area_m: Corners, grid: Grid, voxel_m: float) -> tuple[list[Tile], float]:
-    """Return the tiles of a simple polygon, and the area [m2] of the slivers that are left out."""
+    """Return the tiles of a simple polygon, and the area [m2] of the omitted slivers."""
     whole = CrossSection([np.asarray(area_m, np.float64)], fillrule=FillRule.EvenOdd)
     tiles, left_m2 = list[Tile](), 0.0
     for j in range(grid.count[1]):

@@ -1,4 +1,4 @@
-"""Flies one run again, the same to the last bit, with all that a sweep leaves out: recording, map and report."""
+"""Repeats one run, identical to the last bit, with everything that a sweep leaves out: recording, map and report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SCENARIO, RECORDING = "scenario.yaml", "run.mcap"
 
 
 def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
-    """Write scenario.yaml, run.mcap, map and report of a run into a folder. Raises what a flight does.
+    """Write scenario.yaml, run.mcap, map and report of a run to a folder. Raises the same errors as a flight.
 
     report: see fly.
     """
@@ -24,7 +24,7 @@ def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
     (folder / RECORDING).unlink(missing_ok=True)
     scenario = folder / SCENARIO
     write_scenario(scenario, job.varied_scenario())
-    is_recordable = job.mission is not None or job.estimate == "truth"  # no other survey can be recorded
+    is_recordable = job.mission is not None or job.estimate == "truth"  # other surveys cannot be recorded
     fly(
         job.mission, scenario, folder, autosave_s=0.0, threads=1, report=report,
         record=folder / RECORDING if is_recordable else None, **job.flight(),

@@ -19,7 +19,7 @@ from uwsim.simulator.simulator import Simulator
 
 FILES = ("mission", "scenario")
 MAX_TRIED = 200
-"""Choices of one name that are tried beforehand; the others' mistakes are errors of their runs."""
+"""Choices of one name that are tried in advance; errors of the others appear in their runs."""
 
 
 class Jobs:
@@ -62,10 +62,10 @@ class Jobs:
 
 
 def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
-    """Raise ScenarioError, one line for each mistake, if an end of a range or a choice is refused.
+    """Raise ScenarioError, one line per mistake, if an end of a range or a choice is refused.
 
-    Each is tried by itself, so that a mistake is told of once, and with the first of all others if that fails. Makes
-    one simulator, of the first of all.
+    Each is tried separately, so that a mistake is reported once, and if that fails, together with the first value of
+    all others. Makes one simulator, with all first values.
     """
     jobs, mistakes = Jobs(spec, folder), list[str]()
     first = {name: extremes(variation)[0] for name, variation in spec.vary.items()}

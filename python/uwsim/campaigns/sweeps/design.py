@@ -1,4 +1,4 @@
-"""The design of a sweep: which values each of its runs has."""
+"""The design of a sweep: the values of each of its runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario.variation import Level, Variation, choices, level_at
 
 @dataclass(frozen=True)
 class Run:
-    """A run of the sweep. sample: the same for runs that differ in their seed alone. seed: None: the scenario's."""
+    """A run of the sweep. sample: the same for runs that differ only in their seed. seed: None: the scenario's."""
 
     number: int
     sample: int
@@ -69,7 +69,7 @@ def _grid(variation: Variation) -> list[Level]:
     if variation.choices is not None:
         return choices(variation)
     levels = [_rounded(level_at(variation, float(u))) for u in np.linspace(0.0, 1.0, variation.steps or 2)]
-    return list({level.shown: level for level in levels}.values())  # whole numbers may come twice
+    return list({level.shown: level for level in levels}.values())  # whole numbers may occur twice
 
 
 def _rounded(level: Level) -> Level:
@@ -79,11 +79,11 @@ def _rounded(level: Level) -> Level:
 
 
 def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
-    """Return points (samples, variations) in the unit cube; scipy.stats.qmc draws those that are not at random."""
+    """Return points (samples, variations) in the unit cube; scipy.stats.qmc draws those that are not random."""
     random, width, count = np.random.default_rng(spec.seed), len(spec.vary), spec.samples or 1
     if spec.method == "random":
         return random.random((count, width))
-    from scipy.stats import qmc  # here, since it takes a second to import
+    from scipy.stats import qmc  # imported here, since it takes a second
 
     if spec.method == "latin_hypercube":
         return np.asarray(qmc.LatinHypercube(width, rng=random).random(count))

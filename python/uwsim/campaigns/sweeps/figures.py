@@ -23,7 +23,7 @@ BLUE = "#2f6f9f"
 
 
 def draw_distributions(path: Path, rows: Rows, metrics: Sequence[str]) -> None:
-    """Draw a histogram of each figure, with its median."""
+    """Draw a histogram of each metric, with its median."""
     figure, panels = _panels(len(metrics))
     for axes, metric in zip(panels, metrics, strict=True):
         values = rows.numbers(metric)
@@ -35,7 +35,7 @@ def draw_distributions(path: Path, rows: Rows, metrics: Sequence[str]) -> None:
 
 
 def draw_effects(path: Path, spec: SweepSpec, rows: Rows, metric: str, varied: Sequence[str]) -> None:
-    """Draw a figure over each thing that is varied: points of numbers with the means, boxes of choices."""
+    """Draw a metric against each variation: points of numbers with the means, boxes of choices."""
     figure, panels = _panels(len(varied))
     y = rows.numbers(metric)
     for axes, name in zip(panels, varied, strict=True):

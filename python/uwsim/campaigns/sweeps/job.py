@@ -1,4 +1,4 @@
-"""One run of a sweep, as a worker flies it: a scenario with the run's values, the flight, its figures."""
+"""One run of a sweep, as flown by a worker: a scenario with the run's values, the flight, its results."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.simulator import Simulator
 
 OF_THE_WALL = ("wall_s", "stage_wall_s", "threads", "seed", "scenario")
-"""Figures of a flight that the clock on the wall decides, or that the table has elsewhere."""
+"""Values of a flight that depend on the wall clock, or that the table has elsewhere."""
 MAX_LIST = 16
-"""Longer lists of a flight's figures have no columns in the table."""
+"""Longer lists among a flight's values get no columns in the table."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,11 @@ class Job:
 
     @property
     def makes_map(self) -> bool:
-        """Whether a map is made: always in a survey."""
+        """Whether a map is built; always so in a survey."""
         return self.map or self.mission is None
 
     def flight(self) -> dict[str, Any]:
-        """Return its arguments for `fly`; a survey does not measure how its map grows."""
+        """Return its arguments for `fly`; a survey does not measure the growth of its map."""
         is_survey = self.mission is None
         return {
             "arguments": self.arguments, "map": self.makes_map, "map_growth": not is_survey,
@@ -72,15 +72,15 @@ def _loaded(scenario: str) -> Scenario:
 
 
 def fly_job(job: Job) -> dict[str, Any]:
-    """Fly a run; return its figures by name, its provenance, and the error that ended it, if one did.
+    """Fly a run; return its values by name, its provenance, and the error that ended it, if any.
 
-    A mistake of scenario or mission is an error in the result. Raises OSError and MemoryError, which may go away.
+    A mistake in scenario or mission is an error in the result. Raises OSError and MemoryError, which may be transient.
     """
     begun_s = time.perf_counter()
     result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None}
     try:
         with wall_limit(job.wall_limit_s), warnings.catch_warnings():
-            warnings.simplefilter("ignore", SurveyAreaWarning)  # the figures say lanes_left_out
+            warnings.simplefilter("ignore", SurveyAreaWarning)  # the values contain lanes_left_out
             _fly(job, result)
     except (OSError, MemoryError):
         raise
@@ -105,12 +105,12 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 
 
 def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
-    """Fly a run; return its values, scored, with the map's once, beside the others."""
+    """Fly a run; return its values, scored, with the map's merged into the others."""
     if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
         raise MissionError(f"mission '{job.mission}': is missing here, or is not the file with which the sweep began")
     flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
-        raise KeyboardInterrupt  # which the flight has swallowed: half a run is no result
+        raise KeyboardInterrupt  # which the flight has caught: half a run is no result
     values = flight_values(scored(flown, sim)) | {"result": flown.result}
     values.pop("map", None)
     return values
@@ -121,7 +121,7 @@ def _is_same_file(path: Path, digest: str | None) -> bool:
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return nested figures as one level, with dotted names; without what is no figure, text or boolean."""
+    """Return nested values as one level, with dotted names; other types than numbers, text and booleans are dropped."""
     found: dict[str, Any] = {}
     for name, value in values.items():
         if name not in OF_THE_WALL:
@@ -136,7 +136,7 @@ def _flatten(name: str, value: Any, found: dict[str, Any]) -> None:
     elif isinstance(value, list | tuple):
         for k, item in enumerate(value if len(value) <= MAX_LIST else ()):
             _flatten(f"{name}.{k}", item, found)
-    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # NumPy's
+    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # of NumPy
         _flatten(name, value.item(), found)
     elif isinstance(value, float):
         found[name] = value if math.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""The rows of a sweep's table, one for each finished run, and what can be asked of them."""
+"""The rows of a sweep's table, one per finished run, and queries on them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PROVENANCE = ("run", "sample", "seed", "error", "trials", "scenario_digest", "bu
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """rows: by column, in the order of the runs. varied: the columns of what the sweep varies. metrics: of figures."""
+    """rows: by column, in the order of the runs. varied: the columns of the sweep's variations. metrics: of results."""
 
     rows: list[dict[str, Any]]
     varied: list[str]
@@ -26,7 +26,7 @@ class Rows:
 
     @classmethod
     def of(cls, runs: list[Run], results: Mapping[int, Mapping[str, Any]], plan: Mapping[str, Any]) -> Rows:
-        """Join runs with the results of those that are finished."""
+        """Join runs with the results of the finished ones."""
         rows, metrics = [], dict[str, None]()
         for run in runs:
             result = results.get(run.number)
@@ -65,12 +65,12 @@ class Rows:
         return [row for row in self.rows if row["error"]]
 
     def numbers(self, column: str) -> NDArray[np.float64]:
-        """Return a column (n,) as numbers; NaN where there is none, as in failed runs."""
+        """Return a column (n,) as numbers; NaN if there is none, as in failed runs."""
         values = [row.get(column) for row in self.rows]
         return np.array([float(v) if isinstance(v, bool | int | float) else np.nan for v in values], np.float64)
 
     def is_numeric(self, column: str) -> bool:
-        """Whether a column has numbers only."""
+        """Return whether a column contains only numbers."""
         values = [value for row in self.rows if (value := row.get(column)) is not None]
         return bool(values) and all(isinstance(value, bool | int | float) for value in values)
 
@@ -86,12 +86,12 @@ class Rows:
         return found
 
     def require_metric(self, name: str, what: str) -> None:
-        """Raise ValueError if no run has a figure of this name."""
+        """Raise ValueError if no run has a metric of this name."""
         if self.metrics and name not in self.metrics:
             raise ValueError(f"{what} = {name}: no such figure{did_you_mean(name, self.metrics)}")
 
     def missed(self, require: Mapping[str, Limits]) -> dict[str, int]:
-        """Return how many rows are outside each limit; a row without the figure is. Raises ValueError."""
+        """Return how many rows are outside each limit, counting rows without the metric. Raises ValueError."""
         found = {}
         for name, limits in require.items():
             self.require_metric(name, "require")

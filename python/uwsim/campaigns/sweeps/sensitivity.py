@@ -1,4 +1,4 @@
-"""How strongly each figure depends on what a sweep varies."""
+"""How strongly each metric depends on the sweep's variations."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.spec import SweepSpec
 
 FEWEST = 4
-"""Runs without which nothing is said."""
+"""Fewer runs give no result."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """metrics (m,), varied (v,): names. values (m, v), NaN where unknown; kinds (v,): what the values of a column are.
+    """metrics (m,), varied (v,): names. values (m, v), NaN where unknown; kinds (v,): the meaning of a column's values.
 
     "rank": Spearman's rank correlation, -1 to 1, of numbers. "share": of choices, the share of the variance that the
     means by choice explain (correlation ratio, eta squared), 0 to 1.
@@ -33,7 +33,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class SobolIndex:
-    """Sobol' indices of one figure and one variation: the share of the variance that it explains alone, and in all."""
+    """Sobol' indices of one metric and one variation: the share of the variance that it explains alone, and in all."""
 
     metric: str
     varied: str
@@ -42,7 +42,7 @@ class SobolIndex:
 
 
 def sensitivity(rows: Rows, metrics: Sequence[str]) -> Sensitivity:
-    """Return the dependence of figures on what is varied."""
+    """Return the dependence of metrics on the variations."""
     kinds = ["rank" if rows.is_numeric(name) else "share" for name in rows.varied]
     values = np.full((len(metrics), len(rows.varied)), np.nan)
     for column, (name, kind) in enumerate(zip(rows.varied, kinds, strict=True)):
@@ -71,7 +71,7 @@ def _share(rows: Rows, varied: str, metric: str) -> float:
 
 
 def sobol_indices_of(spec: SweepSpec, rows: Rows, metrics: Sequence[str]) -> list[SobolIndex]:
-    """Return Sobol' indices of a `method: saltelli` whose runs all have the figure; means over seeds.
+    """Return Sobol' indices for `method: saltelli` if all runs have the metric; means over seeds.
 
     Estimated by scipy.stats.sobol_indices as in Saltelli et al. (2010), Comput. Phys. Commun. 181, 259-270.
     """

@@ -1,4 +1,4 @@
-"""What a sweep's YAML file may say."""
+"""The permitted content of a sweep's YAML file."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ SeedNumber = Annotated[int, InRange(0, 2**63 - 1)]
 
 
 def _scenario(value: object, info: ValidationInfo) -> object:
-    """Return the absolute path of a file beside the sweep's; anything else as it is, such as a packaged name."""
+    """Return the absolute path of a file next to the sweep's; anything else unchanged, such as a packaged name."""
     return beside((info.context or {}).get("folder", Path()), value)
 
 
 def beside(folder: Path, value: Any) -> Any:
-    """Return a value in which each text that names a file in the folder is that file's path."""
+    """Return a value in which each text that names a file in the folder is replaced by that file's path."""
     if isinstance(value, str) and value and len(value) < 1000 and "\n" not in value and (folder / value).is_file():
         return str((folder / value).resolve())
     if isinstance(value, Mapping):
@@ -113,7 +113,7 @@ class SweepSpec(Model):
 
     @property
     def flies_missions(self) -> bool:
-        """Whether missions are flown, not surveys."""
+        """Whether missions are flown instead of surveys."""
         return self.mission is not None or "mission" in self.vary
 
     @model_validator(mode="after")
@@ -161,9 +161,9 @@ class SweepSpec(Model):
 
 
 def read_sweep(source: str | Path | Mapping[str, Any]) -> tuple[SweepSpec, SourceFile, Path]:
-    """Read a sweep's file, or take its values; return it, what it was read from, and its folder.
+    """Read a sweep's file, or accept its values; return it, its source, and its folder.
 
-    Raises ScenarioError, one line for each mistake.
+    Raises ScenarioError, one line per mistake.
     """
     if isinstance(source, Mapping):
         return validated(SweepSpec, dict(source)), SourceFile(), Path.cwd()

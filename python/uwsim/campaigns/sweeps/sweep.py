@@ -28,12 +28,12 @@ from uwsim.scenario.variation import choices
 REPORT = "report.html"
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of runs that are finished, that failed, and of all."""
+"""Called with the numbers of runs finished, failed, and in all."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """A sweep that was flown, or begun.
+    """A sweep that is complete or in progress.
 
     rows: of the table. out: the folder. interrupted: whether runs are missing.
     """
@@ -50,12 +50,12 @@ class Sweep:
 
     @property
     def failed(self) -> int:
-        """How many runs ended with an error."""
+        """The number of runs that ended with an error."""
         return len(self.rows.failed)
 
     @property
     def missed(self) -> dict[str, int]:
-        """How many runs are outside each of the sweep's `require`."""
+        """The number of runs outside each limit in the sweep's `require`."""
         return self.rows.missed(self.spec.require)
 
 
@@ -72,14 +72,14 @@ def run_sweep(
     tell: Tell = lambda finished, failed, count: None,
     show: Show = lambda activity: nullcontext(),
 ) -> Sweep:
-    """Fly all runs of a sweep; write `out`/runs.parquet and, if asked, report.html with the worst runs flown again.
+    """Fly all runs of a sweep; write `out`/runs.parquet and, if requested, report.html with the worst runs repeated.
 
-    source: a YAML file, or its values. workers: processes on this machine, by default one for each core; 0: none, it
-    flies here. scheduler: of a Dask cluster, instead. resume: fly what is missing in `out`, which must be of the same
-    sweep and build. retry_failed: then also what failed. A run that fails is a row with its error.
+    source: a YAML file, or its values. workers: processes on this machine, by default one per core; 0: fly in this
+    process. scheduler: of a Dask cluster, instead. resume: fly the runs missing in `out`, which must belong to the same
+    sweep and build. retry_failed: also repeat failed runs. A failed run becomes a row with its error.
 
-    A program of yours that calls this must do so under `if __name__ == "__main__":`, since the workers import it.
-    Raises ScenarioError for mistakes in the file, before anything is written; ValueError, OSError.
+    Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
+    ScenarioError for mistakes in the file, before anything is written; ValueError, OSError.
     """
     spec, read_from, folder = read_sweep(source)
     with show("checking the sweep"):
@@ -121,7 +121,7 @@ def _fly(
     crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
     stop_requested: Callable[[], bool], tell: Tell,
 ) -> None:  # fmt: skip
-    """Fly what is missing, and note each run in the ledger as it is finished."""
+    """Fly the missing runs, and record each in the ledger when it is finished."""
     finished = count - len(missing)
     failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
     tell(finished, failed, count)
@@ -133,7 +133,7 @@ def _fly(
 
 
 def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
-    from uwsim.campaigns.sweeps.report import write_report  # here, since matplotlib takes a second to import
+    from uwsim.campaigns.sweeps.report import write_report  # imported here, since matplotlib takes a second
 
     again = {}
     if not sweep.interrupted:
@@ -147,9 +147,9 @@ def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
 
 
 def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
-    """Fly one run of a sweep again: its scenario, recording, map and full report go into a folder.
+    """Repeat one run of a sweep, with scenario, recording, map and full report written to a folder.
 
-    It gives the same figures to the last bit, with the same build. Raises ScenarioError, ValueError, OSError.
+    With the same build, it gives the same values to the last bit. Raises ScenarioError, ValueError, OSError.
     """
     spec, _, beside = read_sweep(source)
     runs = runs_of(spec)
@@ -159,7 +159,7 @@ def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str |
 
 
 def _plan(spec: SweepSpec, jobs: Jobs) -> dict[str, Any]:
-    """Return what the figures of all runs follow from."""
+    """Return everything that determines the results of all runs."""
     files = {}
     for kind in FILES:
         levels = choices(spec.vary[kind]) if kind in spec.vary else []

@@ -1,4 +1,4 @@
-"""The table of a sweep: one Parquet file, a row for each run."""
+"""The table of a sweep: one Parquet file with one row per run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
     from pyarrow import parquet
 
     columns = {name: pa.array(_of_one_kind([row.get(name) for row in rows.rows])) for name in rows.columns}
-    columns = {n: c.cast(pa.string()) if c.type == pa.null() else c for n, c in columns.items()}  # such as no errors
+    # such as if there are no errors
+    columns = {n: c.cast(pa.string()) if c.type == pa.null() else c for n, c in columns.items()}
     table = pa.table(columns).replace_schema_metadata(dict(notes))
     content = io.BytesIO()
     parquet.write_table(table, content, compression="zstd")

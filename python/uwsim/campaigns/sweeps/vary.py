@@ -1,4 +1,4 @@
-"""Puts the values of a run into a scenario: as parameters, or as keys of the scenario's file."""
+"""Applies the values of a run to a scenario: as parameters, or as keys of the scenario's file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 
 def is_parameter(scenario: Scenario, name: str) -> bool:
-    """Whether a name is that of a parameter, or of a place above some."""
+    """Return whether a name is that of a parameter, or of a group of parameters."""
     return find(scenario, name) is not None
 
 

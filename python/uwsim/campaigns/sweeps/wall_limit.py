@@ -1,4 +1,4 @@
-"""A limit of wall time for a thread that may hang, such as in a mission that never waits."""
+"""A wall time limit for a thread that may hang, for example in a mission that never waits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class WallLimitError(BaseException):
 def wall_limit(limit_s: float | None) -> Iterator[None]:
     """Raise WallLimitError in this thread once the block has run for limit_s; None: never.
 
-    Python raises it between two instructions of its own, so that a call of C++ is not cut short.
+    Python raises it between two of its own instructions, so that C++ calls are not interrupted.
     """
     if limit_s is None:
         yield
