@@ -12,7 +12,7 @@
     rov.sonar.ping().plot()
     rov.cameras["front"].capture().save("front.png")
 
-help(uwsim.Simulator) and help(type(rov)) tell the rest.
+See help(uwsim.Simulator) and help(type(rov)) for the rest.
 
 World ENU, z up, water surface at z = 0; body x forward, y left, z up (REP 103); quaternions x, y, z, w; SI units.
 """

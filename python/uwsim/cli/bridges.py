@@ -1,4 +1,4 @@
-"""The bridges of a command beside its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
+"""The bridges of a command in addition to its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uwsim fleet`: survey a large area by tiles, on many workers."""
+"""`uwsim fleet`: survey a large area in tiles, on many workers."""
 
 from __future__ import annotations
 

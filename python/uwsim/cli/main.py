@@ -131,7 +131,7 @@ def _told(error: Exception) -> str:
 
 
 def _require_no_empty_word(words: list[str]) -> None:
-    """Raise UsageError for an empty word, as from an unset shell variable: it would mean a default."""
+    """Raise UsageError for an empty word, as from an unset shell variable, which would otherwise select a default."""
     for before, word in zip(["", *words], words, strict=False):
         option = re.fullmatch(r"(--[\w-]+)=", word)
         if not word or option:
@@ -142,7 +142,7 @@ def _require_no_empty_word(words: list[str]) -> None:
 def _spare_address_space() -> None:
     """Limit OpenBLAS to one thread if the address space is limited.
 
-    When loaded it claims 33 MB per thread, and if it does not get them it retries for ever or interrupts.
+    When loaded it claims 33 MB per thread, and if it does not get them it retries forever or aborts.
     """
     if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

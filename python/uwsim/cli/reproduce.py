@@ -1,4 +1,4 @@
-"""`uwsim reproduce`: make published figures again."""
+"""`uwsim reproduce`: reproduce published figures."""
 
 from __future__ import annotations
 

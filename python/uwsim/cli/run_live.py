@@ -1,4 +1,4 @@
-"""Shared by the commands that run a live simulator: they wait for Ctrl-C, and say when the pace is not held."""
+"""Shared by the commands that run a live simulator: they wait for Ctrl-C, and report when the pace is not held."""
 
 from __future__ import annotations
 
@@ -12,12 +12,15 @@ import typer
 from uwsim.live import LiveSimulator
 
 LOOK_S = 5.0
-SLIP_S = 0.5  # of wall time within LOOK_S that is worth a word
+SLIP_S = 0.5  # of wall time within LOOK_S that is worth reporting
 SWITCH_S = 0.0005
 
 
 def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
-    """Print the greeting; return at Ctrl-C or SIGTERM. Meanwhile say on stderr when the simulation slips, or fails."""
+    """Print the greeting; return at Ctrl-C or SIGTERM.
+
+    Meanwhile report on stderr when the simulation slips or fails.
+    """
     interrupted = _interrupt()
     typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
     slipped_s, error = live.slipped_s, None
@@ -42,10 +45,10 @@ def wait_for_interrupt(greeting: str) -> None:
 
 
 def keep_threads_moving() -> None:
-    """Set up a process that serves: no thread may keep the interpreter from the others for a whole step.
+    """Set up a server process: no thread may block the interpreter for the others for a whole step.
 
-    A thread that computes in Python keeps it for 5 ms by default, and a full garbage collection for 60 ms, most of them
-    for modules and classes that live as long as the process: they are left out of all later collections.
+    By default a computing Python thread blocks it for 5 ms, and a full garbage collection for 60 ms, mostly for modules
+    and classes that live as long as the process: these are excluded from all later collections.
     """
     sys.setswitchinterval(SWITCH_S)
     gc.collect()
@@ -53,7 +56,7 @@ def keep_threads_moving() -> None:
 
 
 def _interrupt() -> threading.Event:
-    """Return what is set at Ctrl-C or SIGTERM."""
+    """Return an event that is set at Ctrl-C or SIGTERM."""
     keep_threads_moving()
     interrupted = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -101,7 +101,7 @@ def serve(
         feed = Feed(live)
 
         def record_from(table: Table) -> None:
-            """Begin to record what a table's clients see, if a recording was requested."""
+            """Start recording what clients of a table see, if a recording was requested."""
             if record is not None:
                 from uwsim.recording import Recorder
 
@@ -123,7 +123,8 @@ def serve(
             shown = hub.present().table
         else:
             shown = served_table(live, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
-            server = RosbridgeServer(live, channels=(), feed=feed, **options)  # refuses bad ones before a file is made
+            # refuses invalid ones before a file is made
+            server = RosbridgeServer(live, channels=(), feed=feed, **options)
             if simulator.link is not None:
                 from uwsim.link import Carrier
 

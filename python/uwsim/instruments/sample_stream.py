@@ -15,10 +15,10 @@ Take = Callable[[], tuple[Any, Any, Any, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples in the order of their arrival; dropped ones are not among them.
+    """Samples in order of arrival; dropped ones are not included.
 
-    stamps_ns, arrivals_ns: (n,) uint64, when they were measured and when they came. readings: (n, width) float64, the
-    kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
+    stamps_ns, arrivals_ns: (n,) uint64, when they were measured and when they arrived. readings: (n, width) float64,
+    the kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
     """
 
     stamps_ns: NDArray[np.uint64]
@@ -65,20 +65,20 @@ class SampleStream:
         return Samples.joined(pieces)
 
     def receive(self, samples: Samples) -> None:
-        """Keep samples for the next `take`."""
+        """Store samples for the next `take`."""
         self._pieces.append(samples.since(self._from_ns))
 
     def close(self) -> None:
-        """Get no more."""
+        """Stop the stream."""
         self._source.leave(self)
 
     __del__ = close
 
 
 class SampleSource:
-    """Hands a sensor's samples out to all its streams.
+    """Distributes a sensor's samples to all its streams.
 
-    take: the sensor's new samples. watch(from_ns): begins to keep them, or with None keeps none any more.
+    take: returns the sensor's new samples. watch(from_ns): starts collecting them, or with None stops.
     """
 
     def __init__(self, take: Take, watch: Callable[[int | None], None]) -> None:
@@ -97,28 +97,28 @@ class SampleSource:
         return stream
 
     def feeds(self, stream: SampleStream) -> bool:
-        """Whether a stream still gets samples."""
+        """Return whether a stream is still active."""
         return stream in self._streams
 
     def leave(self, stream: SampleStream) -> None:
-        """Forget a stream; after the last one, samples are not kept."""
+        """Remove a stream; after the last one, samples are no longer collected."""
         if self.feeds(stream):
             self._streams.discard(stream)
             if not self._streams:
                 self._watch(None)
 
     def close(self) -> None:
-        """End all streams: they get nothing more. For a simulator that goes back in time."""
+        """End all streams, for a simulator that goes back in time."""
         self._streams.clear()
         self._watch(None)
 
     def settle(self) -> None:
-        """Give all streams what has arrived so far: from now on the sensor tells otherwise."""
+        """Deliver everything that has arrived so far, since the sensor's readings change from now on."""
         if self._streams:
             self.hand_out()
 
     def hand_out(self) -> None:
-        """Give all streams what has arrived."""
+        """Deliver everything that has arrived to all streams."""
         samples = Samples(*self._take())
         for stream in self._streams:
             stream.receive(samples)

@@ -42,7 +42,7 @@ class Sample(Generic[R]):
 
 
 class Sensor(Sealed, Generic[R]):
-    """A sensor whose noise comes from a seeded random stream of its own.
+    """A sensor whose noise comes from its own seeded random stream.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
@@ -190,7 +190,7 @@ class Sensor(Sealed, Generic[R]):
 
 
 class Sensors(Named[Sensor[Any]]):
-    """A vehicle's sensors by name. A sensor named after a kind is of that kind, which gives its readings' type."""
+    """A vehicle's sensors by name. A sensor named after a kind is of that kind, which determines its readings' type."""
 
     if TYPE_CHECKING:
 

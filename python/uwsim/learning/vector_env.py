@@ -104,7 +104,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         if self.autoreset_mode == AutoresetMode.DISABLED and anew.any():
             members = ", ".join(map(str, np.flatnonzero(anew)[:5].tolist()))
             raise ValueError(f"step: members {members} have ended: reset(options={{'reset_mask': mask}}) them first")
-        outcome = self.episodes.step(actions, anew if anew.any() else None)  # in NEXT_STEP alone
+        outcome = self.episodes.step(actions, anew if anew.any() else None)  # only in NEXT_STEP
         observation, terminated, truncated = outcome.observation, outcome.terminated, outcome.truncated
         info = told(outcome.figures, ~anew)
         self._ended = terminated | truncated
@@ -125,7 +125,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
 
 
 def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
-    """Return figures as Gymnasium's vector info: each with a mask (n,) of its members."""
+    """Return values as Gymnasium's vector info: each with a mask (n,) of its members."""
     if not mask.any():
         return {}
     info: dict[str, Any] = {}

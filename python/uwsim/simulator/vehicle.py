@@ -35,10 +35,9 @@ class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first. cameras,
-    imaging_sonars: by name. lamps: by the name of their switch.
-    control: the model and the gains of its file, for a Controller; parameters that change later are not in
-    it. A docked vehicle's thrusters are off: the first time that simulated time passes while it is commanded, there is
-    a DockedWarning.
+    imaging_sonars: by name. lamps: by the name of their switch. control: the model and the gains of its file, for a
+    Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: the first time that
+    simulated time passes while it is commanded, a DockedWarning is issued.
     """
 
     name: str
@@ -108,7 +107,7 @@ class Vehicle(CommandedVehicle):
         return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m; {floats}>"
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
-        """Go on with other figures. Simulator.parameters calls this."""
+        """Continue with other parameters. Simulator.parameters calls this."""
         self._craft = spec.craft
         for sensor in spec.sensors:
             self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
@@ -126,15 +125,15 @@ class Vehicle(CommandedVehicle):
 
     @property
     def authority(self) -> Vector:
-        """(6,) acceleration from rest that full effort of each axis alone gives, deep in still water [m/s2, rad/s2].
+        """(6,) acceleration from rest at full effort of each axis alone, deep in still water [m/s2, rad/s2].
 
-        From the smaller of the wrenches ahead and astern, and the full mass, added mass included.
+        From the smaller of the wrenches ahead and astern, and the full mass, including added mass.
         """
         return authority(self._craft, self.full_wrench_body)
 
     @property
     def failsafe(self) -> FailsafeLike | None:
-        """What it does by itself when nobody speaks to it or something fails; None unless its YAML file says so."""
+        """Its autonomous reaction to silence or to a failure; None unless its YAML file defines one."""
         return self.gate.failsafe
 
     @property
@@ -181,29 +180,29 @@ class Vehicle(CommandedVehicle):
         return motion[2] if motion[0] == self._simulation.version else self._new_motion()[2]
 
     def _new_motion(self) -> tuple[int, Pose, Velocity]:
-        """Make version, pose and velocity, once for each version: missions ask several times in each period."""
+        """Compute version, pose and velocity once per version: missions read them several times in each period."""
         position, orientation, world_from_body, linear, angular = self._simulation.motion(self._index)
         motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
-        self.__dict__["_last_motion"] = motion  # faster than by __setattr__, which checks names
+        self.__dict__["_last_motion"] = motion  # faster than __setattr__, which checks names
         return motion
 
     @property
     def estimate(self) -> Navigator:
-        """Where the vehicle is by its own instruments: pose, velocity and their covariance, by an error-state filter.
+        """The vehicle's motion by its own instruments: pose, velocity and their covariance, from an error-state filter.
 
-        The first look starts it, from the pose and velocity of that moment, which it takes to be known within 0.1 m and
-        0.05 m/s; so do place, dock and undock. It goes by the errors that the sensors had then. Raises ValueError for a
-        vehicle without an IMU. See docs/guides/estimation.md.
+        The first access starts it, from the pose and velocity at that time, assumed to be known within 0.1 m and 0.05
+        m/s; place, dock and undock restart it in the same way. It assumes the errors that the sensors had then. Raises
+        ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
         """
         return self._navigation.navigator
 
     @property
     def navigation(self) -> OnboardNavigation:
-        """What keeps `estimate` up to date. For Simulator."""
+        """The object that keeps `estimate` up to date, for Simulator."""
         return self._navigation
 
     def _known_start(self) -> Start:
-        from uwsim.navigation.estimation import Start  # here, since scipy takes long to import
+        from uwsim.navigation.estimation import Start  # imported here, since scipy takes long
 
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s
@@ -211,7 +210,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def collisions(self) -> int:
-        """The number of times that the vehicle has come to touch something."""
+        """The number of times that the vehicle has started to touch something."""
         return self._simulation.collisions(self._index)
 
     def telemetry(self) -> _core.Telemetry:

@@ -1,4 +1,4 @@
-"""The mounts of a vehicle's instruments and actuators: their distance from its hull, and what their beams meet."""
+"""The mounts of a vehicle's instruments and actuators: their distance from its hull, and what their beams hit."""
 
 from __future__ import annotations
 
@@ -133,9 +133,9 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 
 
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
-    """Return whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, meets it.
+    """Return whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, hits it.
 
-    A ray from inside first meets a back face. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
+    A ray from inside first hits a back face. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
     intersection".
     """
     a = corners_m[:, 0]

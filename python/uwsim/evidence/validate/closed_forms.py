@@ -71,9 +71,9 @@ def _write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
 
 
 def sphere_from_rest() -> list[Check]:
-    """Check that a sphere released at rest accelerates as if it carried half its displaced water (Lamb 1932, art.
+    """Check that a sphere released at rest accelerates as if it carried half its displaced water.
 
-    92).
+    Lamb 1932, art. 92.
     """
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=0.0)
     got = _first_acceleration(sim)

@@ -74,7 +74,7 @@ def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTL
 def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
-    Without the parts within CORNER_M behind a corner.
+    The parts within CORNER_M behind a corner are excluded.
     """
     corners = _corners()
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)

@@ -99,7 +99,7 @@ class Camera(Sealed):
         effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply; without:
         names of effects to leave out. geometry_only: depth, normals, labels and classes only. radiance: include it.
         measure: fill task_s. A camera that is off gives a black picture without any surface. Raises ValueError for
-        unknown effects and for a camera below the ground; a camera inside another solid shows that solid's inner side.
+        unknown effects and for a camera below the ground; a camera inside another solid shows the inside of that solid.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]

@@ -13,7 +13,7 @@ from uwsim.scenario.spec.camera import PanTilt
 MOTORS = ("pan", "tilt")
 Angles = tuple[FiniteFloat, FiniteFloat]
 Motion = tuple[Nanoseconds, Angles, Angles]
-"""A time, where the axes were then, and where they turn to."""
+"""A time, the angles of the axes then, and their targets."""
 TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
 
 
@@ -54,5 +54,5 @@ class PanTiltHead:
         return [since_ns, list(start), list(aim)]
 
     def restore(self, motion: Motion) -> None:
-        """Continue from what `save` returned."""
+        """Continue from the result of `save`."""
         self._motion = motion

@@ -11,7 +11,7 @@ from uwsim.instruments.cameras.pan_tilt import Motion, PanTiltHead
 
 
 class SavedLamps:
-    """Which lamps are lit, by vehicle and name."""
+    """Which lamps are on, by vehicle and name."""
 
     STATE: ClassVar[Any] = dict[str, dict[str, bool]]
 
@@ -23,7 +23,7 @@ class SavedLamps:
         return {vehicle: {name: lamp.on for name, lamp in lamps.items()} for vehicle, lamps in self._lamps.items()}
 
     def restore(self, state: Mapping[str, Mapping[str, bool]]) -> None:
-        """Continue from what `save` returned. Raises ValueError for that of other lamps."""
+        """Continue from the result of `save`. Raises ValueError if it belongs to other lamps."""
         require_names("lamps", _paths(state), _paths(self._lamps))
         for vehicle, lit in state.items():
             for name, on in lit.items():
@@ -31,7 +31,7 @@ class SavedLamps:
 
 
 class SavedHeads:
-    """How the cameras that turn are turning, by name."""
+    """The motion of cameras with a motor, by name."""
 
     STATE: ClassVar[Any] = dict[str, Motion]
 
@@ -43,7 +43,7 @@ class SavedHeads:
         return {name: head.save() for name, head in self._heads.items()}
 
     def restore(self, state: Mapping[str, Motion]) -> None:
-        """Continue from what `save` returned. Raises ValueError for that of other cameras."""
+        """Continue from the result of `save`. Raises ValueError if it belongs to other cameras."""
         require_names("cameras", state, self._heads)
         for name, motion in state.items():
             self._heads[name].restore(motion)
