@@ -91,7 +91,7 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
 void PacketNetwork::check() const {
   std::uint64_t waiting = 0, next_end_ns = ~std::uint64_t{0};
   for (std::size_t from = 0; from < nodes_.size(); ++from) {
-    for (const LinkMessage& message : nodes_[from].queue.messages()) check(message, from);
+    for (const LinkMessage* message : nodes_[from].queue.messages()) check(*message, from);
     waiting += nodes_[from].queue.size();
   }
   require(waiting_ == waiting, "state.link.waiting", waiting_, "must be the number of messages");

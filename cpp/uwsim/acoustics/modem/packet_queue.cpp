@@ -23,71 +23,71 @@ void LinkMessage::exchange_state(StateArchive& archive) {
 }
 
 PacketQueue::Added PacketQueue::add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced) {
-  const auto older = std::find_if(messages_.begin(), messages_.end(), [&](const LinkMessage& other) {
-    return message.replaces && other.replaces && other.packets_sent == 0 && other.topic == message.topic &&
-           other.to == message.to;
-  });
-  const std::uint64_t freed = older == messages_.end() ? 0 : older->payload.size();
+  const auto older = replaced_by(message);
+  const bool replaces = older != messages_.end();
+  const std::uint64_t freed = replaces ? older->second.payload.size() : 0;
   if (bytes_ - freed + message.payload.size() > bytes_max) return Added::kRefused;
-  const Added added = older == messages_.end() ? Added::kQueued : Added::kReplaced;
-  if (added == Added::kReplaced) {
-    replaced = *older;
-    remove(static_cast<std::size_t>(older - messages_.begin()));
-  }
-  bytes_ += message.payload.size();
-  messages_.push_back(std::move(message));
-  find_next_deadline();
-  return added;
-}
-
-std::size_t PacketQueue::first() const {
-  const auto found = std::min_element(messages_.begin(), messages_.end(), [](const auto& a, const auto& b) {
-    return a.priority < b.priority;  // among equals, the first
-  });
-  return static_cast<std::size_t>(found - messages_.begin());
-}
-
-LinkMessage PacketQueue::take_front() {
-  const std::size_t index = first();
-  LinkMessage taken = messages_[index];
-  remove(index);
-  return taken;
+  if (replaces) replaced = take(older);
+  insert(std::move(message));
+  return replaces ? Added::kReplaced : Added::kQueued;
 }
 
 LinkMessage PacketQueue::repeat_front() {
-  const auto front = messages_.begin() + static_cast<std::ptrdiff_t>(first());
-  LinkMessage copy = *front;
-  front->packets_sent = 0;
-  front->again = true;
-  --front->repeats;
-  std::rotate(front, front + 1, messages_.end());
-  find_next_deadline();
+  LinkMessage message = take_front();
+  LinkMessage copy = message;
+  message.packets_sent = 0;
+  message.again = true;
+  --message.repeats;
+  insert(std::move(message));
   return copy;
 }
 
-bool PacketQueue::holds(std::uint64_t number) const {
-  return std::any_of(messages_.begin(), messages_.end(), [&](const auto& held) { return held.number == number; });
+std::vector<const LinkMessage*> PacketQueue::messages() const {
+  std::vector<std::pair<std::uint64_t, const LinkMessage*>> ordered;
+  for (const auto& [place, message] : messages_) ordered.emplace_back(place.order, &message);
+  std::sort(ordered.begin(), ordered.end());
+  std::vector<const LinkMessage*> found;
+  for (const auto& entry : ordered) found.push_back(entry.second);
+  return found;
 }
 
-void PacketQueue::remove(std::size_t index) {
-  bytes_ -= messages_[index].payload.size();
-  messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(index));
+void PacketQueue::insert(LinkMessage message) {
+  const Place place{message.priority, next_order_++};
+  bytes_ += message.payload.size();
+  numbers_.insert(message.number);
+  if (message.replaces) replaceable_.insert(place);
+  if (message.deadline_ns > 0 && message.packets_sent == 0) deadlines_.emplace(message.deadline_ns, place);
+  messages_.emplace(place, std::move(message));
 }
 
-void PacketQueue::find_next_deadline() {
-  next_deadline_ns_ = ~std::uint64_t{0};
-  for (const LinkMessage& message : messages_) {
-    if (message.deadline_ns > 0 && message.packets_sent == 0) {
-      next_deadline_ns_ = std::min(next_deadline_ns_, message.deadline_ns);
-    }
+LinkMessage PacketQueue::take(Messages::iterator from) {
+  LinkMessage taken = std::move(from->second);
+  bytes_ -= taken.payload.size();
+  numbers_.erase(taken.number);
+  replaceable_.erase(from->first);
+  deadlines_.erase({taken.deadline_ns, from->first});
+  messages_.erase(from);
+  return taken;
+}
+
+PacketQueue::Messages::iterator PacketQueue::replaced_by(const LinkMessage& message) {
+  auto oldest = messages_.end();
+  if (!message.replaces) return oldest;
+  for (const Place& place : replaceable_) {
+    const auto other = messages_.find(place);
+    const LinkMessage& held = other->second;
+    if (held.packets_sent > 0 || held.topic != message.topic || held.to != message.to) continue;
+    if (oldest == messages_.end() || place.order < oldest->first.order) oldest = other;
   }
+  return oldest;
 }
 
 void PacketQueue::exchange_state(StateArchive& archive) {
-  archive.list(messages_, [&](LinkMessage& message) { message.exchange_state(archive); });
-  bytes_ = 0;
-  for (const LinkMessage& message : messages_) bytes_ += message.payload.size();
-  find_next_deadline();
+  std::vector<LinkMessage> all;
+  for (const LinkMessage* message : messages()) all.push_back(*message);
+  archive.list(all, [&](LinkMessage& message) { message.exchange_state(archive); });
+  *this = PacketQueue();
+  for (LinkMessage& message : all) insert(std::move(message));
 }
 
 }  // namespace uwsim

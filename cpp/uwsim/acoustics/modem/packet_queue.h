@@ -1,8 +1,12 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
-#include <optional>
+#include <map>
+#include <set>
 #include <string>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "uwsim/core/state_archive.h"
@@ -29,7 +33,8 @@ struct LinkMessage {
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
 
-/// The messages waiting at a node: the lowest priority number first, then the oldest.
+/// The messages waiting at a node: the lowest priority number first, then the oldest. Each operation takes at most a time
+/// that grows with the logarithm of their number.
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
@@ -38,38 +43,47 @@ class PacketQueue {
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }
   std::uint64_t bytes() const { return bytes_; }
-  /// Removes messages whose deadline has passed and calls `tell` for each.
+  /// Removes messages whose deadline has passed and calls `tell` for each, in the order of their deadlines.
   template <typename Tell>
   void expire(std::uint64_t now_ns, const Tell& tell) {
-    if (now_ns < next_deadline_ns_) return;
-    for (std::size_t k = messages_.size(); k-- > 0;) {
-      if (!has_expired(messages_[k], now_ns)) continue;
-      tell(messages_[k]);
-      remove(k);
+    while (!deadlines_.empty() && deadlines_.begin()->first <= now_ns) {
+      const auto found = messages_.find(deadlines_.begin()->second);
+      deadlines_.erase(deadlines_.begin());
+      if (found == messages_.end() || found->second.packets_sent > 0) continue;
+      tell(found->second);
+      take(found);
     }
-    find_next_deadline();
   }
   /// The message to send from next; the queue must not be empty.
-  LinkMessage& front() { return messages_[first()]; }
-  LinkMessage take_front();
+  LinkMessage& front() { return messages_.begin()->second; }
+  LinkMessage take_front() { return take(messages_.begin()); }
   /// Returns a copy of the message to send from next, which is queued again behind its equals.
   LinkMessage repeat_front();
-  bool holds(std::uint64_t number) const;
-  const std::vector<LinkMessage>& messages() const { return messages_; }
+  bool holds(std::uint64_t number) const { return numbers_.contains(number); }
+  /// In order of submission.
+  std::vector<const LinkMessage*> messages() const;
 
   void exchange_state(StateArchive& archive);
 
  private:
-  static bool has_expired(const LinkMessage& message, std::uint64_t now_ns) {
-    return message.deadline_ns > 0 && message.packets_sent == 0 && now_ns >= message.deadline_ns;
-  }
-  std::size_t first() const;
-  void remove(std::size_t index);
-  void find_next_deadline();
+  struct Place {
+    std::uint64_t priority;
+    std::uint64_t order;  // of submission
+    auto operator<=>(const Place&) const = default;
+  };
+  using Messages = std::map<Place, LinkMessage>;
 
-  std::vector<LinkMessage> messages_;  // in order of submission
+  void insert(LinkMessage message);
+  LinkMessage take(Messages::iterator from);
+  /// The oldest message that a new one replaces.
+  Messages::iterator replaced_by(const LinkMessage& message);
+
+  Messages messages_;
+  std::set<std::pair<std::uint64_t, Place>> deadlines_;  // of waiting messages, and of some whose sending has begun
+  std::set<Place> replaceable_;                          // a few for each topic
+  std::unordered_set<std::uint64_t> numbers_;
   std::uint64_t bytes_ = 0;
-  std::uint64_t next_deadline_ns_ = ~std::uint64_t{0};
+  std::uint64_t next_order_ = 0;
 };
 
 }  // namespace uwsim
