@@ -9,6 +9,14 @@
 
 namespace uwsim {
 
+namespace {
+
+// From here on the thrust is its target. An exponential never reaches it: after 54 s of a lag of 75 ms it is a
+// subnormal number, with which operations take many times as long.
+constexpr double kReachedN = 1e-30;
+
+}  // namespace
+
 void ThrusterParameters::check() const {
   const std::string path = "thrusters." + name;
   require(position_body_m.allFinite(), path + ".position_m", position_body_m.transpose(), "must be finite");
@@ -48,7 +56,8 @@ void Thruster::advance(double step_s, bool powered) {
     mean_decay_ = -std::expm1(-steps) / steps;
   }
   const double target = powered ? target_n_ : 0;
-  const double difference = thrust_n_ - target;
+  double difference = thrust_n_ - target;
+  if (std::abs(difference) < kReachedN) difference = 0;
   mean_thrust_n_ = target + difference * mean_decay_;
   thrust_n_ = target + difference * decay_;
 }

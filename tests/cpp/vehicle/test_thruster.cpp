@@ -73,6 +73,19 @@ TEST(Thruster, ItFollowsWithItsTimeConstantWhateverTheStep) {
   }
 }
 
+TEST(Thruster, AnIdleThrusterReachesZeroAndIsNeverSubnormal) {
+  Thruster thruster(pusher());
+  thruster.set_command(1);
+  for (int k = 0; k < 200; ++k) thruster.advance(0.005, true);
+  thruster.set_command(0);
+  for (int k = 0; k < 60'000; ++k) {  // 5 min; the exponential would be subnormal after 143 s
+    thruster.advance(0.005, true);
+    ASSERT_NE(std::fpclassify(thruster.thrust_n()), FP_SUBNORMAL) << "after " << k << " steps";
+    ASSERT_NE(std::fpclassify(wrench(thruster)(0)), FP_SUBNORMAL) << "after " << k << " steps";
+  }
+  EXPECT_EQ(thruster.thrust_n(), 0);
+}
+
 TEST(Thruster, WithoutPowerItSpinsDown) {
   Thruster thruster = running(pusher());
   thruster.advance(0.005, false);

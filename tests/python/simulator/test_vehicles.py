@@ -1,5 +1,7 @@
 """The packaged vehicles have the published figures and move as these predict."""
 
+import ctypes
+import platform
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ from uwsim.scenario import ScenarioError, load_vehicle, rigid_body, vehicle_hull
 from uwsim.scenario.read.assets import assets_folder, packaged_names
 
 BLUEROVS = ("bluerov2_heavy", "bluerov2_heavy_cfd", "bluerov2_wu", "bluerov2_tank")
+FE_UNDERFLOW = {"x86_64": 0x10, "aarch64": 0x08}[platform.machine()]
 T200 = {"diameter_m": 0.076, "kt": 0.445, "j0": 0.976}
 
 
@@ -52,6 +55,22 @@ def test_remus_has_the_mass_properties_of_its_spheroid() -> None:
     assert body.volume_m3 == pytest.approx(4 / 3 * np.pi * a * b**2, rel=1e-4)
     assert body.mass_kg == pytest.approx(31.03, rel=1e-3)
     np.testing.assert_allclose(body.inertia_kg_m2[1], body.mass_kg / 5 * (a**2 + b**2), rtol=1e-3)
+
+
+@pytest.mark.parametrize("name", packaged_names("vehicles"))
+def test_no_number_of_a_vehicle_at_rest_becomes_subnormal(name: str, tmp_path: Path) -> None:
+    """A step with subnormal numbers takes up to three times as long, and a decay that never ends leads to them."""
+    sim = open_water(tmp_path, name)
+    rov = sim.rov
+    axes = [axis for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw") if axis in rov.controllable]
+    rov.set_effort(**dict.fromkeys(axes, 0.3))
+    sim.advance(2.0)
+    rov.set_effort(**dict.fromkeys(axes, 0.0))
+    sim.advance(300.0)
+    libm = ctypes.CDLL("libm.so.6")
+    libm.feclearexcept(FE_UNDERFLOW)
+    sim.step(200)
+    assert not libm.fetestexcept(FE_UNDERFLOW)
 
 
 def test_a_submerged_vehicle_has_its_published_weight(tmp_path: Path) -> None:

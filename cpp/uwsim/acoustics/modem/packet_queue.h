@@ -33,8 +33,8 @@ struct LinkMessage {
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
 
-/// The messages waiting at a node: the lowest priority number first, then the oldest. Each operation takes at most a time
-/// that grows with the logarithm of their number.
+/// The messages waiting at a node: the lowest priority number first, then the oldest. Each operation takes at most a
+/// time that grows with the logarithm of their number.
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
