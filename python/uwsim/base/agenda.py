@@ -126,9 +126,7 @@ class Agenda:
             part_end = min(end, max(tick + 1, self.due_tick))
             yield part_end - tick
             tick = part_end
-            if self._tick() == tick:
-                act(self._reached, tick)
-            if self._tick() != tick:
+            if self._tick() != tick or (act(self._reached, tick) and self._tick() != tick):
                 return
 
     def jump(self) -> None:
@@ -140,14 +138,21 @@ class Agenda:
 
 def due_tick(entries: Iterable[_Entry]) -> int:
     """Return the next tick at which one of these is due."""
-    return min((one.item.due_tick for one in entries), default=NEVER)
+    soonest = NEVER
+    for one in entries:
+        if (tick := one.item.due_tick) < soonest:
+            soonest = tick
+    return soonest
 
 
-def act(entries: Iterable[_Entry], tick: int) -> None:
-    """Let the due entries act, in order."""
+def act(entries: Iterable[_Entry], tick: int) -> bool:
+    """Let the due entries act, in order; return whether there was one."""
+    acted = False
     for one in entries:
         if one.item.due_tick <= tick:
             one.act(tick)
+            acted = True
+    return acted
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:

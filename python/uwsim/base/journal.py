@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from uwsim.base.agenda import Agenda, Due, Rank
 
 JUMPS = ("reset", "restore_state")
 """Commands that change the time."""
+EFFORT = "set_effort"
+"""The command that steers in each control period."""
 
 
+@runtime_checkable
 class CommandObserver(Protocol):
     """Is notified of commands, on the thread that issues them."""
 
@@ -17,8 +20,8 @@ class CommandObserver(Protocol):
         """Handle a command that has just taken effect: a name of uwsim.live.COMMANDS, restore_state or reset."""
 
 
-class Observer(CommandObserver, Due, Protocol):
-    """Also observes the simulator when due, before any command of that tick; must change nothing."""
+class Observer(Due, Protocol):
+    """Observes the simulator when due, before any command of that tick; must change nothing."""
 
     def observe(self) -> None:
         """Observe the present state; due_tick is later afterwards."""
@@ -31,22 +34,27 @@ class Journal:
         """agenda: on which observers are scheduled."""
         self._agenda = agenda
         self.observers: tuple[CommandObserver, ...] = ()
+        self.of_efforts: tuple[CommandObserver, ...] = ()
 
-    def listen(self, observer: CommandObserver) -> None:
-        """Start passing commands to an observer."""
+    def listen(self, observer: CommandObserver, *, efforts: bool = True) -> None:
+        """Start passing commands to an observer. efforts: including set_effort, which is issued very often."""
         self.observers = (*self.observers, observer)
+        if efforts:
+            self.of_efforts = (*self.of_efforts, observer)
 
-    def attach(self, observer: Observer) -> None:
-        """Start passing commands to an observer, and calling it when it is due."""
-        self.listen(observer)
+    def attach(self, observer: Observer, *, efforts: bool = True) -> None:
+        """Start calling an observer when it is due, and passing commands to it if it is a CommandObserver as well."""
+        if isinstance(observer, CommandObserver):
+            self.listen(observer, efforts=efforts)
         self._agenda.add(observer, Rank.OBSERVER, lambda tick: observer.observe())
 
-    def detach(self, observer: CommandObserver) -> None:
+    def detach(self, observer: CommandObserver | Observer) -> None:
         """End the effect of `listen` or `attach`."""
         self.observers = tuple(other for other in self.observers if other is not observer)
+        self.of_efforts = tuple(other for other in self.of_efforts if other is not observer)
         self._agenda.remove(observer)
 
     def note(self, name: str, /, **arguments: Any) -> None:
         """Pass on a command that has just taken effect."""
-        for observer in self.observers:
+        for observer in self.of_efforts if name == EFFORT else self.observers:
             observer.commanded(name, arguments)

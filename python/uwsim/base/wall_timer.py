@@ -38,9 +38,10 @@ class WallTimer:
 
 
 class _Inner(threading.local):
-    """Seconds of the blocks that have ended within this thread's present block."""
+    """took_s: in a list, the seconds of the blocks that have ended within this thread's present block."""
 
-    took_s = 0.0
+    def __init__(self) -> None:
+        self.took_s = [0.0]
 
 
 class Measurement:
@@ -49,17 +50,19 @@ class Measurement:
     Faster than a generator-based context manager, since there are several in each ping.
     """
 
-    __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_wall_s")
+    __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_took_s", "_wall_s")
 
     def __init__(self, wall_s: dict[str, float], stage: str, inner: _Inner) -> None:
         self._wall_s, self._stage, self._inner = wall_s, stage, inner
         wall_s.setdefault(stage, 0.0)
 
     def __enter__(self) -> None:
-        self._before_s, self._inner.took_s = self._inner.took_s, 0.0
+        took_s = self._took_s = self._inner.took_s
+        self._before_s, took_s[0] = took_s[0], 0.0
         self._start_s = time.perf_counter()
 
     def __exit__(self, *_: object) -> None:
         took_s = time.perf_counter() - self._start_s
-        self._wall_s[self._stage] += took_s - self._inner.took_s
-        self._inner.took_s = self._before_s + took_s
+        inner_s = self._took_s
+        self._wall_s[self._stage] += took_s - inner_s[0]
+        inner_s[0] = self._before_s + took_s

@@ -28,7 +28,10 @@ class Steerable(Protocol):
         yaw: float = 0.0,
     ) -> None:
         """Command efforts in [-1, 1] along and about the body axes (REP 103), held until the next. ValueError."""
-        _give(self, "set_effort", surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
+        # `command` is no part of this protocol, since a controller needs no more than `set_effort`.
+        self.command(  # type: ignore[attr-defined]
+            "set_effort", surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw
+        )
 
 
 class Commandable(Steerable, Protocol):
@@ -88,8 +91,3 @@ class Placeable(Commandable, Protocol):
             orientation_xyzw=orientation_xyzw,
             velocity_body=velocity_body,
         )
-
-
-def _give(vehicle: Any, name: str, **arguments: Any) -> None:
-    """Issue a command without making `command` a part of the protocol: a controller needs no more than `set_effort`."""
-    vehicle.command(name, **arguments)

@@ -52,9 +52,6 @@ class Ashore:
                 self._pings.append(got.payload)
         self._looked_ns = self._sim.time_ns
 
-    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Nothing depends on commands."""
-
     def save(self) -> dict[str, Any]:
         """Return everything that future results depend on, as JSON values."""
         pings = [base64.b64encode(ping).decode() for ping in self._pings]

@@ -41,11 +41,11 @@ class FlightClock:
 
     def wait(self, duration_s: float) -> None:
         """Let simulated time pass. Raises FlightOverError."""
-        sim = self._sim
+        sim, tick = self._sim, self._sim.tick
         self._waited_s += duration_s
-        wake_tick = max(self._start_tick + round(self._waited_s / sim.step_s), sim.tick + 1)
+        wake_tick = max(self._start_tick + round(self._waited_s / sim.step_s), tick + 1)
         with self._physics:
-            sim.step(min(wake_tick, max(self._end_tick, sim.tick)) - sim.tick)
+            sim.step(min(wake_tick, max(self._end_tick, tick)) - tick)
         if sim.tick >= self._end_tick:
             raise FlightOverError(self.end_because)
         self._on_pause()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -70,9 +70,6 @@ class GrowthWatch:
         time_s = (self._sim.tick - self._begun_tick) * self._sim.step_s
         self._go_on()
         self._when_mapped(lambda: self._measure(time_s))
-
-    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Nothing depends on commands."""
 
     def _measure(self, time_s: float) -> None:
         row = growth_row(self._occupancy, self._sim, time_s)

@@ -111,9 +111,6 @@ class Pinger:
         for take in self._on_ping:
             take(ping, panel, body)
 
-    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Nothing depends on commands."""
-
 
 class MapMaker:
     """The map of a flight, built by one vehicle or by several together. A context manager.

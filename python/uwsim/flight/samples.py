@@ -32,8 +32,8 @@ COLUMNS = (
     "depth_m", "altitude_m", "speed_m_s", "battery_percent", "distance_to_station_m",
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
 )  # fmt: skip
-TOO_MANY = {"set_effort", "set_wrench", "set_thrusters", "set_fins", "link_send"}
-"""Commands that are not logged individually."""
+TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
+"""Commands that are not logged individually, like set_effort."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
 WARNING_AT = [(AT[f"{name}_warning"], f"{name}_warning") for name in WARNINGS]
 Hear = Callable[[str, str, dict[str, Any]], object]
@@ -163,12 +163,12 @@ class Sampler:
 def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle, thrusters: tuple[str, ...]) -> list[float]:
     pose, panel, estimate = vehicle.pose, vehicle.telemetry(), own.pose
     driven = [one.command for one in vehicle.thrusters.values()] if thrusters else vehicle.effort.tolist()
-    rotation = pose.world_from_body
+    upward_x, upward_y, upward_z, _ = pose.world_from_body[2].tolist()
     return [
         time_s,
         *pose.position_world_m.tolist(),
-        math.atan2(rotation[2, 1], rotation[2, 2]),
-        -math.asin(min(max(float(rotation[2, 0]), -1.0), 1.0)),
+        math.atan2(upward_y, upward_z),
+        -math.asin(min(max(upward_x, -1.0), 1.0)),
         pose.yaw_rad,
         *np.asarray(estimate.position_world_m).tolist(),
         float(estimate.yaw_rad),

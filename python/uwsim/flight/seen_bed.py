@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
@@ -39,6 +38,3 @@ class SeenBed:
                 self.cells.update((i, j) for i, j in columns.tolist())
         self.times_s.append(self._sim.time_s - self._start_s)
         self.areas_m2.append(len(self.cells) * CELL_M**2)
-
-    def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Nothing depends on commands."""

@@ -36,7 +36,7 @@ def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
     rows = saved.samples if saved is not None and saved.mission is not None else None
     timer = flight.timer.measure(SAMPLING)
     sampler = Sampler(sim, flight.own, hear, timer, begun_tick=flight.begun_tick, saved=rows)
-    sim.journal.attach(sampler)
+    sim.journal.attach(sampler, efforts=False)
     try:
         yield sampler
     finally:

@@ -202,9 +202,9 @@ def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.fl
         raise ValueError(
             f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number or variant.name}"
         )
-    too_far = np.isfinite(ranges) & (ranges > variant.range_max_m)
-    if too_far.any():
-        beam = int(np.argmax(too_far))
+    (too_far,) = ((ranges > variant.range_max_m) & (ranges < np.inf)).nonzero()
+    if len(too_far):
+        beam = int(too_far[0])
         rule = f"must be in [0, {variant.range_max_m:g}] m, or inf for a beam without echo"
         raise ValueError(f"ranges_m[{beam}] = {ranges[beam]} m: {rule}")
     return np.ascontiguousarray(ranges, dtype=np.float32)

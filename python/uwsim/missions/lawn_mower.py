@@ -25,7 +25,6 @@ from uwsim.missions.lawn_mower_plan import LawnMowerPlan
 from uwsim.missions.lawn_mower_state import LegName, LegStart, MowerState, SavedMission
 from uwsim.missions.lookout import HIGHEST_Z_M, Lookout
 from uwsim.missions.mission_state import checked_state
-from uwsim.missions.moves import steer
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.sonar_head import is_at
 from uwsim.missions.steps import Steps, drive
@@ -73,7 +72,7 @@ class AdaptiveLawnMower(Sealed):
         self.plan = plan
         self.period_s = period_s
         self.autopilot = survey_pilot(vehicle, period_s)
-        self._own = OwnVehicle(vehicle, clock, autopilot=self.autopilot)
+        self._own = vehicle if isinstance(vehicle, OwnVehicle) else OwnVehicle(vehicle, clock)
         self.lookout = Lookout(
             self._own,
             plan.altitude_m,
@@ -82,6 +81,7 @@ class AdaptiveLawnMower(Sealed):
             passable_z_m=PASSABLE_Z_M,
             turn_first_rad=TURN_FIRST_RAD,
             most_climb_m=math.inf,
+            autopilot=self.autopilot,
         )
         east_m, north_m, _ = self._position().tolist()
         self._state = MowerState((east_m, north_m), "approach" if vehicle.released else "undock")
@@ -181,7 +181,7 @@ class AdaptiveLawnMower(Sealed):
         while math.dist(self._position(), start.position_world_m) < UNDOCK_M:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
                 raise StoppedError("stuck in the station's dock")
-            yield from steer(self._own, start.yaw_rad, ahead, start.position_world_m[2], most_climb_m=math.inf)
+            yield from self.lookout.steer_at(start.yaw_rad, ahead, start.position_world_m[2])
         return "approach"
 
     def _approach(self, start: LegStart) -> Steps[LegName]:

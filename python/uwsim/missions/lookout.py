@@ -12,7 +12,8 @@ from uwsim.missions.obstacle_memory import ObstacleMemory
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.shoal_chart import ShoalChart
 from uwsim.missions.steps import Steps
-from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
+from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
@@ -26,7 +27,8 @@ class Lookout(Sealed):
 
     The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: of the corridor in which echoes count.
     passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which it turns before moving.
-    most_climb_m: limit of the height error used for steering. Raises ValueError.
+    most_climb_m: limit of the height error used for steering. autopilot: used for steering; by default the vehicle's
+    own. Raises ValueError.
     """
 
     vehicle: OwnVehicle
@@ -45,13 +47,14 @@ class Lookout(Sealed):
         passable_z_m: float,
         turn_first_rad: float,
         most_climb_m: float = CLIMB_M,
+        autopilot: Autopilot | Controller | None = None,
     ) -> None:
         if "altitude" not in vehicle.sensors:
             raise ValueError("the vehicle has no sensor 'altitude': missions steer by it")
         self.vehicle, self.altitude_m = vehicle, float(altitude_m)
         self.obstacles = ObstacleMemory(half_width_m, ahead_m)
         self.shoals = ShoalChart(passable_z_m)
-        self._turn_first_rad, self._most_climb_m = turn_first_rad, most_climb_m
+        self._turn_first_rad, self._most_climb_m, self._autopilot = turn_first_rad, most_climb_m, autopilot
 
     def head_for(
         self, point_world_m: tuple[float, float], speed_m_s: float, heading_rad: float | None = None
@@ -72,7 +75,14 @@ class Lookout(Sealed):
         z_m = self.safe_height_m()
         share = self.share_of_speed(z_m)
         east, north = velocity_world_m_s
-        yield from steer(self.vehicle, heading_rad, (share * east, share * north), z_m, most_climb_m=self._most_climb_m)
+        yield from self.steer_at(heading_rad, (share * east, share * north), z_m)
+
+    def steer_at(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Steps[None]:
+        """Fly one control period at a heading, a velocity (2,) and a height z, without looking."""
+        return steer(
+            self.vehicle, heading_rad, velocity_world_m_s, z_world_m, most_climb_m=self._most_climb_m,
+            autopilot=self._autopilot,
+        )  # fmt: skip
 
     def look(self) -> PingLike:
         """Ping, and record what is ahead; part of `steer`."""

@@ -18,7 +18,7 @@ from uwsim.base.arguments import require_positive
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.missions.steps import Steps, wait
 from uwsim.missions.stopped import StoppedError
-from uwsim.navigation.control.autopilot import wrap_angle
+from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller
 
 Point = Sequence[float] | NDArray[Any]
@@ -206,14 +206,19 @@ def steer(
     z_world_m: float,
     *,
     most_climb_m: float = CLIMB_M,
+    autopilot: Autopilot | Controller | None = None,
 ) -> Steps[None]:
-    """Steer for one control period, at most most_climb_m up or down. Raises StoppedError."""
+    """Steer for one control period, at most most_climb_m up or down, by default by the vehicle's own autopilot.
+
+    Raises StoppedError.
+    """
     _require_able(vehicle)
     if most_climb_m < math.inf:
         z_m = float(vehicle.pose.position_world_m[2])
         z_world_m = z_m + min(max(z_world_m - z_m, -most_climb_m), most_climb_m)
-    vehicle.autopilot.steer(heading_rad, velocity_world_m_s, z_world_m)
-    yield wait(vehicle.autopilot.period_s)
+    pilot = vehicle.autopilot if autopilot is None else autopilot
+    pilot.steer(heading_rad, velocity_world_m_s, z_world_m)
+    yield wait(pilot.period_s)
 
 
 def _require_able(vehicle: OwnVehicle) -> None:

@@ -40,7 +40,7 @@ class OwnVehicle(Sealed, Commandable):
     """A mission's vehicle; see Vehicle.
 
     hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: provides time_s. estimate: by default
-    the hull itself, which is the truth. autopilot: see `autopilot`. hear: called with each event of the log.
+    the hull itself, which is the truth. hear: called with each event of the log.
     """
 
     name: str
@@ -54,7 +54,6 @@ class OwnVehicle(Sealed, Commandable):
         clock: Watch,
         *,
         estimate: EstimateLike | None = None,
-        autopilot: Autopilot | Controller | None = None,
         hear: Callable[[Event], object] = lambda event: None,
     ) -> None:
         self._hull, self._clock, self._hear = hull, clock, hear
@@ -63,8 +62,6 @@ class OwnVehicle(Sealed, Commandable):
         self.estimate = hull if estimate is None else estimate
         self._held: tuple[float, Held] | None = None
         self._methods: dict[str, Callable[..., Any]] = {}
-        if autopilot is not None:
-            self._autopilot = autopilot
 
     @property
     def time_s(self) -> float:

@@ -70,7 +70,7 @@ class OnboardNavigation:
     def _attend(self) -> None:
         self.due_tick = self._tick() + self._every_ticks
         if self not in self._journal.observers:
-            self._journal.attach(self)
+            self._journal.attach(self, efforts=False)
 
     @property
     def has_begun(self) -> bool:

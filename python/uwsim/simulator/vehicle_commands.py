@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.arguments import number, numbers_by_name
 from uwsim.base.axes import AXES
-from uwsim.base.journal import Journal
+from uwsim.base.journal import EFFORT, Journal
 from uwsim.base.sealed import Sealed
 from uwsim.commands import Placeable, command_named
 from uwsim.simulator.command_gate import CommandGate
@@ -72,8 +72,8 @@ class CommandedVehicle(Sealed, Placeable):
         self.gate.hears()
         self._simulation.set_effort(self._index, *efforts)
         self.gate.yields(moves=any(efforts))
-        if self._journal.observers:
-            self._note("set_effort", **dict(zip(AXES, efforts, strict=True)))
+        if self._journal.of_efforts:
+            self._note(EFFORT, **dict(zip(AXES, efforts, strict=True)))
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
