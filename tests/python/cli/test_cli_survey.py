@@ -12,8 +12,6 @@ from command_line import UWSIM, error_line, files_limited_to, hears_ctrl_c, uwsi
 from uwsim.mapping import OccupancyMap
 from uwsim.scenario.read.assets import assets_folder
 
-WIDE_AREA = "[[-90, -90], [90, -90], [90, 90], [-90, 90]]"
-
 
 def test_a_survey_writes_a_map_a_report_and_figures(tmp_path: Path) -> None:
     out = tmp_path / "out"
@@ -33,14 +31,8 @@ def test_a_survey_writes_a_map_a_report_and_figures(tmp_path: Path) -> None:
 
 
 def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
-    text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
-    text = text.replace("size_m: [20, 20]", "size_m: [200, 200]").replace(
-        "[[-4, -4], [4, -4], [4, 4], [-4, 4]]", WIDE_AREA
-    )
-    scenario = tmp_path / "wide.yaml"
-    scenario.write_text(text)
     process = subprocess.Popen(
-        [*UWSIM, "survey", str(scenario), "--out", str(tmp_path / "out")],
+        [*UWSIM, "survey", "lake", "--out", str(tmp_path / "out"), "--report", "json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -55,7 +47,7 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
     assert "Traceback" not in errors
     assert "interrupted" in output
     assert len(OccupancyMap.read(tmp_path / "out" / "map.bt").occupied_voxels()) > 0
-    assert (tmp_path / "out" / "report.html").is_file()
+    assert (tmp_path / "out" / "summary.json").is_file()
 
 
 @pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.6, 0.8])
