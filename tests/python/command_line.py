@@ -1,6 +1,7 @@
 """The `uwsim` command: run here, which spares a process's imports, or as a process of its own, as a user runs it."""
 
 import contextlib
+import functools
 import io
 import logging
 import os
@@ -14,9 +15,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from unittest import mock
 
+import typer
+
 from uwsim.cli import main
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
+get_command_once = functools.cache(typer.main.get_command)
+"""Typer builds all commands again at each call, which takes longer than most of them."""
 
 
 def uwsim(*arguments: str | Path, cwd: str | Path = ".") -> subprocess.CompletedProcess[str]:
@@ -45,6 +50,7 @@ def left_as_found() -> Iterator[None]:
             mock.patch.dict(os.environ),
             mock.patch.object(sys, "path", list(sys.path)),
             mock.patch.object(sys, "stdin", nothing),
+            mock.patch.object(typer.main, "get_command", get_command_once),
         ):
             yield
     finally:

@@ -173,6 +173,7 @@ def test_a_mission_that_hangs_is_ended(folder: Path) -> None:
     assert flown.rows.rows[0]["error"] == "took longer than wall_limit_s = 0.2 s"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_report_links_the_worst_run_flown_again(folder: Path) -> None:
     path = written(
         folder,

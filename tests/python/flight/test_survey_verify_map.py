@@ -41,6 +41,7 @@ class Forgetful(OccupancyMap):
             super().insert_scan(*scan)  # type: ignore[arg-type]
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_map_that_differs_from_stock_exits_with_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FlightRequest, "new_reference", lambda request: Forgetful(resolution_m=request.voxel_m))
     result = uwsim("survey", "pool", "--out", tmp_path, "--mission-time", "8", "--verify-map")

@@ -248,6 +248,7 @@ def flyable(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_sweep_flies_again_what_it_flew(flyable: Path) -> None:
     vehicle = load(flyable / "scenario.yaml").vehicles[0].name
     sweep = {
