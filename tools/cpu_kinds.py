@@ -1,7 +1,7 @@
-"""What differs between kinds of CPU, and how far: python tools/cpu_kinds.py, a table for docs/inside/trust.md.
+"""Compares the results of kinds of CPU: python tools/cpu_kinds.py prints a table for docs/inside/trust.md.
 
-One machine plays the others: UWSIM_INSTRUCTION_SET chooses the kernels' and Embree's instructions, GLIBC_TUNABLES the C
-library's, as a machine without them would have it.
+One machine imitates the others: UWSIM_INSTRUCTION_SET chooses the instructions of the kernels and Embree,
+GLIBC_TUNABLES those of the C library, as on a machine without the rest.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ np.savez(sys.argv[1], *[array for _, array in results()])
 
 
 def main() -> None:
-    """Print what differs from this machine as it is, in numbers of arrays and as the largest gap."""
+    """Print the differences from this machine as it is: the number of array elements and the largest gap."""
     from uwsim.evidence.fingerprint import results
 
     names = [name for name, _ in results()]
@@ -53,7 +53,7 @@ def _flown(path: Path, variables: dict[str, str]) -> list[np.ndarray]:
 def _gap(pairs: list[tuple[np.ndarray, np.ndarray]]) -> str:
     unlike = sum(int(np.sum(~((a == b) | ((a != a) & (b != b))))) for a, b in pairs if a.shape == b.shape)
     total = sum(a.size for a, _ in pairs)
-    np.seterr(invalid="ignore")  # no echo is infinity, here and there
+    np.seterr(invalid="ignore")  # a beam without an echo is infinite in both
     gaps = [np.abs(a.astype(float) - b.astype(float)) for a, b in pairs if a.shape == b.shape]
     largest = max((float(np.nanmax(g[np.isfinite(g)], initial=0.0)) for g in gaps), default=0.0)
     came_or_went = sum(int(np.sum(np.isfinite(a.astype(float)) != np.isfinite(b.astype(float)))) for a, b in pairs)

@@ -1,10 +1,10 @@
-"""Attacks every command of `uwsim` with hostile values, and tells which lines broke the law; see tests/hostile.
+"""Attacks every command of `uwsim` with hostile values, and reports the lines that broke a rule; see tests/hostile.
 
-    tools/hostile                     # all lines: about a quarter of a second of a processor each
+    tools/hostile                     # all lines, about a quarter of a second of processor time each
     tools/hostile --only map --sample 200
     tools/hostile --files --part 0/2
 
-Not as root: then a folder that may not be written to may be. Exits with 1 if a line broke the law.
+Do not run it as root, who may write to the folders that are read-only here. Exits with 1 if a line broke a rule.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from hostile.lines import Line, lines, prepare
 
 
 def main(
-    only: Annotated[str, typer.Option(help="Commands that begin so, such as map.")] = "",
-    sample: Annotated[int, typer.Option(min=0, help="So many lines, chosen by the seed; 0: all.")] = 0,
-    seed: Annotated[int, typer.Option(help="Of the choice.")] = 0,
+    only: Annotated[str, typer.Option(help="Only commands that begin with this, such as map.")] = "",
+    sample: Annotated[int, typer.Option(min=0, help="The number of lines, chosen by the seed; 0: all.")] = 0,
+    seed: Annotated[int, typer.Option(help="The seed of the choice.")] = 0,
     part: Annotated[str, typer.Option(help="K/N: the Kth of N parts, from 0, for several processes.")] = "0/1",
     files: Annotated[bool, typer.Option("--files", help="Only the lines that name a hostile file.")] = False,
-    each: Annotated[bool, typer.Option("--each", help="Tell how every line ended.")] = False,
+    each: Annotated[bool, typer.Option("--each", help="Report how every line ended.")] = False,
 ) -> None:
-    """Attack, judge, count."""
+    """Attack, judge and count."""
     preload(only)
     chosen = [line for line in lines() if line.command.startswith(only)]
     chosen = [line for line in chosen if line.is_about_a_file or not files]

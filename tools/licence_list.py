@@ -25,14 +25,14 @@ WHOLE_LICENCES = {
     "libgomp1": "GPL-3.0-or-later WITH GCC-exception-3.1",
     "libstdc++6": "GPL-3.0-or-later WITH GCC-exception-3.1",
 }
-"""Of packages whose copyright file lists parts, most of which are not in the library."""
+"""Licences of packages whose copyright file lists many parts, most of which are not in the library."""
 REACHING = re.compile(r"\bA?GPL|GNU (Affero )?General Public", re.IGNORECASE)
 
 
 def main() -> int:
-    """Print a table; 1 if a licence is unknown or reaches further than it may."""
+    """Print a table; return 1 if a licence is unknown or reaches further than it may."""
     parser = argparse.ArgumentParser(prog="tools/licences", description="List dependencies and their licences.")
-    parser.add_argument("--all", action="store_true", help="what tests and linters need, too")
+    parser.add_argument("--all", action="store_true", help="also list what tests and linters need")
     everything = parser.parse_args().all
     rows = [*_python(everything), *_libraries(), *_headers(), *_javascript()]
     width = max(len(name) for _, name, _, _ in rows)
@@ -47,7 +47,7 @@ def main() -> int:
 
 
 def reaches(licence: str) -> bool:
-    """Whether none of the licences to choose from is one that ends at its own files."""
+    """Return whether every licence to choose from reaches beyond its own files."""
     return all(
         REACHING.search(each) and "LGPL" not in each and "exception" not in each
         for each in re.split(r" or | OR ", licence)
@@ -66,7 +66,7 @@ def _python(everything: bool) -> Iterable[tuple[str, str, str, str]]:
 
 
 def _closure(requirements: Iterable[str]) -> dict[str, metadata.Distribution]:
-    """Return what is installed of these packages, with all that they need in turn."""
+    """Return the installed ones of these packages, with all that they need in turn."""
     found: dict[str, metadata.Distribution] = {}
     waiting = [Requirement(line) for line in requirements]
     while waiting:
@@ -91,7 +91,7 @@ def _applies(requirement: Requirement) -> bool:
 
 
 def _licence_of(found: metadata.Distribution) -> str:
-    """Return the expression, else the classifiers, else the first line of the free text or of the licence's file."""
+    """Return the licence expression, else the classifiers, else the first line of the free text or licence file."""
     said = found.metadata
     if said.get("License-Expression"):
         return str(said["License-Expression"])

@@ -6,7 +6,7 @@ from uwsim.scenario.schema import FILES, schema, schema_file
 
 
 def main() -> None:
-    """Write each schema anew."""
+    """Write all schemas."""
     for part in FILES:
         path = schema_file(part)
         path.parent.mkdir(exist_ok=True)

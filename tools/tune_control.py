@@ -2,9 +2,9 @@
 
 Differential evolution (Storn and Price 1997, SciPy's) finds one set of gains for surge, sway and heave and one for
 roll, pitch and yaw. It minimises, over the steps of `uwsim validate control` and a minute in gusts, the time-weighted
-error, the overshoot, the drift in gusts, and how much the efforts change, so that gains do not grow without a bound.
-Gusts: 0.5 m/s mean, 0.2 m/s rms, 10 s correlation; the estimate has white noise of 0.02 m, 0.01 m/s, 0.01 rad and
-0.005 rad/s.
+error, the overshoot, the drift in gusts, and the changes of the efforts, which keep the gains from growing without
+bound. Gusts: 0.5 m/s mean, 0.2 m/s rms, 10 s correlation; the estimate has white noise of 0.02 m, 0.01 m/s, 0.01 rad
+and 0.005 rad/s.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class NoisyEstimate:
 
     @property
     def pose(self) -> SimpleNamespace:
-        """The vehicle's pose, displaced and turned a little."""
+        """The vehicle's pose with noise."""
         from scipy.spatial.transform import Rotation
 
         pose = self.vehicle.pose
@@ -72,7 +72,7 @@ def with_gains(model: VehicleModel, driven: list[str], gains: np.ndarray) -> Veh
 
 
 def cost(gains: np.ndarray, model: VehicleModel, driven: list[str]) -> float:
-    """Return what is to be minimised: a sum over the steps, and the stay in gusts."""
+    """Return the cost to minimise: a sum over the steps, and the flight in gusts."""
     tuned = with_gains(model, driven, gains)
     total = 0.0
     for response in step_responses(model.name, tuned):
@@ -83,7 +83,7 @@ def cost(gains: np.ndarray, model: VehicleModel, driven: list[str]) -> float:
 
 
 def in_gusts(model: VehicleModel) -> tuple[float, float]:
-    """Return the rms distance from the place to keep [m], and the rms change of the efforts between periods."""
+    """Return the rms distance from the place to hold [m], and the rms change of the efforts between periods."""
     calm = deep_water(model).scenario
     gusty = calm.model_validate({**dict(calm), "water": {"current": GUSTS}})
     sim = Simulator(gusty)

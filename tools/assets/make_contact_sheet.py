@@ -21,7 +21,7 @@ from uwsim.scenario import load
 OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "cameras.jpg"
 WATERS = ("I", "III", "5C", "9C")
 NOON_DEG, DUSK_DEG = 60.0, 1.0
-TURBULENT_K = 8.0  # far more than where warm and cold water mix, so that a small picture shows it
+TURBULENT_K = 8.0  # far more than where warm and cold water usually mix, so that a small picture shows it
 THUMBNAIL = (240, 135)
 BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 

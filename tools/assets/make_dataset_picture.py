@@ -1,4 +1,4 @@
-"""Make docs/guides/dataset.jpg: frames of a dataset of the lake, with what is written of each."""
+"""Make docs/guides/dataset.jpg: frames of a dataset of the lake, with the labels written for each."""
 
 from __future__ import annotations
 

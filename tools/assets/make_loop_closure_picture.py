@@ -1,4 +1,4 @@
-"""Draw docs/guides/loop-closure.png: how far a survey without USBL drifts, and what closing its loops leaves of it."""
+"""Draw docs/guides/loop-closure.png: the drift of a survey without USBL, before and after closing its loops."""
 
 from __future__ import annotations
 

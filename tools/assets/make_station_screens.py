@@ -100,7 +100,7 @@ def main(
 
 
 def further(browser: Browser, page: Page, url: str, live: LiveSimulator, folder: Path) -> None:
-    """Take the screens that are looked at before a release."""
+    """Take the further screens that are checked by eye before a release."""
     for name in ("scene", "fan", "chase"):
         page.evaluate(f"station.views.enlarge('{name}')")
         shoot(page, folder / f"{name}.jpg")

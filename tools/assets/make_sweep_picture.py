@@ -1,4 +1,4 @@
-"""Draw docs/guides/sweep.png: run the sweep of sweeps.md, and take the picture of what its coverage depends on."""
+"""Draw docs/guides/sweep.png: run the sweep of sweeps.md, and save its plot of what the coverage depends on."""
 
 from __future__ import annotations
 

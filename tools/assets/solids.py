@@ -44,7 +44,7 @@ def united(parts: list[Manifold]) -> Manifold:
 
 
 def centroid(solid: Manifold) -> Point:
-    """Centre of volume, from the tetrahedra that the triangles form with the origin."""
+    """Return the centre of volume, from the tetrahedra that the triangles form with the origin."""
     mesh = solid.to_mesh()
     corners = np.asarray(mesh.vert_properties, np.float64)[:, :3][np.asarray(mesh.tri_verts)]
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))

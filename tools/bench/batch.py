@@ -1,7 +1,7 @@
-"""The cost of a step of a batch's member against that of a lone simulator, by size and threads; a member's memory.
+"""The cost of a step per member of a batch against that of a lone simulator, by size and threads; memory per member.
 
-The cases take turns in each round; medians. Vehicles are in open water; random efforts change every 10 steps. Members
-with faults or a failsafe, and pings, are measured against plain ones on one thread by processor time.
+The cases take turns in each round, and medians are reported. Vehicles are in open water; random efforts change every 10
+steps. Members with faults or a failsafe, and pings, are compared with plain ones on one thread by processor time.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ FAILSAFES = {
 
 
 def main(
-    scenario: Annotated[str, typer.Option(help="In which START_M is in open water.")] = "lake",
+    scenario: Annotated[str, typer.Option(help="A scenario in which START_M is in open water.")] = "lake",
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured.")] = 7,
     steps: Annotated[int, typer.Option(min=1, help="Steps of all members together in a measurement.")] = 100_000,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     lone = Simulator(scenario, threads=1)
@@ -81,7 +81,7 @@ def placed(scenario: str, n: int, threads: int) -> Batch:
 
 
 def loop_s(sim: Simulator, steps: int) -> float:
-    """Seconds for a step of a lone simulator in a Python loop, its motion looked at whenever efforts change."""
+    """Return the seconds per step of a lone simulator in a Python loop that reads its motion after new efforts."""
     sim.rov.place(START_M)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (steps // HELD_STEPS, 6))
     begin = time.perf_counter()
@@ -93,7 +93,7 @@ def loop_s(sim: Simulator, steps: int) -> float:
 
 
 def batch_s(batch: Batch, steps: int) -> float:
-    """Seconds for a step of one member, likewise."""
+    """Return the seconds per step and member of a batch that is read as often."""
     batch.place(START_M)
     calls = max(steps // HELD_STEPS // batch.n, 1)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (calls, batch.n, 6))
@@ -105,7 +105,7 @@ def batch_s(batch: Batch, steps: int) -> float:
 
 
 def programs(scenario: str, rounds: int) -> dict[str, float]:
-    """Processor time of a step of members in which something runs aboard, against that of plain ones."""
+    """Return the processor time of a step of members that run programs, against that of plain ones."""
     plain = load(scenario)
     cases = {"plain": Batch(plain, n=FEW, threads=1)}
     cases |= {name: Batch(plain, n=FEW, faults=faults, threads=1) for name, faults in FAULTS.items()}
@@ -127,7 +127,7 @@ def guarded(scenario: Scenario, figures: Failsafe) -> Scenario:
 
 
 def cpu_s(batch: Batch) -> float:
-    """Processor time of some seconds of all members, efforts every 10 steps."""
+    """Return the processor time of some seconds of all members, with new efforts every 10 steps."""
     batch.reset()
     batch.place(START_M)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (batch.n, 6))
@@ -139,7 +139,7 @@ def cpu_s(batch: Batch) -> float:
 
 
 def pings(scenario: str, rounds: int) -> dict[str, float]:
-    """Processor time of a ping of a member, in both modes, against that of the lone simulator."""
+    """Return the processor time of a member's ping in both modes, against that of the lone simulator."""
     figures: dict[str, float] = {}
     for mode in ("geometry", "physics"):
         change = {f"{load(scenario).vehicles[0].name}.sonar.mode": mode}
@@ -164,7 +164,7 @@ def pings(scenario: str, rounds: int) -> dict[str, float]:
 
 
 def member_kb(scenario: str, n: int = 256) -> float:
-    """Resident memory that a batch adds for each of its members, without what all share."""
+    """Return the resident memory that a batch adds for each of its members, without what all share."""
     shared = Batch(scenario, n=1)
     gc.collect()
     before = resident_kb()
@@ -176,7 +176,7 @@ def member_kb(scenario: str, n: int = 256) -> float:
 
 
 def resident_kb() -> int:
-    """Resident memory of this process."""
+    """Return the resident memory of this process."""
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * PAGE_KB
 
 

@@ -1,10 +1,10 @@
 """Frames per second of the ROV's front camera on the lake, against Embree alone casting the same rays.
 
 All cases alternate within one run, so that other load on the machine affects them alike; medians over the rounds, and
-ratios round by round. Each frame is of another time, so that waves, ripples and noise are computed anew. The native
+ratios round by round. Each frame is at another time, so that waves, ripples and noise are computed again. The native
 peer builds its tree from the same triangles, receives the same packets of sixteen rays that the pictures cast (primary,
 shadow and shaft rays) and casts them on as many threads. With the terrain as quads, as in our own tree, the peer is
-faster; that is shown, too.
+faster; that rate is printed, too.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ GOALS = {"frames_per_s": 30.0, "against_bare": 3.0, "geometry_against_bare": 1.3
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often to measure each case; medians are reported.")] = 15,
-    threads: Annotated[int, typer.Option(min=1, help="Threads for every case.")] = 2,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    threads: Annotated[int, typer.Option(min=1, help="Threads of each case.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turn and print medians."""
     sim = Simulator("lake", threads=threads)

@@ -1,7 +1,7 @@
-"""Frames of a dataset: what each part costs beside the picture itself, and frames a second on several workers.
+"""The cost of each part of a dataset's frame relative to the picture itself, and frames per second on several workers.
 
-Parts are measured in turns in this process, by processor time, so that other load does not count; frames a second are
-wall time. The peer is the bare picture, `Camera.capture` with all effects, which no writer can beat.
+Parts are measured in turns in this process, by processor time, so that other load does not count; frames per second are
+by wall time. The peer is the bare picture, `Camera.capture` with all effects, which no writer can beat.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ CASES: dict[str, tuple[Product, ...]] = {
 
 
 def main(
-    scenario: Annotated[str, typer.Option(help="Where pictures are taken.")] = "lake",
-    size: Annotated[str, typer.Option(help="Pixels, WxH.")] = "640x360",
+    scenario: Annotated[str, typer.Option(help="The scenario in which pictures are taken.")] = "lake",
+    size: Annotated[str, typer.Option(help="Width and height of a picture [pixels], WxH.")] = "640x360",
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
-    frames: Annotated[int, typer.Option(min=0, help="Of the dataset that workers make; 0: none.")] = 200,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    frames: Annotated[int, typer.Option(min=0, help="Frames that the workers make; 0: no dataset.")] = 200,
+    workers: Annotated[int, typer.Option(min=1, help="Number of worker processes.")] = 2,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure the parts in turns, then a whole dataset."""
     width, _, height = size.partition("x")
@@ -61,7 +61,7 @@ def main(
 
 
 def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]:
-    """Processor milliseconds of the bare picture and of frames, and ratios of each round."""
+    """Return the processor milliseconds of the bare picture and of frames, and the ratios of each round."""
     specs = {
         name: DatasetSpec(scenario=scenario, n=rounds + 1, size=size, write=write) for name, write in CASES.items()
     }

@@ -39,7 +39,7 @@ METHODS = (
 
 @dataclass
 class Method:
-    """A method to compute the ranges of a ping, its cost, and its difference from the exact ranges."""
+    """A method to compute the ranges of a ping, its cost, and its differences from the exact ranges."""
 
     name: str
     rays: int
@@ -52,7 +52,7 @@ def main(
     model: Annotated[int, typer.Option(min=1, max=4, help="EM 2040 variant.")] = 2,
     places: Annotated[int, typer.Option(min=1, help="Pings, spread over the survey's area.")] = 40,
     rounds: Annotated[int, typer.Option(min=1, help="How often each method is measured; medians are reported.")] = 5,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Compare ranges and cost."""
     sim = Simulator("lake", sonar_model=model, threads=1)

@@ -47,7 +47,7 @@ def main(
     plot: Annotated[Path, typer.Option(help="The file for the plot of cost against the number of vehicles.")] = Path(
         "dynamics_vehicles.png"
     ),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results to this JSON file, too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     cases: dict[str, Callable[[], float]] = {
@@ -194,7 +194,7 @@ def bare_bullet(program: Path) -> float:
 
 
 def pybullet_peer() -> Callable[..., PybulletPeer] | None:
-    """Return what makes the same body in pybullet, with drag and thrust computed in NumPy; None without pybullet."""
+    """Return a class that simulates the same body in pybullet, with drag and thrust by NumPy; None without pybullet."""
     try:
         import pybullet
     except ImportError:

@@ -1,8 +1,8 @@
-"""Environment steps a second: by members, by what is observed, by threads; against the bare C++ step and pybullet.
+"""Environment steps per second by members, observations and threads, against the bare C++ step and pybullet.
 
-All cases take turns in each round; medians of rates and of ratios within rounds. Cases of one thread are measured in
-processor time, the others by the wall clock, which wants a quiet machine, as does the ratio of many threads to one,
-both by the wall clock. Actions are random; episodes end and begin anew as in training.
+All cases take turns in each round; medians of rates, and of ratios within rounds, are reported. Cases of one thread are
+measured in processor time. The others, and the ratio of many threads to one, are measured by the wall clock, which
+requires a quiet machine. Actions are random; episodes end and restart as in training.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "sonar of 64 beams": ("uwsim/PipelineFollowing-v0", {}),
     "camera of 84 x 84": ("uwsim/PipelineFollowing-v0", {"camera": "front"}),
 }
-GOAL = 0.5  # of the bare C++ step, for 256 members and proprioception
+GOAL = 0.5  # share of the rate of the bare C++ step, for 256 members and proprioception
 MARINEGYM = 250_000
 MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an RTX 3060; not measured here"
 
@@ -40,7 +40,7 @@ MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured. Medians are reported.")] = 7,
     seconds: Annotated[float, typer.Option(min=0.01, help="About how long each case takes in a round.")] = 0.3,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     cores = len(os.sched_getaffinity(0))
@@ -69,14 +69,14 @@ def main(
 
 
 class Rate(NamedTuple):
-    """Environment steps a second, of all members, by the case's own clock and by the wall clock."""
+    """Environment steps per second of all members, by the case's own clock and by the wall clock."""
 
     own: float
     wall: float
 
 
 def timed(step: Callable[[int], object], members: int, threads: int, seconds: float) -> Rate:
-    """Call step(0), step(1), ... for about so many seconds of the clock that suits the threads."""
+    """Call step(0), step(1), ... for about `seconds` of the clock that suits the number of threads."""
     clock = time.process_time if threads == 1 else time.perf_counter
     calls, begin, wall_begin = 0, clock(), time.perf_counter()
     while (elapsed := clock() - begin) < seconds or calls < 1:
@@ -96,7 +96,7 @@ class Driven:
         self._actions = draws.uniform(-0.3, 0.3, (64, *(self._env.action_space.shape or ()))).astype(np.float32)
 
     def __call__(self, seconds: float) -> Rate:
-        """Step for about so many seconds."""
+        """Step for about `seconds`."""
 
         def step(call: int) -> object:
             return self._env.step(self._actions[call % len(self._actions)])
@@ -105,7 +105,7 @@ class Driven:
 
 
 class Bare:
-    """The C++ step alone, of as many members in the same water: no actions, observations, rewards and episodes."""
+    """The C++ step alone, of as many members in the same water, without actions, observations, rewards and episodes."""
 
     def __init__(self, name: str, threads: int) -> None:
         env = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
@@ -116,12 +116,12 @@ class Bare:
         self._batch.step(1, efforts)
 
     def __call__(self, seconds: float) -> Rate:
-        """Step for about so many seconds; a call is a period of an environment."""
+        """Step for about `seconds`; each call is one period of an environment."""
         return timed(lambda call: self._batch.step(self._steps), self._batch.n, self._threads, seconds)
 
 
 def pybullet_step() -> Callable[[float], Rate] | None:
-    """Return what steps a BlueROV2 Heavy in pybullet with NumPy forces, in periods of an environment; None without."""
+    """Return a function that steps a BlueROV2 Heavy in pybullet for the periods of an environment; None without it."""
     peer = runpy.run_path(str(Path(__file__).with_name("dynamics.py")))["pybullet_peer"]()
     if peer is None:
         return None

@@ -1,7 +1,7 @@
-"""What a link costs: a step of 20 vehicles with one, under as much traffic as it carries, against a step without.
+"""The cost of a link: a step of 20 vehicles with one, under as much traffic as it carries, against a step without.
 
-Both take turns within one run, so that other load on the machine affects them alike; the median of the ratios of each
-round is reported. Measured in the processor time of the process, on one thread.
+Both take turns within one run, so that other load on the machine affects them alike; the median of the ratios of the
+rounds is reported. Measured in the processor time of the process, on one thread.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ console = Console()
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=1, help="Medians are over so many rounds.")] = 11,
+    rounds: Annotated[int, typer.Option(min=1, help="Rounds; medians over them are reported.")] = 11,
     steps: Annotated[int, typer.Option(min=1, help="Steps of each case in a round.")] = 2000,
     vehicle: Annotated[str, typer.Option(help="The vehicles' model.")] = "bluerov2_heavy",
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the results to this JSON file, too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
 ) -> None:
     """Measure all cases in turns and print the medians of their ratios to a step without a link."""
     cases = {"no link": Fleet(None, vehicle)}
@@ -79,7 +79,7 @@ class Fleet:
             rov.set_effort(surge=EFFORT)
 
     def step_s(self, steps: int) -> float:
-        """Return the mean processor time of a step; messages are given before, once for each simulated second."""
+        """Return the mean processor time of a step; messages are submitted before, once per simulated second."""
         spent_s, sim = 0.0, self._sim
         per_second = round(1.0 / sim.step_s)
         for _ in range(max(1, steps // per_second)):

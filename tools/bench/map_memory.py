@@ -1,7 +1,7 @@
-"""Time and memory of a map against distance over ten kilometres of track, with a limit of memory and without.
+"""Time and memory of a map over ten kilometres of track, with and without a memory limit.
 
 A multibeam sonar with the widest fan is towed to and fro, 8 m above hills of noise; its pings are cast and inserted.
-Each case runs in a process of its own, whose memory is the system's figure. Both maps must write the same bytes.
+Each case runs in a separate process, whose memory the system reports. Both maps must write the same bytes.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ def main(
     track_km: Annotated[float, typer.Option(min=0.1, help="Length of the track.")] = 10.0,
     resolution: Annotated[float, typer.Option(help="Edge of a voxel [m].")] = 0.2,
     step: Annotated[float, typer.Option(help="Distance between two pings [m].")] = 0.5,
-    limit_mb: Annotated[float, typer.Option(help="Limit of memory of the second map [MB].")] = 200.0,
+    limit_mb: Annotated[float, typer.Option(help="Memory limit of the second map [MB].")] = 200.0,
     threads: Annotated[int, typer.Option(min=1)] = 2,
     plot: Annotated[Path, typer.Option(help="File for the plot of time and memory against distance.")] = Path(
         "map_memory.png"
     ),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
     one: Annotated[bool, typer.Option(hidden=True, help="Run one case in this process; 0 MB is no limit.")] = False,
 ) -> None:
     """Fly the track twice, compare the maps, print and draw."""
@@ -159,12 +159,12 @@ def write(occupancy: OccupancyMap) -> dict[str, Any]:
 
 
 def rss_mb() -> float:
-    """Return the memory that this process takes now."""
+    """Return the resident memory of this process."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
 
 
 def peak_mb() -> float:
-    """Return the most memory that this process took so far."""
+    """Return the peak resident memory of this process."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
 
 

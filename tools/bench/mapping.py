@@ -1,11 +1,11 @@
-"""Milliseconds that the insertion of a ping takes, bricks against stock OctoMap, and the memory of both.
+"""Milliseconds to insert a ping, bricks against stock OctoMap, and the memory of both.
 
 The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping every 10 cm, ranges from the true
-surfaces; a beam that meets nothing makes voxels free up to the sonar's range. The cases take turns within one run, each
-on a map of its own and with the same pings, so that other load on the machine affects all alike; figures are medians
-over the rounds. One core is measured in processor time, two cores in wall time, stock OctoMap in both. Stock takes
-seconds, but bricks take milliseconds, too short for an idle core to reach its full clock rate: each round takes the
-median of a few insertions in a row, each into a new map.
+surfaces; a beam without an echo marks voxels free up to the sonar's range. The cases take turns within one run, each on
+its own map and with the same pings, so that other load on the machine affects all alike; medians over the rounds are
+reported. One core is measured in processor time, two cores in wall time, stock OctoMap in both. Stock takes seconds,
+but bricks take milliseconds, too short for an idle core to reach its full clock rate: each round takes the median of a
+few insertions in a row, each into a new map.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from uwsim.scenario import build_world, load
 console = Console()
 
 ALTITUDE_M, SPACING_M, START_M = 8.0, 0.1, (-60.0, 0.0)
-NO_ECHO_M = 5.0  # a beam without an echo gets a point so far beyond the range
-BATCH = 32  # scans a call
-REPEATS = 9  # insertions by bricks for one by stock OctoMap
+NO_ECHO_M = 5.0  # a beam without an echo gets a point this far beyond the range
+BATCH = 32  # scans per call
+REPEATS = 9  # insertions by bricks for each one by stock OctoMap
 MEMORY_PINGS = 600
 MEMORY_GOAL = 1 / 3
 
@@ -57,7 +57,7 @@ WORKLOADS = {
     "B": Workload(513, 85, 55, 10, {0.2: 100, 0.5: 200}),
     "D": Workload(1025, 170, 95, 45, {0.2: 60, 0.5: 200}),
 }
-# Ratios to the time of stock OctoMap, eager: one core, two cores. 0.8 of what the first prototype reached.
+# Ratios to the time of stock OctoMap, eager: one core, two cores. They are 0.8 of the first prototype's.
 GOALS = {
     "A 0.2": (256, 402),
     "A 0.5": (50, 75),
@@ -99,9 +99,9 @@ class Scans:
 
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 5,
-    memory: Annotated[bool, typer.Option(help="Measure peak memory too: minutes of stock OctoMap.")] = True,
+    memory: Annotated[bool, typer.Option(help="Also measure peak memory: minutes with stock OctoMap.")] = True,
     only: Annotated[str, typer.Option(help="Only this workload: A, B or D.")] = "",
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     if only not in ("", *WORKLOADS):
@@ -247,7 +247,7 @@ def octomap_program() -> Path | None:
 
 
 def native(program: Path, path: Path, resolution_m: float, range_m: float, mode: str) -> Cost:
-    """Insert with stock OctoMap in a process of its own."""
+    """Insert with stock OctoMap in a separate process."""
     command = [program, path, str(resolution_m), str(range_m), mode]
     processor_s, wall_s = map(float, subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
     return Cost(1e3 * processor_s, 1e3 * wall_s)
@@ -295,7 +295,7 @@ print(peak_kb() - before)
 
 
 def peak_memory(scans: Scans, resolution_m: float) -> dict[str, float]:
-    """Return by how much a process grows at its peak while all scans are inserted [MB]."""
+    """Return the peak growth of a process while all scans are inserted [MB]."""
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, array in (("points", scans.points_m), ("counts", scans.counts), ("origins", scans.origins_m)):

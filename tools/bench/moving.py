@@ -1,6 +1,7 @@
-"""The cost of other vehicles to a ping: alone in the lake against among 20, and with all 20 close before the sonar.
+"""The cost of other vehicles to a ping: alone in the lake, among 20, and with all 20 close to the sonar.
 
-The cases take turns, each round on the same places; medians of the ratios round by round. One thread's processor time.
+The cases take turns, each round at the same places; medians of the ratios of the rounds are reported. One thread's
+processor time.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def main(
 
 
 def lake(mode: str, others: int) -> Simulator:
-    """Return the lake with a sonar in that mode, and other vehicles of the same kind."""
+    """Return the lake with a sonar in this mode, and other vehicles of the same kind."""
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     first = scenario.vehicles[0]
     first = first.model_copy(update={"sonar": first.sonar.model_copy(update={"mode": mode})})
@@ -83,7 +84,7 @@ def scatter(sim: Simulator, places: NDArray[np.float64]) -> None:
 
 
 def gather(sim: Simulator, places: NDArray[np.float64]) -> None:
-    """Set the other vehicles side by side before the sonar, in the fan, at the middle of the line."""
+    """Place the other vehicles side by side in the sonar's fan, at the middle of the line."""
     sim.rov.place(places[len(places) // 2])
     ping = sim.rov.sonar.ping()
     head, others = ping.world_from_sonar, list(sim.vehicles.values())[1:]
@@ -93,7 +94,7 @@ def gather(sim: Simulator, places: NDArray[np.float64]) -> None:
 
 
 def measure(sim: Simulator, places: NDArray[np.float64]) -> tuple[float, float]:
-    """Return microseconds for a ping, and the mean number of its beams that meet vehicles."""
+    """Return microseconds per ping, and the mean number of its beams that hit vehicles."""
     elapsed_s, beams, sonar = 0.0, 0, sim.rov.sonar
     vehicles_from = len(sim.world.label_names)
     for place in places:

@@ -1,11 +1,11 @@
-"""The load that the rosbridge carries, and its cost: to many subscribers, to some that do not read, and flat out.
+"""The load that the rosbridge carries and its cost: many subscribers, some that do not read, and maximum throughput.
 
 The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
-picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers are another
-process; latency is from the reading on the simulator's thread to the decoded message. The pace is the simulator's own
-(`lateness`: the worst delay of a step) for a minute, with and without 50 clients that have stopped reading until their
-queues were full. Flat out, scans go from the server, and from one client to another, whose limits are raised for it; a
-bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
+picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers run in
+another process; latency is from the reading on the simulator's thread to the decoded message. The simulator's lateness
+(the worst delay of a step) is measured for a minute, with and without 50 clients that have stopped reading until their
+queues were full. For the throughput, scans go from the server, and from one client to another, whose limits are raised
+for it; a bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def main(
 
 
 def true_messages(sim: Simulator) -> tuple[Any, Any]:
-    """Return one scan and one picture of the simulator's own channels."""
+    """Return one scan and one picture from the simulator's own channels."""
     table = {channel.name: channel for channel in channels(sim)}
     camera = next(channel for channel in table.values() if channel.type == PICTURE)
     scan, picture = table["scan"].read(sim), None
@@ -91,7 +91,7 @@ def true_messages(sim: Simulator) -> tuple[Any, Any]:
 
 
 def stamped(message: Any) -> Any:
-    """Return the message with the wall clock's time, by which latency is measured."""
+    """Return the message stamped with the wall clock's time, by which latency is measured."""
     copy = default_message(message.__msgtype__)
     for name in vars(message):
         setattr(copy, name, getattr(message, name))
@@ -101,7 +101,7 @@ def stamped(message: Any) -> Any:
 
 
 def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: int, seconds: float) -> dict[str, Any]:
-    """Run in real time with subscribers of both topics; return what they got and what it cost."""
+    """Run in real time with subscribers to both topics; return what they received and what it cost."""
     with LiveSimulator(sim, speed=1.0) as live:
         server = RosbridgeServer(live)
         server.channels = [
@@ -137,7 +137,7 @@ def load(sim: Simulator, scan: Any, picture: Any, subscribers: int, sleepers: in
 
 
 def full(server: RosbridgeServer) -> int:
-    """Return the number of clients who have lost messages, since their queues were full."""
+    """Return the number of clients that have lost messages because their queues were full."""
     return sum(session.outbox.lost > 0 for session in list(server.sessions.values()))
 
 
@@ -159,7 +159,7 @@ def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
 
 
 def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
-    """Publish scans as fast as one subscriber takes them; each is encoded anew."""
+    """Publish scans as fast as one subscriber takes them; each is encoded separately."""
     with RosbridgeServer(None) as server:
         process = child(server.url, compression, 1, seconds, "count")
         wait_for(lambda: server.graph.topics.get("scan") is not None and server.graph.topics["scan"].sinks)
@@ -198,13 +198,13 @@ async def bare(scan: Any, seconds: float) -> dict[str, Any]:
 
 
 def child(url: str, compression: str, count: int, seconds: float, mode: str) -> subprocess.Popen[str]:
-    """Start subscribers in a process of their own."""
+    """Start subscribers in a separate process."""
     arguments = [sys.executable, __file__, url, compression, str(count), str(seconds), mode]
     return subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
 
 
 def result(process: subprocess.Popen[str]) -> dict[str, Any]:
-    """Return what subscribers found."""
+    """Return the subscribers' results."""
     output, _ = process.communicate(timeout=300)
     found: dict[str, Any] = json.loads(output)
     return found
@@ -220,7 +220,7 @@ def wait_for(condition: Callable[[], object], patience_s: float = 60.0) -> None:
 
 
 async def publish(url: str, compression: str, seconds: float) -> dict[str, Any]:
-    """Publish a scan of 1,025 beams again and again; the connection says when the next may come."""
+    """Publish a scan of 1,025 beams repeatedly, each as soon as the connection accepts it."""
     scan = default_message(SCAN)
     scan.ranges = np.linspace(5.0, 50.0, 1025, dtype=np.float32)
     form: Literal["json", "cbor"] = "json" if compression == "none" else "cbor"
@@ -236,7 +236,7 @@ async def publish(url: str, compression: str, seconds: float) -> dict[str, Any]:
 
 
 def slow_socket(url: str) -> socket.socket:
-    """Return a connection whose own buffer is small: what is not read waits with the sender."""
+    """Return a connection whose own buffer is small: data that is not read waits at the sender."""
     place = urlsplit(url)
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -271,7 +271,7 @@ async def subscribe(url: str, compression: str, count: int, seconds: float, mode
 
     async def sleep() -> None:
         deadline_s = time.monotonic() + seconds
-        while time.monotonic() < deadline_s:  # the server gives up a client that has not answered for a minute
+        while time.monotonic() < deadline_s:  # the server drops a client that has not answered for a minute
             async with connect(url, compression=None, max_queue=1, sock=slow_socket(url)) as connection:
                 await ask(connection)
                 await asyncio.sleep(min(ASLEEP_S, seconds))
@@ -307,7 +307,7 @@ def load_table(cases: list[dict[str, Any]]) -> Table:
 
 
 def flat_out_table(cases: dict[str, dict[str, Any]]) -> Table:
-    """Return the table of cases flat out."""
+    """Return the table of maximum throughput."""
     table = Table(title=f"flat out to one subscriber (goal: {GOALS['scans_per_s']:.0f} scans/s by CBOR)")
     for column in ("encoding", "scans/s", "server's CPU [us/scan]", "of bare"):
         table.add_column(column, justify="right")

@@ -1,9 +1,9 @@
 """The cost of a recording on the wall clock: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
 
-The simulator runs in real time on the lake with one true ping of 513 beams and one true picture, so that the
-recording is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU is the whole
-process's; lateness is the worst delay of a step, which a recording must not change. Also: the simulator's thread's own
-time for a message, and every channel without pictures flat out, where the steps wait for the file.
+The simulator runs in real time on the lake with one true ping of 513 beams and one true picture, so that the recording
+is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU is the whole process's;
+lateness is the worst delay of a step, which a recording must not change. Two more cases: the time of the simulator's
+thread per message, and all channels but pictures as fast as possible, where the steps wait for the file.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ GOALS = {"cpu_share": 0.05, "lateness_ratio": 1.5}
 def main(
     seconds: Annotated[float, typer.Option(min=0.5, help="Length of each measurement [s].")] = 4.0,
     rounds: Annotated[int, typer.Option(min=1, help="Measurements of each case.")] = 3,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure both cases in turn and print them."""
     sys.setswitchinterval(SWITCH_S)
@@ -64,7 +64,7 @@ def main(
 
 
 def true_channels(sim: Simulator) -> list[Channel]:
-    """Return two channels that say one true scan and one true picture, again and again."""
+    """Return two channels that repeat one true scan and one true picture."""
     known = {channel.name: channel for channel in channels(sim)}
     camera = known["camera/front/image_raw/compressed"]
     scan, picture = known["scan"].read(sim), None
@@ -78,14 +78,14 @@ def true_channels(sim: Simulator) -> list[Channel]:
 
 
 def sharing(sim: Simulator, load: list[Channel]) -> Table:
-    """Return a table of these channels alone."""
+    """Return a channel table with these channels alone."""
     table = Table(sim)
     table.channels = load
     return table
 
 
 def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: float) -> dict[str, float]:
-    """Run in real time; return share of a core, lateness and what was lost."""
+    """Run in real time; return the share of a core, the lateness and the number of lost messages."""
     with LiveSimulator(sim, speed=1.0) as live:
         if path is None:
             watch = Watch(sim, load, lambda channel, message: None)
@@ -110,7 +110,7 @@ def real_time(sim: Simulator, load: list[Channel], path: Path | None, seconds: f
 
 
 def median(cases: list[dict[str, float]]) -> dict[str, float]:
-    """Return the median of each figure."""
+    """Return the median of each value."""
     return {name: statistics.median(case[name] for case in cases) for name in cases[0]}
 
 
@@ -129,7 +129,7 @@ def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[s
 
 
 def flat_out(folder: Path) -> dict[str, float]:
-    """Return wall seconds for ten simulated ones: recorded, and with the channels read alone."""
+    """Return the wall seconds per ten simulated ones: recorded, and with the channels only read."""
     found = {}
     for name in ("read", "with"):
         sim = Simulator("lake")

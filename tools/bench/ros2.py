@@ -1,8 +1,8 @@
-"""The node of ROS 2: what a message costs, and what a node of ROS 2's default middleware gets of it.
+"""The ROS 2 node: the cost of a message, and what arrives at a node of ROS 2's default middleware.
 
-The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a process of its own on this machine; `tools/setup
+The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a separate process on this machine; `tools/setup
 --dev` builds it. Costs are CPU time of all our threads, Cyclone DDS's included; latencies are from the reading on the
-simulator's thread to the decoded message. Each figure stands beside its goal.
+simulator's thread to the decoded message. Each value is printed with its goal.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/python"))  # the peer is the tests' own
+sys.path.insert(0, str(ROOT / "tests/python"))  # the peer is shared with the tests
 
 SCAN, CLOUD, IMAGE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/Image"
 IMU, TWIST, TF = "sensor_msgs/msg/Imu", "geometry_msgs/msg/Twist", "tf2_msgs/msg/TFMessage"
 ODOMETRY = "nav_msgs/msg/Odometry"
 GOALS_US = {SCAN: 30.0, CLOUD: 250.0, IMAGE: 350.0}
-# Each topic's type and rate, 690 messages a second in all: as many as readings on a step of 5 ms allow.
+# Each topic's type and rate, 690 messages per second in all, the most that readings at a step of 5 ms allow.
 MIXED = {
     "scan": (SCAN, 40.0), "cloud": (CLOUD, 20.0), "image": (IMAGE, 10.0), "imu": (IMU, 200.0), "tf": (TF, 200.0),
     "odom": (ODOMETRY, 200.0), "twist": (TWIST, 20.0),
@@ -65,7 +65,7 @@ def messages() -> dict[str, Any]:
 
 
 def stamped(message: Any) -> Any:
-    """Return a copy with the wall clock's time, by which latency is measured."""
+    """Return a copy stamped with the wall clock's time, by which latency is measured."""
     copy = type(message)(**vars(message))
     if hasattr(copy, "header"):
         copy.header = build.header(time.monotonic_ns(), message.header.frame_id)
@@ -73,7 +73,7 @@ def stamped(message: Any) -> Any:
 
 
 class Row(dict[str, Any]):
-    """One figure: what, value, unit, goal, and whether the goal is a least or a most."""
+    """One result: name, value, unit, goal, and whether the goal is a minimum or a maximum."""
 
     def __init__(self, what: str, value: float, unit: str, goal: float | None = None, *, least: bool = False) -> None:
         super().__init__(what=what, value=value, unit=unit, goal=goal, least=least)
@@ -81,9 +81,9 @@ class Row(dict[str, Any]):
 
 def main(
     seconds: Annotated[float, typer.Option(min=1.0, help="Length of each measurement [s].")] = 8.0,
-    domain_id: Annotated[int, typer.Option(help="The domain, in which nobody else should be.")] = 96,
+    domain_id: Annotated[int, typer.Option(help="The ROS domain, which nothing else should use.")] = 96,
     memory_messages: Annotated[int, typer.Option(help="Messages after which memory is compared.")] = 100_000,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turn and print them."""
     from fast_dds import BINARY
@@ -126,7 +126,7 @@ def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float
         with fast_dds_peer(settings.domain_id, *sub("bench", kind)) as other:
             until(writer.readers)
             costs, calls = [], []
-            for _ in range(20):  # flat out for a few messages at a time, so that the reader follows
+            for _ in range(20):  # as fast as possible, but only a few messages at a time, so that the reader can follow
                 cpu = time.process_time()
                 for _ in range(10):
                     began = time.thread_time()
@@ -143,7 +143,7 @@ def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float
 
 
 def mixed(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the share of a core that 690 mixed messages a second take, above the simulator alone."""
+    """Return the share of a core that 690 mixed messages per second take in addition to the simulator."""
     from fast_dds import fast_dds_peer, sub
 
     found = messages()
@@ -169,7 +169,7 @@ def mixed(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[R
 
 
 def latencies(lines: list[dict[str, Any]], table: list[Channel]) -> list[Row]:
-    """Return the median and the 99th percentile of each kind whose time the peer decodes."""
+    """Return the median and the 99th percentile for each kind whose stamp the peer decodes."""
     rows = []
     for channel in table:
         times_ms = [
@@ -192,7 +192,7 @@ def cpu_share(seconds: float) -> float:
 
 
 def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return what arrives of scans at 40 Hz and clouds at 20 Hz, and that a late reader gets a latched topic."""
+    """Return the delivered shares of scans at 40 Hz and clouds at 20 Hz, and the latched messages of a late reader."""
     from fast_dds import fast_dds_peer, sub
 
     found = messages()
@@ -224,7 +224,7 @@ def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> li
 
 
 def commanded(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return what arrives of commands at 100 Hz."""
+    """Return the share of commands at 100 Hz that arrive."""
     from fast_dds import fast_dds_peer
     from ros2_tools import until
 
@@ -274,7 +274,7 @@ def stalled(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list
 
 
 def closing(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return how long it takes to leave while messages flow, and how many threads are left."""
+    """Return how long closing takes while messages flow, and how many threads are left."""
     from fast_dds import fast_dds_peer, sub
 
     before = threading.active_count()
@@ -293,7 +293,7 @@ def closing(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list
 
 
 def memory(live: LiveSimulator, settings: Ros2Settings, count: int) -> list[Row]:
-    """Return how much memory grows over many scans, flat out to a reader in this process."""
+    """Return the growth of memory over many scans, published as fast as possible to a reader in this process."""
     from ros2_tools import Peer, until
 
     scan = messages()[SCAN]
@@ -319,6 +319,6 @@ def memory(live: LiveSimulator, settings: Ros2Settings, count: int) -> list[Row]
 
 
 def resident_mb() -> float:
-    """Return the memory that this process holds."""
+    """Return the resident memory of this process."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

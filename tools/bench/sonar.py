@@ -72,7 +72,7 @@ class Heads:
         return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], directions.shape), directions
 
     def first_again(self) -> Heads:
-        """Return as many pings, all from the first place: the terrain there stays in the processor's caches."""
+        """Return as many pings, all from the first place, where the terrain stays in the processor's caches."""
         poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
         return replace(
             self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}
@@ -82,9 +82,9 @@ class Heads:
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="How often each case is measured; medians are reported.")] = 15,
     pings: Annotated[int, typer.Option(min=1, help="Number of pings, from different places, in a measurement.")] = 200,
-    growth: Annotated[bool, typer.Option(help="Measure the cost against the number of triangles too.")] = True,
-    plot: Annotated[Path, typer.Option(help="Output file for the figure of that cost.")] = Path("sonar_triangles.png"),
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
+    growth: Annotated[bool, typer.Option(help="Also measure the cost against the number of triangles.")] = True,
+    plot: Annotated[Path, typer.Option(help="The file for the plot of that cost.")] = Path("sonar_triangles.png"),
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
     """Measure all cases in turns and print medians."""
     sim = lake()
@@ -136,7 +136,7 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 
 
 def lake(triangles: int | None = None) -> Simulator:
-    """Return the lake, with a terrain of about that many triangles."""
+    """Return the lake, with a terrain of about `triangles` triangles."""
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     if triangles is not None:
         spacing_m = scenario.terrain.size_m[0] / round(np.sqrt(triangles / 2))
@@ -246,7 +246,7 @@ def peer_cases(
 def limit_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], case: Path, suffix: str = ""
 ) -> dict[str, Callable[[], float]]:
-    """Return Embree's packets alone, in every variant that may be the fastest."""
+    """Return Embree's packets alone, in each variant that may be the fastest."""
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():
@@ -298,7 +298,7 @@ class NativePeer:
 
 
 def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
-    """Cast the same rays by pybullet's rayTestBatch, from arrays to ranges, on one thread."""
+    """Return a peer that casts the same rays by pybullet's rayTestBatch, from arrays to ranges, on one thread."""
     import pybullet as p
 
     mesh = folder / "surface.obj"
@@ -322,7 +322,7 @@ def pybullet_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -
 
 
 def trimesh_peer(heads: Heads, vertices_m: Any, triangles: Any, folder: Path) -> Callable[[], float]:
-    """Cast the same rays by trimesh with embreex, from arrays to points of first hits."""
+    """Return a peer that casts the same rays by trimesh with embreex, from arrays to points of first hits."""
     import embreex  # noqa: F401
     import trimesh
     from trimesh.ray.ray_pyembree import RayMeshIntersector
@@ -374,7 +374,7 @@ def _table(figures: dict[str, float]) -> Table:
 
 
 def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
-    """Draw the cost over the number of triangles, with the best straight line in log n."""
+    """Draw the cost against the number of triangles, with the best straight line in log n."""
     sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
     panel = figure.subplots()
     for suffix, label in GROWTH.items():

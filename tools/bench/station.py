@@ -1,10 +1,10 @@
-"""The operator's station without a browser: what the server costs, what it sends, and how soon a key takes effect.
+"""The operator's station without a browser: the server's cost, the data that it sends, and the latency of a key.
 
-The lake in real time, flown by a pilot of this benchmark, who is another process. Cases: nobody; a page that shows
-map and panel; the same with one view of 640 x 360 at 10 Hz; three pages of which one never reads. The server's CPU is
-that of this process, simulator and map included. Latencies are by one clock for both processes: a key's until the
-server's answer that it took effect, a picture's from when it is ready to the decoded message, and from the moment
-that it shows.
+The lake in real time, flown by this benchmark's own pilot in another process. Cases: no page; a page that shows map and
+panel; the same with one view of 640 x 360 at 10 Hz; three pages of which one never reads. The server's CPU is that of
+this process, simulator and map included. Both processes use one clock. The latency of a key is the time until the
+server confirms that it took effect; that of a picture is the time until its message is decoded, both from when the
+picture is ready and from the moment that it shows.
 """
 
 from __future__ import annotations
@@ -56,11 +56,11 @@ GOALS = {
 
 def main(
     seconds: Annotated[float, typer.Option(min=2.0, help="Length of each measurement [s].")] = 20.0,
-    scenario: Annotated[str, typer.Option(help="What is flown.")] = "lake",
-    browser: Annotated[bool, typer.Option("--browser", help="Then measure in a browser, too: station_page.")] = False,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    scenario: Annotated[str, typer.Option(help="The scenario that is flown.")] = "lake",
+    browser: Annotated[bool, typer.Option("--browser", help="Then also measure in a browser (station_page).")] = False,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turn and print them beside their goals."""
+    """Measure all cases in turn and print them with their goals."""
     sys.setswitchinterval(SWITCH_S)
     cases = {}
     for name, pages in {
@@ -81,7 +81,7 @@ def main(
 
 
 def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
-    """Run a station with pages, each a process of its own; return what it cost and what they got."""
+    """Run a station with pages, each in a separate process; return its cost and what the pages received."""
     station = Station()
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         station.run(lambda: LiveSimulator(Simulator(scenario)))
@@ -117,7 +117,7 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
 
 
 def watch_pictures(station: Station) -> dict[int, float]:
-    """Return the times [s] at which pictures were ready, by stamp [ns], as they come."""
+    """Return the times [s] at which pictures were ready, by stamp [ns], filled in as they come."""
     assert station.running is not None
     views, ready_s = station.running.views, {}
     publish = views._node.publish
@@ -134,7 +134,7 @@ def watch_pictures(station: Station) -> dict[int, float]:
 
 
 def judged(page: dict[str, Any], ready_s: dict[int, float], began_s: float) -> dict[str, Any]:
-    """Return what a page found, with the delays of pictures on their way."""
+    """Return a page's results, with the delays of its pictures."""
     came = [(stamp_ns, at_s) for stamp_ns, at_s in page.pop("pictures") if stamp_ns in ready_s]
     on_way_ms = [1e3 * (at_s - ready_s[stamp_ns]) for stamp_ns, at_s in came]
     shown_ms = [1e3 * (at_s - began_s) - 1e-6 * stamp_ns for stamp_ns, at_s in came]
@@ -142,13 +142,13 @@ def judged(page: dict[str, Any], ready_s: dict[int, float], began_s: float) -> d
 
 
 def child(url: str, kind: str, seconds: float) -> subprocess.Popen[str]:
-    """Start a page in a process of its own."""
+    """Start a page in a separate process."""
     arguments = [sys.executable, __file__, url, kind, str(seconds)]
     return subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
 def result(process: subprocess.Popen[str]) -> dict[str, Any]:
-    """Return what a page found."""
+    """Return a page's results."""
     output, _ = process.communicate(timeout=120)
     found: dict[str, Any] = json.loads(output)
     return found
@@ -164,7 +164,7 @@ def wait_for(condition: Callable[[], object]) -> None:
 
 
 async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
-    """Be a page: subscribe, draw at once, and drive if it is the pilot."""
+    """Act as a page: subscribe, draw at once, and drive if it is the pilot."""
     sizes: dict[str, list[int]] = defaultdict(list)
     keys_ms: list[float] = []
     came: list[tuple[int, float]] = []
@@ -225,7 +225,7 @@ def percentiles(values: list[float]) -> dict[str, float]:
 
 
 def against_goals(cases: dict[str, Any]) -> dict[str, float]:
-    """Return the figures that have goals."""
+    """Return the values that have goals."""
     page, view = cases["a page"]["pages"][0], cases["with a view"]["pages"][0]
     return {
         "server without pictures [cores]": cases["a page"]["cores"],
@@ -266,7 +266,7 @@ def case_table(cases: dict[str, Any]) -> Table:
 
 
 def goal_table(figures: dict[str, float]) -> Table:
-    """Return the table of figures and goals."""
+    """Return the table of values and goals."""
     table = Table(title="against the goals")
     for column in ("", "measured", "goal", ""):
         table.add_column(column, justify="right")

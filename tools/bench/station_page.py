@@ -1,9 +1,9 @@
-"""The operator's station in a browser: how soon it is there, how smoothly it draws, what it keeps in memory.
+"""The operator's station in a browser: how soon it loads, how smoothly it draws, and how its memory grows.
 
 Debian's headless Chromium draws WebGL in software, as a laptop without a GPU does, on the cores that the simulator runs
-on. A picture's way is measured from when the server has it to the canvas, and from the moment that it shows, which adds
-rendering and compressing. Needs the development installation (tools/setup --dev). `uwsim bench station` measures the
-server without a browser.
+on. A picture's latency is measured from when the server has it until it is on the canvas, and from the moment that it
+shows, which adds rendering and compressing. Needs the development installation (tools/setup --dev). `uwsim bench
+station` measures the server without a browser.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def main(
     heap_minutes: Annotated[float, typer.Option(min=0.1, help="How long the heap is watched in flight.")] = 5.0,
     reading_s: Annotated[float, typer.Option(min=0.0, help="Time at the start screen, before Start [s].")] = 5.0,
     surveyed: Annotated[Path | None, typer.Option("--map", help="A .bt to orbit. Default: the lake's survey.")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
+    json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure in a browser and print the figures beside their goals."""
+    """Measure in a browser and print the values with their goals."""
     sys.setswitchinterval(SWITCH_S)
     with tempfile.TemporaryDirectory() as folder:
         if surveyed is None:
@@ -67,7 +67,7 @@ def main(
 
 
 def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: float) -> dict[str, float]:
-    """Start a lake from the start screen, fly it, and turn the map; return all figures."""
+    """Start a lake from the start screen, fly it, and turn the map; return all values."""
     station = Station(offered="lake")
     with (
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
@@ -103,7 +103,8 @@ def flying(page: Page, station: Station, seconds: float) -> dict[str, float]:
     """Watch the front camera while a key is held."""
     live, ready_s = station.present().live, watch_pictures(station)
     time.sleep(2.0)
-    # When simulated time was 0, by the clock that the page stamps with; the earliest of many, for readings come late.
+    # The time when simulated time was 0, by the clock that the page stamps with: the earliest of many, as readings are
+    # delayed.
     began_s = min(live.read(lambda sim: time.time() - sim.time_s).result() for _ in range(50))
     drawn, taken = page.evaluate("station.views.picture('front').drawn"), page.evaluate("station.station.bridge.bytes")
     begun = time.perf_counter()
@@ -205,7 +206,7 @@ def heap_growth(page: Page, minutes: float) -> float:
 
 
 def heap_mb(session: CDPSession) -> float:
-    """Return what is alive in a page's heap."""
+    """Return the size of the live objects in a page's heap [MB]."""
     session.send("HeapProfiler.collectGarbage")
     used: float = session.send("Runtime.getHeapUsage")["usedSize"]
     return 1e-6 * used
@@ -221,7 +222,7 @@ def until(page: Page, expression: str, limit_s: float = 120.0) -> None:
 
 
 def goal_table(figures: dict[str, float]) -> Table:
-    """Return figures, goals, and whether they are met."""
+    """Return values, goals, and whether they are met."""
     table = Table("figure", "goal", "measured", "met", title="the station in a browser, software GL")
     for name, value in figures.items():
         sign, goal = GOALS.get(name, ("", float("nan")))

@@ -1,4 +1,4 @@
-"""Measures where a survey's time goes: real-time factor and share of each stage, medians of runs in one process.
+"""Measures where a survey spends its time: real-time factor and share of each stage, medians of runs in one process.
 
 With several engines the runs alternate, so that a busy machine slows all of them alike.
 """

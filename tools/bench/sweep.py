@@ -1,7 +1,7 @@
-"""A sweep of short surveys: runs a second, what a run costs beside its flight, and the memory of workers over time.
+"""A sweep of short surveys: runs per second, the overhead of a run over its flight, and the workers' memory over time.
 
-The flight and the whole run of it are measured in turns in this process, by processor time, so that other load does not
-count; wall time and memory are those of a sweep with workers.
+The flight and the whole run around it are measured in turns in this process, by processor time, so that other load does
+not count; wall time and memory are those of a sweep with workers.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ VARY = {
     "rov.drag.linear.surge": {"low": 20, "high": 60},
 }
 VOXEL_M = 0.5
-TEN = 10  # looks at the memory
+TEN = 10  # samples of the memory
 
 
 def main(
-    scenario: Annotated[str, typer.Option(help="With a short survey.")] = "pool",
-    runs: Annotated[int, typer.Option(min=20, help="Of the sweep.")] = 1000,
-    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = 2,
-    turns: Annotated[int, typer.Option(min=1, help="How often a run and its flight are measured here.")] = 30,
+    scenario: Annotated[str, typer.Option(help="A scenario with a short survey.")] = "pool",
+    runs: Annotated[int, typer.Option(min=20, help="Runs of the sweep.")] = 1000,
+    workers: Annotated[int, typer.Option(min=1, help="Number of worker processes.")] = 2,
+    turns: Annotated[int, typer.Option(min=1, help="Pairs of a run and its flight that are measured here.")] = 30,
     mission_time: Annotated[
         float | None, typer.Option(help="Seconds after which the battery is empty, for shorter surveys.")
     ] = None,
@@ -61,7 +61,7 @@ def main(
 
 
 def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dict[str, Any]:
-    """Processor time of a run of a warm process, and of the flight and the score that are its purpose."""
+    """Return the processor time of a run in a warm process, and that of its flight and score alone."""
     altitudes = ({"survey.altitude_m": 1.5 + seed / turns, **always} for seed in range(turns))
     jobs = [Job(scenario, seed, values, voxel_m=VOXEL_M) for seed, values in enumerate(altitudes)]
     fly_job(jobs[0])
@@ -74,14 +74,14 @@ def run_against_flight(scenario: str, turns: int, always: dict[str, Any]) -> dic
 
 
 def cpu_s(work: Callable[[], object]) -> float:
-    """Processor time of a call."""
+    """Return the processor time of a call."""
     begin = time.process_time()
     work()
     return time.process_time() - begin
 
 
 def flight_cpu_s(job: Job) -> float:
-    """Processor time of a run's flight and score alone, in a simulator that is made already."""
+    """Return the processor time of a run's flight and score alone, in a simulator that exists already."""
     sim = Simulator(job.varied_scenario(), threads=1)
 
     def fly() -> None:
@@ -95,7 +95,7 @@ def flight_cpu_s(job: Job) -> float:
 
 
 def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, Any]:
-    """Wall time of a sweep, what of it was no flight, and the workers' memory in MB ten times on the way."""
+    """Return a sweep's wall time, the part of it that was not flight, and the workers' memory [MB] at ten moments."""
     same = {name: {"choices": [value]} for name, value in always.items()}
     sweep = {
         "scenario": scenario, "vary": VARY | same, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,

@@ -2,7 +2,7 @@
 
     python tools/learn/ppo_station_keeping.py --steps 1000000
 
-Episodes for learning follow from the seed; those for the comparison have the seeds from 1,000,000 on.
+Episodes for learning are drawn from the seed; those for the comparison have seeds from 1,000,000 on.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def main(
     members: Annotated[int, typer.Option(min=1)] = 64,
     compared: Annotated[int, typer.Option(min=1, help="Episodes for the comparison.")] = 64,
     seed: Annotated[int, typer.Option()] = 0,
-    threads: Annotated[int, typer.Option(min=1, help="Of the simulation; torch uses one.")] = 1,
+    threads: Annotated[int, typer.Option(min=1, help="Threads of the simulation; torch uses one.")] = 1,
     out: Annotated[Path | None, typer.Option(help="The file for the model.")] = None,
 ) -> None:
     """Learn and compare."""

@@ -1,10 +1,10 @@
-"""Learns uwsim/StationKeeping-v0 by CMA-ES, compares what it found with the PID of the vehicle's file, and draws both.
+"""Learns uwsim/StationKeeping-v0 by CMA-ES, compares the result with the PID of the vehicle's file, and draws both.
 
     python tools/learn/station_keeping.py --out assets/learning/policies/station_keeping.json \
         --curve docs/guides/learning.png
 
-The search begins at proportional control with damping, one gain for all axes of a kind (`first_guess`), and is free
-from there. Episodes for learning have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.
+The search starts at proportional control with damping, one gain for all axes of a kind (`first_guess`), and is
+unconstrained from there. Episodes for learning have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def main(
     curve: Annotated[Path, typer.Option(help="The file for the picture.")] = Path("station_keeping.png"),
     generations: Annotated[int, typer.Option(min=1)] = 150,
     candidates: Annotated[int, typer.Option(min=4)] = 16,
-    episodes: Annotated[int, typer.Option(min=1, help="Of each candidate in a generation.")] = 6,
+    episodes: Annotated[int, typer.Option(min=1, help="Episodes of each candidate in a generation.")] = 6,
     compared: Annotated[int, typer.Option(min=1, help="Episodes for the comparison.")] = 64,
     threads: Annotated[int | None, typer.Option(min=1)] = None,
 ) -> None:
@@ -75,23 +75,23 @@ def main(
 
 
 def first_guess() -> LinearPolicy:
-    """Proportional control towards the place, the heading and level, with damping."""
+    """Return proportional control towards the place, the heading and level attitude, with damping."""
     weights = np.zeros((6, 21))
     for axis in range(3):
-        weights[axis, axis], weights[axis, 9 + axis] = 3.0, -2.0  # the way there; the velocity
+        weights[axis, axis], weights[axis, 9 + axis] = 3.0, -2.0  # the direction to the place; the velocity
         weights[3 + axis, 12 + axis] = -0.3  # the rate
     weights[3, 7], weights[4, 6], weights[5, 4] = -1.0, 1.0, 1.0  # up to port, up ahead, the heading to port
     return LinearPolicy(weights, np.zeros(6))
 
 
 def settled_m(flown: Flown) -> float:
-    """The distance from the place, rms over the second half of the episodes."""
+    """Return the rms distance from the place over the second half of the episodes."""
     later = flown.figures["distance_m"][round(SETTLED_S / StationKeeping.period_s) :]
     return float(np.sqrt(np.nanmean(later**2)))
 
 
 def draw(course: list[Generation], pid: Flown, learned: Flown, path: Path) -> None:
-    """Draw the course of learning, and the distance over time of both."""
+    """Draw the progress of learning, and the distance of both over time."""
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")

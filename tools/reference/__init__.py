@@ -1,1 +1,1 @@
-"""Reference pages made from the program itself, so that they cannot be out of date."""
+"""Reference pages that are generated from the program itself, so that they cannot be out of date."""

@@ -1,4 +1,4 @@
-"""The channel reference: what a served simulator says and hears."""
+"""The channel reference: the topics that a served simulator publishes and receives."""
 
 from tools.reference.markdown import code, table
 
@@ -8,18 +8,18 @@ from uwsim.channels import channels
 HEAD = """# Channels
 
 The topics of `uwsim serve lake`, from the table that every bridge and recording uses; other vehicles and scenarios have
-others. Rates are the sensors' own; 0 Hz: as it changes.
+others. Rates are the sensors' own; a rate of 0 Hz: published when the value changes.
 
 """
 
 
 def channels_page() -> str:
-    """Return the page: one table of what is said, one of what is heard."""
-    said, heard = [], []
+    """Return the page: one table of published topics, one of received ones."""
+    published, received = [], []
     for channel in channels(Simulator("lake")):
         if channel.read is not None:
-            said.append((code(channel.name), code(channel.type), f"{channel.rate_hz or 0:g}"))
+            published.append((code(channel.name), code(channel.type), f"{channel.rate_hz or 0:g}"))
         else:
-            heard.append((code(channel.name), code(channel.type)))
-    text = HEAD + "## Said\n\n" + table(("topic", "type", "rate [Hz]"), said)
-    return text + "\n## Heard\n\n" + table(("topic", "type"), heard)
+            received.append((code(channel.name), code(channel.type)))
+    text = HEAD + "## Published\n\n" + table(("topic", "type", "rate [Hz]"), published)
+    return text + "\n## Received\n\n" + table(("topic", "type"), received)

@@ -1,4 +1,4 @@
-"""The command reference: what `uwsim --help` and each command's --help say."""
+"""The command reference: the output of `uwsim --help` and of each command's --help."""
 
 import subprocess
 import sys
@@ -11,7 +11,7 @@ from uwsim.cli.main import app
 
 HEAD = """# Commands
 
-What `uwsim COMMAND --help` says of each command.
+The output of `uwsim COMMAND --help` for each command.
 
 """
 GROUPS = ("map", "scenario")

@@ -1,4 +1,4 @@
-"""The reference of the environments for learning: what they are, observe and take."""
+"""The reference of the environments for learning: their tasks, observations and actions."""
 
 from tools.reference.markdown import code, plain, table
 
@@ -7,8 +7,9 @@ from uwsim.learning.tasks import TASKS
 
 HEAD = """# Environments for learning
 
-What `import uwsim.learning` registers; [Learning](../guides/learning.md) has their use. Observations are float32 and
-cut to their range; body axes are x forward, y left, z up. Actions are efforts in [-1, 1]. What no sensor reads is true.
+The environments that `import uwsim.learning` registers; [Learning](../guides/learning.md) shows how to use them.
+Observations are float32 and cut to their range; body axes are x forward, y left, z up. Actions are efforts in [-1, 1].
+Values that no sensor reads are exact.
 
 """
 

@@ -75,15 +75,16 @@ PUBLIC = {
 
 HEAD = """# Python
 
-**Public**: the names on this page, and what `import uwsim` gives (`uwsim.Simulator`, `uwsim.Batch`, `uwsim.fly`,
+**Public**: the names on this page, and those of `import uwsim` (`uwsim.Simulator`, `uwsim.Batch`, `uwsim.fly`,
 `uwsim.run_survey`, `uwsim.scenarios`). A change of them is in the changelog, and comes with a new minor version.
 
-**Internal**: everything else, `uwsim._core` and what begins with an underscore above all. It may change in any release.
+**Internal**: everything else, in particular `uwsim._core` and names that begin with an underscore. It may change in any
+release.
 """
 
 
 def python_page() -> str:
-    """Return the page: directives by which the site reads the docstrings."""
+    """Return the page: directives that make the site read the docstrings."""
     text = HEAD
     for title, names in PUBLIC.items():
         text += f"\n## {title}\n\n```{{eval-rst}}\n"

@@ -28,7 +28,7 @@ def scenario_page() -> str:
 
 
 def reachable(root: type[Model]) -> list[type[Model]]:
-    """Return the models that a scenario may hold, each once, in the order in which a reader meets them."""
+    """Return the models that a scenario may hold, each once, in the order of their first mention."""
     found: list[type[Model]] = []
 
     def visit(model: type[Model]) -> None:

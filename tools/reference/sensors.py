@@ -1,4 +1,4 @@
-"""The sensor reference: kinds, what they read, what noise acts on, their own keys, and the packaged ones."""
+"""The sensor reference: kinds, their quantities, the channels of their noise, their own keys, and the packaged ones."""
 
 import math
 
@@ -62,7 +62,7 @@ def _figures(mount: SensorMount) -> tuple[str, ...]:
 
 
 def _said(noise: Noise) -> str:
-    """Return the keys that are given, with their values."""
+    """Return the keys that are set, with their values."""
     return ", ".join(f"{key} {_value(value)}" for key, value in noise.model_dump(exclude_defaults=True).items())
 
 

@@ -1,4 +1,4 @@
-"""The sources of the models: what the comments of the core cite, beside the code that uses it."""
+"""The sources of the models: the citations in the core's comments, with the code that uses them."""
 
 import re
 from pathlib import Path
@@ -10,8 +10,8 @@ CITES = re.compile(r"\b(?:18|19|20)\d\d\b")
 HEAD = """# Sources
 
 Every model of the core whose comment cites a source: equations, ranges of validity, what is assumed and what was cited
-from memory, in the words that stand beside the code. Figures of vehicles, thrusters, sensors and sonars have their
-sources in the files of `assets`.
+from memory, as in the comments of the code. The files of `assets` name the sources of the values of vehicles,
+thrusters, sensors and sonars.
 
 """
 
@@ -38,7 +38,7 @@ def _entries(file: Path) -> list[str]:
 
 
 def _markdown(text: str) -> str:
-    """Return a comment as Markdown: indented lines are equations, as they stand."""
+    """Return a comment as Markdown; indented lines are equations, which stay as they are."""
     blocks: list[str] = []
     for equation, lines in _runs(text.splitlines()):
         if equation:

@@ -1,12 +1,12 @@
-"""What a client's frames cost a rosbridge: memory and the network's thread, one attack after the other.
+"""The cost of a client's frames to a rosbridge: memory and the network's thread, one attack after the other.
 
     .venv/bin/python tools/soak/amplification.py [NAME ...]
 
-Each attack comes from a process of its own against a server that is new. A line for each: what was sent, how far
-resident memory rose at most and where it ended after all clients had left; for how long the network's thread did not
-reach a timer of 2 ms (by the wall clock, which includes time that the machine gave to others), and how much CPU time
-all of the process's threads, and its own, spent between two timers at most; the worst answer to another client, which
-asks all the time.
+Each attack comes from a separate process against a new server. One line per attack: what was sent; the peak growth of
+resident memory, and the growth that remained after all clients had left; the longest time for which the network's
+thread did not reach a timer of 2 ms (by the wall clock, which includes time that the machine gave to others), and the
+most CPU time that all of the process's threads, and that thread, spent between two timers; and the slowest answer to
+another client, which calls a service all the time.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from websockets.sync.client import ClientConnection, connect
 from uwsim.bridges import RosbridgeServer
 from uwsim.cli.run_live import keep_threads_moving
 
-SIZE = 2 << 20  # of a frame at most
+SIZE = 2 << 20  # maximum size of a frame
 BEAT_S = 0.002
 PATIENCE_S = 60.0
 Frames = Iterator[str | bytes]
@@ -103,7 +103,7 @@ ONCE: dict[str, Callable[[], Frames]] = {
 
 
 def flood(url: str, count: int, frame: Callable[[int], str], first: tuple[str, ...] = ()) -> None:
-    """Send first these frames, and then so many others."""
+    """Send these first frames, and then `count` others."""
     with (
         suppress(ConnectionClosed),
         connect(url, compression=None, max_size=None, ping_interval=None, close_timeout=0.1) as client,
@@ -116,7 +116,7 @@ def flood(url: str, count: int, frame: Callable[[int], str], first: tuple[str, .
 
 
 def settle(client: ClientConnection) -> None:
-    """Return when the server has dealt with all that was sent."""
+    """Return when the server has processed everything that was sent."""
     client.send('{"op":"call_service","service":"/rosapi/get_time","id":"last"}')
     while json.loads(client.recv(PATIENCE_S)).get("id") != "last":
         pass
@@ -160,14 +160,14 @@ def long_ids(url: str) -> None:
 
 
 def rosapi_texts(url: str) -> None:
-    """Advertise 900 topics of a type with a long definition, and ask for all definitions five times."""
+    """Advertise 900 topics of a type with a long definition, and request all definitions five times."""
     kind = "visualization_msgs/MarkerArray"
     first = tuple(json.dumps({"op": "advertise", "topic": f"/t{k}", "type": kind}) for k in range(900))
     flood(url, 5, lambda k: '{"op":"call_service","service":"/rosapi/topics_and_raw_types"}', first)
 
 
 def transforms(url: str) -> None:
-    """Publish 2,000 transforms at once while somebody asks for transforms."""
+    """Publish 2,000 transforms at once while another client looks up transforms."""
     call = '{"op":"call_service","service":"/republish_tfs","args":{"source_frames":["a"],"target_frame":"b"}}'
     head = '{"op":"advertise","topic":"/tf","type":"tf2_msgs/TFMessage"}'
     turned = '"transform":{"translation":{"x":1.5},"rotation":{"w":1.0}}'
@@ -186,7 +186,7 @@ LONG: dict[str, Callable[[str], None]] = {
 
 
 def once(url: str, name: str) -> None:
-    """Send one attack's frames, to somebody who subscribes in each compression."""
+    """Send one attack's frames while another client subscribes with each compression."""
     options = {"compression": None, "max_size": None, "ping_interval": None, "close_timeout": 0.1}
     with ExitStack() as stack:
         for compression in ("none", "cbor", "png"):
@@ -213,7 +213,7 @@ def memory_mb(field: str) -> float:
 
 
 class Watch:
-    """For how long the network's thread did not come to a timer, and a witness to an answer."""
+    """The longest times for which the network's thread missed a timer and another client waited for an answer."""
 
     def __init__(self, server: RosbridgeServer) -> None:
         self.held_s = self.spent_s = self.worked_s = self.answer_s = 0.0
@@ -248,7 +248,7 @@ class Watch:
 
 
 def witness(url: str) -> float:
-    """Ask for the time again and again until the standard input ends; return the longest wait for an answer."""
+    """Call for the time repeatedly until the standard input ends; return the longest wait for an answer."""
     worst_s, ends = 0.0, Event()
     Thread(target=lambda: (sys.stdin.readline(), ends.set()), daemon=True).start()
     with connect(url, compression=None, ping_interval=None) as client:
@@ -271,13 +271,13 @@ def main(names: list[str]) -> None:
 
 
 def serve(name: str) -> None:
-    """Be the server of one attack."""
+    """Run the server for one attack."""
     with RosbridgeServer(None) as server:
         with connect(server.url) as client:
             settle(client)
         keep_threads_moving()
         first_mb = memory_mb("VmRSS")
-        Path("/proc/self/clear_refs").write_text("5")  # the most so far begins again
+        Path("/proc/self/clear_refs").write_text("5")  # resets the peak so far
         with Watch(server) as watch:
             time.sleep(1.0)
             watch.held_s = watch.spent_s = watch.worked_s = 0.0

@@ -1,4 +1,4 @@
-"""Clients of a rosbridge as a station sees them: those that read and steer, come and go, talk nonsense, or fall silent.
+"""Typical clients of a rosbridge: some read and steer, others come and go, send garbage, or stop reading.
 
 .venv/bin/python tools/soak/clients.py URL SECONDS
 """
@@ -13,14 +13,14 @@ import time
 from contextlib import suppress
 from typing import Any
 
-from rosbridge import attack  # beside this file
+from rosbridge import attack  # in this folder
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
 PICTURES = ("/camera/front/image_raw/compressed", "/images/compressed", "/forward_looking/picture/compressed")
 CLOUDS = ("/points", "/laserPointCloud", "/octomap_binary", "/scan")
 TELEMETRY = ("/telemetry", "/odom", "/imu", "/tf", "/battery_state", "/diagnostics")
-PICTURE_MS, CLOUD_MS = 2000, 500  # between two that a client takes
+PICTURE_MS, CLOUD_MS = 2000, 500  # minimum interval between two messages
 
 
 async def connected(url: str) -> ClientConnection:
@@ -29,7 +29,7 @@ async def connected(url: str) -> ClientConnection:
 
 
 async def subscribe(connection: ClientConnection, topics: tuple[str, ...], every_ms: int = 0) -> None:
-    """Ask for topics."""
+    """Subscribe to topics."""
     for topic in topics:
         await say(connection, op="subscribe", topic=topic, throttle_rate=every_ms, queue_length=1, compression="cbor")
 
@@ -50,9 +50,10 @@ async def read(url: str, topics: tuple[str, ...], every_ms: int = 0) -> int:
 
 
 async def steer(url: str) -> None:
-    """Undock the vehicle, and let it turn on the spot for two seconds of every twenty, to and fro.
+    """Undock the vehicle, and turn it on the spot, to and fro, for two seconds of every twenty.
 
-    No longer, since the loop that holds a velocity gives 20 commands a second, which stay in the simulator's log.
+    The turns are short because the loop that holds a velocity sends 20 commands per second, which stay in the
+    simulator's log.
     """
     connection = await connected(url)
     await say(connection, op="subscribe", topic="/odom", throttle_rate=1000)
@@ -67,7 +68,7 @@ async def steer(url: str) -> None:
 
 
 async def listen(connection: ClientConnection, seconds: float) -> None:
-    """Read what comes."""
+    """Read messages for some time."""
     with suppress(TimeoutError):
         async with asyncio.timeout(seconds):
             while True:
@@ -75,7 +76,7 @@ async def listen(connection: ClientConnection, seconds: float) -> None:
 
 
 async def come_and_vanish(url: str, rng: random.Random) -> None:
-    """Subscribe to anything, and leave without a word."""
+    """Subscribe to anything, and leave without closing."""
     while True:
         connection = await connected(url)
         await subscribe(connection, (rng.choice(PICTURES), rng.choice(CLOUDS), rng.choice(TELEMETRY)), 200)
@@ -92,7 +93,7 @@ async def talk_nonsense(url: str, rng: random.Random) -> None:
 
 
 async def stop_reading(url: str) -> None:
-    """Subscribe to all that is large, and read nothing for a minute; then come again."""
+    """Subscribe to everything large, and read nothing for a minute; then connect again."""
     while True:
         connection = await connect(url, compression=None, max_queue=1, open_timeout=60, ping_interval=None)
         await subscribe(connection, CLOUDS + PICTURES[:1], 1000)
@@ -101,7 +102,7 @@ async def stop_reading(url: str) -> None:
 
 
 async def serve_again(client: Any, *arguments: Any) -> None:
-    """Be a client, and another one whenever the server has ended the connection."""
+    """Run a client, and another one whenever the server has ended the connection."""
     while True:
         with suppress(OSError, TimeoutError, WebSocketException):
             await client(*arguments)
@@ -109,7 +110,7 @@ async def serve_again(client: Any, *arguments: Any) -> None:
 
 
 async def main(url: str, seconds: float) -> None:
-    """Be all of them at once."""
+    """Run all clients at once."""
     rng = random.Random(1)
     clients = [
         serve_again(read, url, TELEMETRY),

@@ -2,17 +2,17 @@
 
     .venv/bin/python tools/soak/days.py [--days 8] [--minutes 60] [--json FILE]
 
-A lap is 1.5 simulated hours, of which 33 minutes are the survey of the lake, 6 five surveys of the pool, 20 s `uwsim
-fingerprint` (pictures, samples and pings of both modes), 1 a mission that maps, 10 a ping each second, and the rest
-idle flight, the last two on one simulator that is restored to its beginning. It takes some 22 s of processor time. Each
-lap must make the bytes of the first. Beside them a rosbridge server and a simulator of its own run on the wall clock
-for the clients of clients.py, which are another process.
+A lap is 1.5 simulated hours: 33 minutes are the survey of the lake, 6 minutes five surveys of the pool, 20 s `uwsim
+fingerprint` (pictures, samples and pings of both modes), 1 minute a mission that maps, 10 minutes a ping each second,
+and the rest idle flight, the last two on one simulator that is restored to its initial state. It takes some 22 s of
+processor time. Each lap must produce the bytes of the first. At the same time a rosbridge server with its own simulator
+runs on the wall clock for the clients of clients.py, which are in another process.
 
-After each lap one line: simulated days, memory in RAM (garbage collected, and what the C library keeps of freed blocks
-given back; also before that), what malloc has given out, the peak, and processor seconds per simulated hour, without
-those of the server. Exit code 1 if memory grew by more than 2 % (straight line), processor time drifted by more than
-5 % (medians of the first and last third), bytes differ, threads or open files became more; the first fifth of the laps
-is for settling and does not count.
+One line is printed after each lap: simulated days, memory in RAM (after a garbage collection, before and after the C
+library has returned its freed blocks), memory allocated by malloc, the peak, and processor seconds per simulated hour,
+without those of the server. The exit code is 1 if memory grew by more than 2 % (straight line), processor time drifted
+by more than 5 % (medians of the first and last third), bytes differ, or the number of threads or open files rose. The
+first fifth of the laps, in which these settle, does not count.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ from uwsim.live import LiveSimulator
 DAY_S, HOUR_S = 86_400.0, 3600.0
 POOL_SURVEYS, PINGS = 5, 600
 MEMORY, PACE, SETTLING = 0.02, 0.05, 0.2
-LAPS_MIN = 10  # fewer say nothing
+LAPS_MIN = 10  # fewer laps prove nothing
 Digest = Callable[[bytes], None]
 
 
 class Laps:
-    """Flies laps; all that one says goes into its digests, by part."""
+    """Flies laps; all results go into digests, one for each part."""
 
     def __init__(self, folder: Path, lap_s: float) -> None:
         self._folder, self._lap_s = folder, lap_s
@@ -57,7 +57,7 @@ class Laps:
         self._start = self._idle.save_state()
 
     def fly(self) -> dict[str, str]:
-        """Fly one; return its digests."""
+        """Fly a lap; return its digests."""
         digests: dict[str, str] = {}
         flown_s = survey("lake", self._folder, digests)
         flown_s += sum(survey("pool", self._folder, digests) for _ in range(POOL_SURVEYS))
@@ -85,7 +85,7 @@ class Laps:
 
 
 def survey(scenario: str, folder: Path, digests: dict[str, str]) -> float:
-    """Fly a survey without a word; return its simulated time [s]."""
+    """Fly a survey without output; return its simulated time [s]."""
     with (
         Path(os.devnull).open("w") as nowhere,
         contextlib.redirect_stdout(nowhere),
@@ -99,14 +99,14 @@ def survey(scenario: str, folder: Path, digests: dict[str, str]) -> float:
 
 
 def digest(content: bytes) -> str:
-    """Return a hash."""
+    """Return the hash of some bytes."""
     return hashlib.sha256(content).hexdigest()
 
 
 def lap_cpu_s(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Return the processor time of some work, and what the work returns.
+    """Return the processor time of a call, and its result.
 
-    Threads that it starts, such as a map's, count; those that were there before, such as the server's, do not.
+    Threads that it starts, such as a map's, count; those that existed before, such as the server's, do not.
     """
     before, began_s = thread_cpu_s(), time.process_time()
     result = work()
@@ -116,7 +116,7 @@ def lap_cpu_s(work: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def sample(laps: Laps, lap_s: float) -> dict[str, Any]:
-    """Fly a lap; return what it took and what is in use after it."""
+    """Fly a lap; return its cost and the memory in use after it."""
     began_s = time.monotonic()
     cpu_s, digests = lap_cpu_s(laps.fly)
     wall_s = time.monotonic() - began_s
@@ -136,7 +136,7 @@ def sample(laps: Laps, lap_s: float) -> dict[str, Any]:
 
 
 def told(sample: dict[str, Any], first: dict[str, Any], days: float) -> str:
-    """Return the line of a lap."""
+    """Return the report line of a lap."""
     other = [part for part, found in sample["digests"].items() if found != first["digests"][part]]
     verdict = f"bytes of {', '.join(other)} DIFFER" if other else "bytes same"
     return (
@@ -148,20 +148,20 @@ def told(sample: dict[str, Any], first: dict[str, Any], days: float) -> str:
 
 
 def fly_days(days: float, minutes: float, lap_s: float, live: LiveSimulator) -> list[dict[str, Any]]:
-    """Fly laps until the days or the minutes are over; print a line each."""
+    """Fly laps until the days or the minutes are over; print a line for each."""
     ends_s = time.monotonic() + 60.0 * minutes
     samples: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as name:
         laps = Laps(Path(name), lap_s)
         while len(samples) < days * DAY_S / lap_s and time.monotonic() < ends_s:
-            live.reset()  # the clients' vehicle begins anew, and so does its map
+            live.reset()  # the clients' vehicle and its map start again
             samples.append(sample(laps, lap_s) | {"served": live.factor, "commands": len(live.log)})
             print(told(samples[-1], samples[0], len(samples) * lap_s / DAY_S), flush=True)
     return samples
 
 
 def wrongs(samples: list[dict[str, Any]]) -> list[str]:
-    """Return what is not as it must be."""
+    """Return the quantities that broke a rule."""
     if len(samples) < LAPS_MIN:
         return [f"{len(samples)} laps are too few to judge by"]
     judged = {
@@ -178,9 +178,9 @@ def wrongs(samples: list[dict[str, Any]]) -> list[str]:
 def main() -> int:
     """Fly; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--days", type=float, default=8.0, help="simulated, at most")
-    parser.add_argument("--minutes", type=float, default=60.0, help="of wall time, at most")
-    parser.add_argument("--lap-hours", type=float, default=1.5, help="simulated, at least 1; more is more idle flight")
+    parser.add_argument("--days", type=float, default=8.0, help="maximum simulated days")
+    parser.add_argument("--minutes", type=float, default=60.0, help="maximum wall time [min]")
+    parser.add_argument("--lap-hours", type=float, default=1.5, help="simulated hours per lap, at least 1")
     parser.add_argument("--json", type=Path, help="also write the samples to this file")
     options = parser.parse_args()
     if not options.lap_hours >= 1.0:

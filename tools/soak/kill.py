@@ -4,8 +4,8 @@
 
 A kill is a kill -9 of the command and of all its workers. Half the moments are uniform over the job; a quarter are
 within milliseconds of a file being written (autosaves, renames, results), a quarter within the results at the end.
-After each kill a map that is there must open; the job is resumed, and killed again. What it has made at its end must
-have the bytes of a job that nobody killed. Exits with 1 if any is not so.
+After each kill an existing map must open; the job is resumed, and killed again. Its final results must have the bytes
+of an undisturbed job. Exits with 1 if one of these rules is broken.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ FLEET = ("fleet", "pool", "--tile", "5", "--voxel", "0.3", "--workers", "2")
 
 @dataclass(frozen=True)
 class Work:
-    """Something to kill. options: of the command, but for --out and --resume. digest: of what it made in a folder."""
+    """A job to kill. options: of the command, except --out and --resume. digest: that of the results in a folder."""
 
     name: str
     options: tuple[str, ...]
@@ -65,13 +65,13 @@ def digest_of_flight(out: Path) -> str:
 
 
 def digest_of_table(out: Path) -> str:
-    """Return the hash of all rows, but for their wall times."""
+    """Return the hash of all rows, except their wall times."""
     table = pd.read_parquet(out / "runs.parquet")
     return hashlib.sha256(table.drop(columns=["run_wall_s", "flight_wall_s"]).to_csv().encode()).hexdigest()
 
 
 def works(folder: Path) -> list[Work]:
-    """Return one of each kind. folder: for their files."""
+    """Return one job of each kind, with its files in `folder`."""
     mission = folder / "dive.py"
     mission.write_text(MISSION)
     sweep = folder / "sweep.yaml"
@@ -86,7 +86,7 @@ def works(folder: Path) -> list[Work]:
 
 
 def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
-    """Start a command as the leader of a group of its own."""
+    """Start a command as the leader of its own process group."""
     arguments = ["--resume"] if resume and work.name in ("survey", "run") else [*work.options[1:]]
     arguments += ["--resume"] if resume and work.name not in ("survey", "run") else []
     command = [*UWSIM, work.options[0], *arguments, "--out", str(out)]
@@ -94,12 +94,12 @@ def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
 
 
 def is_writing(out: Path) -> bool:
-    """Whether a temporary file is there, which is renamed when it is complete."""
+    """Return whether a temporary file exists, which is renamed when it is complete."""
     return any(name.startswith(".") for _, _, files in os.walk(out) for name in files)
 
 
 def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: float, draw: random.Random) -> str:
-    """Wait until it is to be killed, or has ended; return the kind of the moment."""
+    """Wait for the moment of the kill or the end of the process; return the kind of the moment."""
     kind = draw.choice(["any", "any", "write", "end"])
     began_s = time.monotonic()
     after_s = draw.uniform(0.0, whole_s) if kind != "end" else draw.uniform(0.7, 1.0) * whole_s
@@ -120,14 +120,14 @@ def kill(process: subprocess.Popen[str]) -> None:
 
 @dataclass(frozen=True)
 class Whole:
-    """Work that nobody disturbed: the digest of what it made, and how long it took."""
+    """An undisturbed job: the digest of its results, and its duration."""
 
     digest: str
     took_s: float
 
 
 def done_whole(work: Work, folder: Path) -> Whole:
-    """Do the work undisturbed."""
+    """Run the job undisturbed."""
     out = folder / f"{work.name}-whole"
     shutil.rmtree(out, ignore_errors=True)
     began_s = time.monotonic()
@@ -139,7 +139,7 @@ def done_whole(work: Work, folder: Path) -> Whole:
 
 
 def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int) -> tuple[list[str], str]:
-    """Kill the work up to `kills` times, then let it end; return the kinds of moments, and "" or what is wrong."""
+    """Kill the job up to `kills` times, then let it end; return the kinds of moments, and "" or the fault found."""
     kinds: list[str] = []
     resume = False
     while True:
@@ -157,7 +157,7 @@ def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int)
         if resume and any(words in errors for words in NOTHING_SAVED):
             if (out / "map.bt").exists() or (out / "runs.parquet").exists():  # killed after its last save was removed
                 return kinds, judged(work, out, whole)
-            shutil.rmtree(out, ignore_errors=True)  # before its first
+            shutil.rmtree(out, ignore_errors=True)  # killed before the first save
             resume = False
             continue
         if process.returncode != 0:
@@ -166,17 +166,17 @@ def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int)
 
 
 def judged(work: Work, out: Path, whole: Whole) -> str:
-    """Return "", or what is wrong with what was made."""
+    """Return "", or what is wrong with the results."""
     return "" if work.digest(out) == whole.digest else "other bytes than when nobody kills it"
 
 
 def main(
-    kills: Annotated[int, typer.Option(min=1, help="How many, of all kinds of work together.")] = 200,
-    each: Annotated[int, typer.Option(min=1, help="How many at most until a job may end.")] = 5,
-    seed: Annotated[int, typer.Option(help="Of the moments.")] = 0,
-    only: Annotated[str, typer.Option(help="survey, run, sweep or fleet alone.")] = "",
+    kills: Annotated[int, typer.Option(min=1, help="Number of kills over all kinds of work.")] = 200,
+    each: Annotated[int, typer.Option(min=1, help="Maximum number of kills until a job may end.")] = 5,
+    seed: Annotated[int, typer.Option(help="The seed of the moments.")] = 0,
+    only: Annotated[str, typer.Option(help="Only survey, run, sweep or fleet.")] = "",
 ) -> None:
-    """Kill, look, resume, compare, repeat."""
+    """Kill, check, resume, compare and repeat."""
     draw = random.Random(seed)
     moments: Counter[str] = Counter()
     failures = 0
@@ -189,7 +189,8 @@ def main(
         for work in itertools.cycle(todo):
             out = folder / "killed"
             shutil.rmtree(out, ignore_errors=True)
-            whole = done_whole(work, folder)  # each time: the machine may have become faster, and kills would come late
+            # measured each time: if the machine has become faster, kills would come too late
+            whole = done_whole(work, folder)
             kinds, wrong = attack(work, out, whole, draw, draw.randint(1, each))
             if first.setdefault(work.name, whole.digest) != whole.digest:
                 wrong = "other bytes, though nobody killed it"

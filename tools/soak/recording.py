@@ -1,9 +1,9 @@
-"""Kills a process that records, at random moments, and checks what is left of its recording each time.
+"""Kills a recording process at random moments, and checks what is left of its recording each time.
 
     .venv/bin/python tools/soak/recording.py --kills 25
 
 After each kill -9 the recording must open, its messages must be those of a run without gaps, at most LOSS_S of wall
-time may be missing, and its replay must say the same bytes. Exits with 1 if any is not so.
+time may be missing, and its replay must give the same bytes. Exits with 1 if one of these rules is broken.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import typer
 from uwsim import recording
 from uwsim.recording.replay import replay
 
-LOSS_S = 2.5  # a second between flushes, and what a busy machine adds
+LOSS_S = 2.5  # one second between flushes, plus the delay of a busy machine
 CHILD = """
 import sys, time
 from uwsim.live import LiveSimulator
@@ -41,11 +41,11 @@ with LiveSimulator("lake", speed=1.0) as live, Recorder(live, sys.argv[1], witho
 
 
 def main(
-    kills: Annotated[int, typer.Option(min=1, help="How many times.")] = 25,
+    kills: Annotated[int, typer.Option(min=1, help="Number of kills.")] = 25,
     longest: Annotated[float, typer.Option(help="The latest moment of a kill [s].")] = 8.0,
-    seed: Annotated[int, typer.Option(help="Of the moments.")] = 0,
+    seed: Annotated[int, typer.Option(help="The seed of the moments.")] = 0,
 ) -> None:
-    """Kill, look, repeat."""
+    """Kill, check and repeat."""
     moments = random.Random(seed)
     worst_s, failures = 0.0, 0
     with tempfile.TemporaryDirectory() as folder:

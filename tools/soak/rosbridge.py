@@ -3,12 +3,12 @@
     .venv/bin/python tools/soak/rosbridge.py [SECONDS]
 
 Clients connect in waves of up to 1,000, send garbage, valid and damaged operations, floods, unfinished fragments and
-huge frames, subscribe and do not read, and leave at any moment. After each minute one line: resident memory, Python's
-objects in use, sessions, topics, the simulator's pace.
+huge frames, subscribe and do not read, and leave at any moment. One line is printed after each minute: resident memory,
+Python's objects in use, sessions, topics, and the simulator's pace.
 
-A first wave comes before memory is first looked at: the allocator keeps what the most clients at a time have needed,
-some 15 MB, and uses it again. Exit code 1 if afterwards memory grew by more than 16 MB, objects in use by more than
-1 %, or anything was left behind.
+A first wave comes before memory is first measured, since the allocator keeps and reuses the memory of the largest
+number of clients so far, some 15 MB. The exit code is 1 if afterwards memory grew by more than 16 MB, objects in use by
+more than 1 %, or anything was left behind.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from uwsim.cli.run_live import keep_threads_moving
 from uwsim.live import LiveSimulator
 
 GROWTH_MB = 16.0
-GROWTH_OBJECTS = 0.01  # freed tuples wait for the next user: some thousand
+GROWTH_OBJECTS = 0.01  # some thousand freed tuples are kept for reuse
 SETTLE_S = 5.0
 CROWD = 40
 WAVE = 1000
@@ -85,7 +85,7 @@ def frame(rng: random.Random) -> str | bytes:
 
 
 async def attack(url: str, rng: random.Random) -> None:
-    """Be one hostile client, for a short time."""
+    """Run one hostile client for a short time."""
     try:
         async with connect(url, compression=None, max_queue=1, close_timeout=0.1, open_timeout=20) as connection:
             for _ in range(rng.randrange(60)):
@@ -101,7 +101,7 @@ async def attack(url: str, rng: random.Random) -> None:
 
 
 async def besiege(url: str, until_s: float, seed: int) -> None:
-    """Keep a crowd of hostile clients, and now and then a wave."""
+    """Keep up a crowd of hostile clients, with an occasional wave."""
     rng = random.Random(seed)
     while time.monotonic() < until_s:
         count = WAVE if rng.random() < 0.02 else CROWD
@@ -109,7 +109,7 @@ async def besiege(url: str, until_s: float, seed: int) -> None:
 
 
 async def wave(url: str) -> None:
-    """Let 1,000 hostile clients come at once."""
+    """Connect 1,000 hostile clients at once."""
     await asyncio.gather(*(attack(url, random.Random(seed)) for seed in range(WAVE)))
 
 
@@ -119,7 +119,7 @@ def main() -> int:
     keep_threads_moving()
     with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
         topics = len(server.graph.topics)
-        # processes of their own: in this one they would take the simulator's turns of the interpreter
+        # In separate processes, since in this one they would compete with the simulator for the interpreter.
         subprocess.run([sys.executable, __file__, "--wave", server.url], check=True)
         first_mb, first_objects = settled()
         print(f"after the first wave: {first_mb:.0f} MB, {first_objects} objects", flush=True)
@@ -136,7 +136,7 @@ def main() -> int:
                     f"{len(server.graph.topics)} topics, pace {live.factor:.3f}, late {1e3 * live.lateness:.1f} ms",
                     flush=True,
                 )
-                live.forget_delays()  # each line tells the worst of its own minute
+                live.forget_delays()  # each line reports the worst delay of its own minute
         last_mb, last_objects = settled()
         grown_mb, grown = last_mb - first_mb, last_objects / first_objects - 1.0
         left = len(server.sessions), len(server.graph.topics) - topics

@@ -2,12 +2,12 @@
 
     .venv/bin/python tools/soak/station.py [--minutes 60] [--json FILE]
 
-One page with pictures, sonar and the growing map drives the lake's vehicle, straight ahead and in turns. Every minute,
-garbage collected first, one line: the page's heap, resident memory of the page's process and of the server, voxels of
-the map, commands in the server's log, the pace. Map, track and log grow because the vehicle flies; caches fill in the
-first minutes, which do not count.
+One page with pictures, sonar and the growing map drives the lake's vehicle, straight ahead and in turns. One line is
+printed every minute, after a garbage collection: the page's heap, resident memory of the page's process and of the
+server, voxels of the map, commands in the server's log, and the pace. Map, track and log grow because the vehicle
+flies; caches fill in the first minutes, which do not count.
 
-Exit code 1 if the page's heap grew by more than 20 MB an hour, by a straight line through its samples.
+The exit code is 1 if a straight line through the samples of the page's heap rises by more than 20 MB per hour.
 """
 
 from __future__ import annotations
@@ -70,12 +70,12 @@ def main() -> int:
 
 
 def fly(browser: Browser, page: Page, station: Station, minutes: float) -> list[dict[str, float]]:
-    """Drive astern, turn and go ahead in each minute; return a sample a minute."""
+    """Drive astern, turn and go ahead in each minute; return one sample per minute."""
     session, processes = page.context.new_cdp_session(page), browser.new_browser_cdp_session()
     samples = []
     begun = time.monotonic()
     for minute in range(1, round(minutes) + 1):
-        hold(page, "s", ASTERN_S)  # off whatever it has met
+        hold(page, "s", ASTERN_S)  # away from any obstacle that it has hit
         hold(page, "q" if minute % 3 else "e", TURN_S)
         hold(page, "w", begun + 60.0 * minute - time.monotonic())
         samples.append({"min": (time.monotonic() - begun) / 60.0, **sample(session, processes, page, station)})
@@ -91,7 +91,7 @@ def hold(page: Page, key: str, seconds: float) -> None:
 
 
 def sample(session: CDPSession, processes: CDPSession, page: Page, station: Station) -> dict[str, float]:
-    """Return what is in use now, garbage collected."""
+    """Return the memory in use now, after a garbage collection."""
     session.send("HeapProfiler.collectGarbage")
     gc.collect()
     live = station.present().live

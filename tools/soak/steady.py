@@ -1,4 +1,4 @@
-"""What a process has in use, and whether that stays the same: for the programs of this folder that run for long."""
+"""The memory, processor time and files that a process uses, and tests that they stay the same during a soak."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ import numpy as np
 
 
 def resident_mb() -> float:
-    """Return this process's memory in RAM, garbage collected."""
+    """Return this process's memory in RAM, after a garbage collection."""
     gc.collect()
     return 1e-6 * int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def trimmed_mb() -> float:
-    """Return the memory in RAM when the C library has given back what it keeps of freed blocks, which varies."""
+    """Return the memory in RAM after the C library has returned its freed blocks, whose size varies."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     return resident_mb()
 
 
 class _Allocations(ctypes.Structure):
-    """The C library's struct mallinfo2; hblkhd are bytes of large blocks, uordblks those of others."""
+    """The C library's struct mallinfo2; hblkhd counts the bytes of large blocks, uordblks those of others."""
 
     _fields_ = tuple(
         (name, ctypes.c_size_t)
@@ -37,7 +37,7 @@ class _Allocations(ctypes.Structure):
 
 
 def in_use_mb() -> float:
-    """Return what is allocated by malloc and not yet freed; the rest of the memory is kept by it for later."""
+    """Return the memory that malloc has allocated and not yet freed; the rest of its memory is kept for reuse."""
     library = ctypes.CDLL(None)
     library.mallinfo2.restype = _Allocations
     found = library.mallinfo2()
@@ -56,13 +56,13 @@ def thread_cpu_s() -> dict[int, float]:
     for folder in Path("/proc/self/task").iterdir():
         try:
             used[int(folder.name)] = 1e-9 * int((folder / "schedstat").read_text().split()[0])
-        except OSError:  # has ended meanwhile
+        except OSError:  # the thread has ended meanwhile
             continue
     return used
 
 
 def open_files() -> int:
-    """Return the number of open files, without sockets: how many clients there are is no affair of this process."""
+    """Return the number of open files without sockets, since the number of clients does not depend on this process."""
     count = 0
     for link in Path("/proc/self/fd").iterdir():
         try:
@@ -73,14 +73,14 @@ def open_files() -> int:
 
 
 def growth(samples: Sequence[float], settling: float) -> float:
-    """Return by how much of itself a straight line through the samples grows, without the first share of them."""
+    """Return the relative growth of a straight line through the samples, without the first share of them."""
     kept = np.array(samples[int(settling * len(samples)) :])
     slope, begin = np.polyfit(np.arange(len(kept)), kept, 1)
     return float(slope * (len(kept) - 1) / begin)
 
 
 def drift(samples: Sequence[float], settling: float) -> float:
-    """Return by how much the median of the last third differs from that of the first, without the first share."""
+    """Return the relative difference between the medians of the last and first thirds, without the first share."""
     kept = samples[int(settling * len(samples)) :]
     third = max(len(kept) // 3, 1)
     return float(np.median(kept[-third:]) / np.median(kept[:third]) - 1.0)

@@ -1,11 +1,10 @@
-"""Eight threads that call everything at random for ten minutes, at objects that they share and at objects of their own.
+"""Eight threads that make random calls for ten minutes, on shared objects and on their own.
 
     .venv/bin/python tools/soak/threads.py [--minutes 10] [--threads 8] [--seed 0]
 
-The law: no error but those that are documented, no crash; no step lost (of a simulator, a batch, a live simulator);
-what a thread does with objects of its own gives the bytes that it gives alone; memory stays flat: a straight line
-through it grows by at most 2 %, the first fifth of the time aside, which is for settling. Exits with 1 if any is
-not so.
+The rules: only documented errors and no crash; no lost step (of a simulator, a batch, a live simulator); a thread's
+work on its own objects gives the same bytes as without other threads; memory stays flat: a straight line through it
+grows by at most 2 % after the first fifth of the time, in which it settles. Exits with 1 if a rule is broken.
 """
 
 from __future__ import annotations
@@ -42,7 +41,10 @@ Call = Callable[[random.Random], object]
 
 
 class Shared:
-    """What all threads call. stepped: how far each of it must have come; its sum is exact, since threads add alone."""
+    """The objects that all threads call.
+
+    stepped: the expected steps of each; exact, since every thread counts its own.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -55,7 +57,7 @@ class Shared:
         self.live.command("undock", vehicle="rov").result()
 
     def calls(self, stepped: Counter[str]) -> dict[str, Call]:
-        """Return everything that can be called, by name. stepped: one thread's own count."""
+        """Return all possible calls by name. stepped: the count of one thread."""
         sim, rov, batch, live = self.sim, self.sim.rov, self.batch, self.live
 
         def step(rng: random.Random) -> None:
@@ -108,7 +110,7 @@ class Shared:
         }
 
     def record(self, rng: random.Random) -> None:
-        """Record a run, and read it."""
+        """Record a run, and read the recording."""
         path = self.folder / f"{threading.get_ident()}-{rng.random()}.mcap"
         own = Simulator("pool", seed=rng.randrange(5))
         with Recorder(own, path, topics=["odom", "imu", "scan"]):
@@ -116,11 +118,11 @@ class Shared:
             own.advance(1.0)
         count = sum(1 for _ in recording.open(path).messages("odom"))
         path.unlink()
-        if count != 51:  # 50 a second, and the first
+        if count != 51:  # 50 per second, and the first
             raise AssertionError(f"{count} messages of odom are in a recording of one second")
 
     def came_to(self) -> dict[str, int]:
-        """Return how many steps each has made."""
+        """Return the number of steps that each has made."""
         return {
             "simulator": self.sim.tick,
             "batch": self.batch.simulator(0).tick,
@@ -129,7 +131,7 @@ class Shared:
 
 
 def scan(rng: random.Random) -> np.ndarray:
-    """Return points of one of a few scans, so that a map of them does not grow for ever."""
+    """Return the points of one of a few scans, so that a map of them does not grow for ever."""
     return np.random.default_rng(rng.randrange(50)).uniform(-5.0, 5.0, (POINTS, 3)).astype(np.float32)
 
 
@@ -141,7 +143,7 @@ def small_map(rng: random.Random) -> OccupancyMap:
 
 
 def refuses(copied: Callable[[Any], object], sim: Simulator) -> None:
-    """Copy what cannot be copied."""
+    """Try to copy an object that cannot be copied."""
     try:
         copied(sim)
     except TypeError:
@@ -150,7 +152,7 @@ def refuses(copied: Callable[[Any], object], sim: Simulator) -> None:
 
 
 def program(number: int) -> str:
-    """Do some work, that follows from a number, with objects of one's own; return the digest of all that they say."""
+    """Run a program determined by `number` on new objects; return the digest of all its outputs."""
     rng, said = random.Random(number), hashlib.sha256()
     sim, occupancy, batch = Simulator("pool", seed=number), OccupancyMap(0.1), Batch("pool", n=2, threads=1)
     sim.rov.undock()
@@ -171,7 +173,7 @@ def program(number: int) -> str:
 
 
 class Worker(threading.Thread):
-    """A thread that calls at random until it is told to end."""
+    """A thread that makes random calls until it is stopped."""
 
     def __init__(self, shared: Shared, alone: list[str], seed: int, gate: threading.Event) -> None:
         super().__init__()
@@ -183,7 +185,7 @@ class Worker(threading.Thread):
         self._calls = shared.calls(self.stepped) | {"own": self._own}
 
     def run(self) -> None:
-        """Call."""
+        """Make random calls."""
         names = list(self._calls)
         while not self.ends:
             name = self._rng.choice(names)
@@ -214,13 +216,13 @@ def idle_mb(workers: list[Worker], gate: threading.Event) -> float:
 
 
 def main(
-    minutes: Annotated[float, typer.Option(min=0.05, help="How long.")] = 10.0,
-    threads: Annotated[int, typer.Option(min=1, help="How many.")] = 8,
-    seed: Annotated[int, typer.Option(help="Of what is called.")] = 0,
+    minutes: Annotated[float, typer.Option(min=0.05, help="How long the threads call [min].")] = 10.0,
+    threads: Annotated[int, typer.Option(min=1, help="Number of threads.")] = 8,
+    seed: Annotated[int, typer.Option(help="The seed of the calls.")] = 0,
 ) -> None:
-    """Call, count, compare."""
+    """Call, count and compare."""
     faulthandler.enable()
-    sys.setswitchinterval(0.0001)  # more often than the default, so that more can go wrong
+    sys.setswitchinterval(0.0001)  # more often than the default, to provoke more errors
     alone = [program(number) for number in range(PROGRAMS)]
     gate, memory_mb = threading.Event(), []
     with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,5 @@
-// Bullet's rayTest over the same fans: a peer of `uwsim bench sonar`. Usage: bullet_fan CASE, then a line on stdin for
-// each run.
+// Bullet's rayTest over the same fans: a peer of `uwsim bench sonar`. Usage: bullet_fan CASE, then one line on stdin
+// per run.
 #include <btBulletCollisionCommon.h>
 
 #include "ray_case.h"

@@ -1,5 +1,5 @@
 // The limit that `uwsim bench sonar` measures against: rays built from poses and an angle table, cast in Embree's
-// packets of sixteen, and nothing else. Usage: embree_fan CASE [coherent] [quads], then a line on stdin for each run.
+// packets of sixteen, and nothing else. Usage: embree_fan CASE [coherent] [quads], then one line on stdin per run.
 // `quads`: Embree gets pairs of triangles that make up a quad as one quad, which is faster.
 #include <embree3/rtcore.h>
 

@@ -1,7 +1,7 @@
 // Stock OctoMap's insertPointCloud, with which `uwsim bench mapping` compares the brick engine.
 // Usage: octomap_insert SCANS RESOLUTION_M MAX_RANGE_M eager|lazy. SCANS holds for each scan: its number of points
 // (int32), its origin (three float32) and its points (three float32 each). Prints the processor seconds and the wall
-// seconds for one scan. With `lazy` the updateInnerOccupancy that lazy insertion needs at the end is not counted.
+// seconds per scan. With `lazy` the updateInnerOccupancy that lazy insertion needs at the end is not counted.
 #include <octomap/OcTree.h>
 
 #include <chrono>

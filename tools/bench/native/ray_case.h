@@ -45,7 +45,7 @@ struct RayCase {
   }
 };
 
-/// Calls `cast` for every pose once for each line on stdin; prints the processor time [s] and the sum of its results.
+/// For each line on stdin, calls `cast` once for every pose; prints the processor time [s] and the sum of the results.
 template <typename Cast>
 void run_on_request(const RayCase& rays, const Cast& cast) {
   std::printf("ready\n");
