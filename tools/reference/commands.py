@@ -1,9 +1,10 @@
 """The command reference: the output of `uwsim --help` and of each command's --help."""
 
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
+import contextlib
+import io
+import os
 from typing import Any
+from unittest import mock
 
 import typer
 
@@ -19,25 +20,17 @@ GROUPS = ("map", "scenario")
 
 def commands_page() -> str:
     """Return the page, with a section for each command."""
-    overview = _help()
     program: Any = typer.main.get_command(app)
     names = [
         *program.commands,
         *(f"{group} {name}" for group in GROUPS for name in program.commands[group].commands),
     ]
-    with ThreadPoolExecutor() as pool:
-        texts = list(pool.map(lambda name: _help(*name.split()), names))
-    parts = [f"## uwsim {name}\n\n```text\n{text}\n```\n" for name, text in zip(names, texts, strict=True)]
-    return HEAD + f"```text\n{overview}\n```\n\n" + "\n".join(parts)
+    parts = [f"## uwsim {name}\n\n```text\n{_help(program, *name.split())}\n```\n" for name in names]
+    return HEAD + f"```text\n{_help(program)}\n```\n\n" + "\n".join(parts)
 
 
-def _help(*command: str) -> str:
-    program = "import sys; from uwsim.cli import main; sys.argv[0] = 'uwsim'; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", program, *command, "--help"],
-        check=True,
-        capture_output=True,
-        text=True,
-        env={"COLUMNS": "110", "PATH": "/usr/bin:/bin", "NO_COLOR": "1"},
-    )
-    return done.stdout.rstrip()
+def _help(program: Any, *command: str) -> str:
+    text = io.StringIO()
+    with mock.patch.dict(os.environ, {"COLUMNS": "110", "NO_COLOR": "1"}), contextlib.redirect_stdout(text):
+        program.main([*command, "--help"], prog_name="uwsim", standalone_mode=False)
+    return text.getvalue().rstrip()

@@ -16,6 +16,7 @@ from uwsim.campaigns.sweeps.spec import SweepSpec
 from uwsim.cli.main import app
 from uwsim.scenario.schema import schema
 
+PROGRAM: Any = typer.main.get_command(app)
 PAGES = [docs_pages.ROOT / "README.md", docs_pages.ROOT / "CONTRIBUTING.md", *docs_pages.PAGES]
 
 
@@ -34,7 +35,7 @@ def commands(page: Path) -> Iterator[list[str]]:
 
 def unknown(words: list[str]) -> set[str]:
     """The words of a command that the program does not know."""
-    program: Any = typer.main.get_command(app)
+    program = PROGRAM
     if words[0] == "bench":  # benchmarks have options of their own
         return set()
     if hasattr(program.commands.get(words[0]), "commands"):
