@@ -128,7 +128,7 @@ def test_an_error_is_named_and_leaves_no_file(tmp_path: Path, changes: dict[str,
 def test_an_unwritable_picture_gives_an_error_of_one_line(tmp_path: Path) -> None:
     (tmp_path / "taken.png").mkdir()
     with pytest.raises(OSError, match="is a folder"):
-        run_sonar(Request("pool", tmp_path / "taken.png"))
+        run_sonar(Request("pool", tmp_path / "taken.png", kind="fan"))
     with pytest.raises(ValueError, match=r"must end in \.png"):
         run_sonar(Request("pool", tmp_path / "picture.jpg"))
     assert "there is no folder" in error_line(uwsim("sonar", "pool", "--out", "there/is/none.png", cwd=tmp_path))

@@ -65,8 +65,8 @@ def test_a_lost_folder_is_reported_once_and_the_flight_continues(
 
 
 def test_a_full_disk_is_reported_once_in_flight_and_with_all_attempts_at_the_end(tmp_path: Path) -> None:
-    arguments = ("survey", "pool", "--out", str(tmp_path), "--autosave", "0.001", "--mission-time", "60")
-    result = uwsim_process(*arguments, preexec_fn=files_limited_to(100))
+    options = ("--autosave", "0.001", "--mission-time", "20", "--report", "none")
+    result = uwsim_process("survey", "pool", "--out", str(tmp_path), *options, preexec_fn=files_limited_to(100))
     assert result.returncode == 1
     lines = result.stderr.strip().splitlines()
     assert len(lines) == 2, result.stderr

@@ -55,6 +55,7 @@ def test_a_function_and_a_class_fly_a_survey(tmp_path: Path) -> None:
     assert flown.coverage is not None and 0.0 < flown.coverage < 1.0
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_command_flies_a_mission_by_its_name(tmp_path: Path) -> None:
     (tmp_path / "spirals.py").write_text(SPIRAL)
     options = ("--mission-time", "60", "--min-coverage", "0", "--voxel", "0.5")
