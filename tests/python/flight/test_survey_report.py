@@ -26,12 +26,7 @@ AREA = np.array([[-8.0, -6.0], [8.0, -6.0], [8.0, 6.0], [-8.0, 6.0]])
 NO_VOXELS = np.empty((0, 3))
 
 
-@pytest.fixture(autouse=True)
-def small_panels(monkeypatch):
-    monkeypatch.setattr(truth_and_map, "PANEL_PIXELS", 160)
-
-
-@pytest.fixture
+@pytest.fixture(scope="module")
 def world():
     x, y = np.meshgrid(np.arange(-20.0, 21.0), np.arange(-20.0, 21.0))
     world = _core.World()
@@ -40,7 +35,7 @@ def world():
     return world
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def record(world):
     path = np.stack([np.linspace(-6.0, 6.0, 40), np.zeros(40), np.full(40, -12.0)], axis=1)
     angles = np.linspace(-1.0, 1.0, 65)
@@ -110,6 +105,15 @@ def survey(world, record, folder, voxels=None):
     return flown, figures, (folder / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def surveyed(world, record, tmp_path_factory):
+    """What survey() returns, and its folder."""
+    folder = tmp_path_factory.mktemp("surveyed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(truth_and_map, "PANEL_PIXELS", 160)
+        return *survey(world, record, folder), folder
+
+
 def without_pings(record, count=0, **changes):
     path = record.path_world_m[:count]
     return dataclasses.replace(record, pings_world_m={"rov": path}, **changes)
@@ -125,8 +129,8 @@ def texts(page: str) -> str:
     return " ".join(" ".join(ElementTree.fromstring(page).itertext()).split())
 
 
-def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(world, record, tmp_path):
-    flown, figures, page = survey(world, record, tmp_path)
+def test_the_report_is_well_formed_and_shows_every_key_figure_and_picture(record, surveyed):
+    flown, figures, page, _ = surveyed
     shown = texts(page)
     for name, value in key_figures(flown):
         assert f"{name} {value}" in shown
@@ -180,8 +184,8 @@ def test_a_survey_that_ended_early_or_has_a_minimum_must_cover_enough(
         assert "coverage is 48.0 %, must be at least" in shortfall
 
 
-def test_the_report_needs_no_network_and_escapes_names(world, record, tmp_path):
-    page = survey(world, record, tmp_path)[2]
+def test_the_report_needs_no_network_and_escapes_names(surveyed):
+    page = surveyed[2]
     without_pictures = re.sub(r"base64,[^\"]+", "", page)
     assert not re.search(r"https?:|//|<script|<link|@import|url\(", without_pictures)
     assert "<b>lake" not in page
@@ -210,17 +214,16 @@ def test_one_ping_and_one_voxel_are_enough_for_a_report(world, record, tmp_path)
     assert "first ping" not in texts(page)
 
 
-def test_the_same_survey_gives_the_same_bytes(world, record, tmp_path):
-    first, second = tmp_path / "first", tmp_path / "second"
-    for folder in (first, second):
-        folder.mkdir()
-        survey(world, record, folder)
+def test_the_same_survey_gives_the_same_bytes(world, record, surveyed, tmp_path):
+    survey(world, record, tmp_path)
+    first = surveyed[-1]
+    assert {path.name for path in first.iterdir()} == {path.name for path in tmp_path.iterdir()}
     for path in first.iterdir():
-        assert path.read_bytes() == (second / path.name).read_bytes()
+        assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 
 
-def test_the_table_shows_the_same_key_figures(world, record, tmp_path):
-    flown = survey(world, record, tmp_path)[0]
+def test_the_table_shows_the_same_key_figures(surveyed, tmp_path):
+    flown = surveyed[0]
     console = Console(width=100, record=True, file=(tmp_path / "terminal").open("w"))
     console.print(summary_table(dataclasses.replace(flown, scenario="[red]lake[/red]")))
     shown = console.export_text()
@@ -230,8 +233,8 @@ def test_the_table_shows_the_same_key_figures(world, record, tmp_path):
 
 
 @pytest.mark.parametrize("columns", [40, 60])
-def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(world, record, tmp_path, columns):
-    flown = survey(world, record, tmp_path)[0]
+def test_a_narrow_terminal_folds_the_names_and_keeps_the_values(surveyed, tmp_path, columns):
+    flown = surveyed[0]
     console = Console(width=columns, record=True, file=(tmp_path / "terminal").open("w"))
     console.print(summary_table(flown))
     shown = console.export_text()
