@@ -23,7 +23,7 @@ HANG_S, MEMORY_MB = 10, 2048
 
 
 def main() -> int:
-    """Fuzz one reader, or all of them in turn; 1 if something was found."""
+    """Fuzz one reader, or all of them in turn; return 1 if something was found."""
     names = [*READERS, "state"]
     parser = argparse.ArgumentParser(prog="tools/fuzz", description="Fuzz what reads bytes from outside.")
     parser.add_argument(
@@ -55,7 +55,7 @@ def _require_tools(names: list[str]) -> None:
 
 
 def _fuzz(name: str, seconds: int) -> bool:
-    """Return whether nothing was found. Corpus and totals in build/fuzz/NAME grow with each run."""
+    """Return whether nothing was found. The corpus and totals in build/fuzz/NAME grow with each run."""
     folder = _folder(name)
     corpus, found = folder / "corpus", folder / "found"
     for each in (corpus, found):
@@ -65,7 +65,7 @@ def _fuzz(name: str, seconds: int) -> bool:
     known = [str(FOUND / name)] if (FOUND / name).is_dir() else []
     limits = [f"-max_total_time={seconds}", f"-timeout={_hang_s()}", f"-rss_limit_mb={MEMORY_MB}", "-max_len=200000"]
     if name == "state":
-        limits.append("-len_control=0")  # its mutator begins with whole states
+        limits.append("-len_control=0")  # its mutator starts with whole states
     options = [*limits, "-print_final_stats=1", f"-artifact_prefix={found}/", str(corpus), *known]
     program = [str(_native(name))] if name in NATIVE else [sys.executable, "-m", "tests.fuzz.attack", name]
     log, before = folder / "log.txt", set(found.iterdir())
@@ -91,7 +91,7 @@ def _folder(name: str) -> Path:
 def _is_real(found: Path, name: str) -> bool:
     """Return whether a find repeats; one that was slow or large only under the fuzzer is removed.
 
-    atheris makes what it sees through ten times as slow, and its process grows with each input that has large arrays.
+    atheris makes instrumented code ten times as slow, and its process grows with each input that has large arrays.
     """
     if not found.name.startswith(("timeout-", "slow-unit-", "oom-")):
         return True
@@ -104,7 +104,7 @@ def _is_real(found: Path, name: str) -> bool:
 
 
 def _alone(found: Path, name: str) -> tuple[float, float]:
-    """Return what it takes to read an input: seconds of a processor, MB; infinite if it fails or never ends."""
+    """Return the processor time [s] and memory [MB] needed to read an input; infinite if it fails or never ends."""
     native = [str(_native(name)), f"-rss_limit_mb={MEMORY_MB}"] if name in NATIVE else []
     program = native or [sys.executable, "-m", "tests.fuzz.alone", name]
     limit_s = 100 * HANG_S  # of wall time, on a busy machine

@@ -1,4 +1,4 @@
-"""Reads one input without what a fuzzer adds: python -m tests.fuzz.alone NAME PATH; prints processor seconds and MB."""
+"""Reads one input without a fuzzer: python -m tests.fuzz.alone NAME PATH; prints processor seconds and MB."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.fuzz.laws import Laws
 
 
 def main() -> None:
-    """Hold the reader to its laws, after an input that lets it import what it needs."""
+    """Check the reader's laws, after a first input that makes it import its modules."""
     name, path = sys.argv[1:]
     laws = Laws(name)
     try:

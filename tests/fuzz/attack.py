@@ -20,7 +20,7 @@ from tests.fuzz.seeds import seeds
 
 
 def import_from_sources() -> None:
-    """Let uwsim come from its folder: atheris cannot instrument what an editable install's own importer loads."""
+    """Import uwsim from its folder, since atheris cannot instrument what an editable install's importer loads."""
     native = find_spec("uwsim._core")
     assert native is not None and native.origin is not None
     origin = native.origin
@@ -37,7 +37,7 @@ def import_from_sources() -> None:
 
 
 def instrument_generated() -> None:
-    """Let atheris see the functions that rosbags writes for each type of message when it is first read."""
+    """Instrument the functions that rosbags generates for each type of message when it is first read."""
     from rosbags.serde import cdr
 
     def compiled(lines: list[str], compile_lines: Callable[[list[str]], ModuleType] = cdr.compile_lines) -> ModuleType:
@@ -54,7 +54,7 @@ def main() -> None:
     """Instrument the reader while its first inputs are read, then mutate them until the time is over."""
     name, *options = sys.argv[1:]
     import_from_sources()
-    os.environ["UWSIM_CACHE"] = ""  # a cache of millions of damaged meshes would help nobody
+    os.environ["UWSIM_CACHE"] = ""  # a cache of millions of damaged meshes would be useless
     laws = Laws(name)
     import numpy  # noqa: F401  # not to be instrumented
 
@@ -76,7 +76,7 @@ def main() -> None:
     values = READERS[name].values
 
     def mutate(data: bytes, longest: int, seed: int) -> bytes:
-        """Change values half the time, bytes otherwise."""
+        """Change values in half of the calls, bytes otherwise."""
         rng = Random(seed)
         changed = mutated(data, values, rng) if values is not None and rng.random() < 0.5 else None
         return atheris.Mutate(data, longest) if changed is None else changed[:longest]

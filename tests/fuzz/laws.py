@@ -1,4 +1,4 @@
-"""What must hold for any input of a reader."""
+"""The laws that hold for any input of a reader."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tests.fuzz.readers import READERS, REFUSED
 
 
 class Outcome(NamedTuple):
-    """content: None if the input was refused. said: warnings, and the error."""
+    """The outcome of one input: its content, None if it was refused, and the warnings and the error (`said`)."""
 
     content: Any
     said: str
 
 
 class Laws:
-    """Holds a reader to its laws. folder: for its files; by default in memory, since a fuzzer writes millions."""
+    """Checks a reader's laws. folder: for its files; by default in memory, since a fuzzer writes millions."""
 
     def __init__(self, name: str) -> None:
         memory = Path("/dev/shm")
@@ -28,7 +28,7 @@ class Laws:
         self.folder = Path(tempfile.mkdtemp(dir=memory if os.access(memory, os.W_OK) else None))
 
     def hold(self, data: bytes) -> Outcome:
-        """Read an input; raises whatever the reader does not promise, and AssertionError for a silent truncation."""
+        """Read an input; raise any undocumented error of the reader, and AssertionError for a silent truncation."""
         whole = self._read(data)
         if whole.content is not None and self._reader.has_end(data):
             for cut in {1, 3, len(data) // 2} - {0}:

@@ -1,4 +1,4 @@
-"""Mutates JSON or YAML value by value: changed bytes rarely leave it so, and reach little behind the parser."""
+"""Mutates JSON or YAML value by value, since changed bytes rarely leave it valid, and seldom get past the parser."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def mutated(data: bytes, values: Values, rng: Random) -> bytes | None:
         for _ in range(rng.randrange(1, 4)):
             _change(holder, rng.choice(_paths(holder)[1:]), rng)
         return values.write(holder[0])
-    except Exception:  # no JSON, or too deep for it
+    except Exception:  # not JSON, or nested too deeply for it
         return None
 
 
@@ -33,7 +33,7 @@ def _paths(value: Any, at: Path = ()) -> list[Path]:
 
 
 def _change(whole: Any, path: Path, rng: Random) -> None:
-    """Change the value at a path: take another, remove, repeat or rename it."""
+    """Change the value at a path: replace, remove, repeat or rename it."""
     parent = _at(whole, path[:-1])
     key, value, how = path[-1], parent[path[-1]], rng.randrange(6)
     if how == 0 and len(path) > 1:

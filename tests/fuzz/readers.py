@@ -1,4 +1,4 @@
-"""What reads bytes from outside, by name: each returns what it read, or refuses it with an error that it promises.
+"""The readers of bytes from outside, by name: each returns the content, or refuses it with a documented error.
 
 Libraries are imported where they are used, so that a fuzzer instruments only those that it attacks.
 """
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 REFUSED = (ValueError, OSError)
-"""What a reader may raise: the command line makes one line of either."""
+"""The errors that a reader may raise: the command line turns either into one line."""
 
 CDR_TYPES = (
     "geometry_msgs/msg/Twist",
@@ -30,7 +30,7 @@ CDR_TYPES = (
 
 
 class Values(NamedTuple):
-    """How the values of an input are read, and written again."""
+    """How the values of an input are read, and written back."""
 
     read: Callable[[bytes], Any]
     write: Callable[[Any], bytes]
@@ -38,10 +38,11 @@ class Values(NamedTuple):
 
 @dataclass(frozen=True)
 class Reader:
-    """read: from bytes and a folder to write them into, to something comparable.
+    """A reader of outside bytes.
 
-    libraries: what a fuzzer instruments beside uwsim. has_end: whether an input that is cut short can be told from a
-    whole one, so that none may be read as another one. values: if inputs are also to be mutated value by value.
+    read: from bytes and a folder to write them into, to something comparable. libraries: those that a fuzzer
+    instruments in addition to uwsim. has_end: whether a truncated input can be recognised, so that none may be
+    accepted. values: set if inputs are also to be mutated value by value.
     """
 
     read: Callable[[bytes, Path], Any]
@@ -106,7 +107,7 @@ def _scenario(data: bytes, folder: Path) -> str:
 
 
 def _part(kind: str) -> Callable[[bytes, Path], Any]:
-    """A file that a scenario names: vehicle, thruster, sensors, sonar or modem."""
+    """Return a reader of a file that a scenario names: vehicle, thruster, sensors, sonar or modem."""
 
     def read(data: bytes, folder: Path) -> str:
         from uwsim.scenario.spec import actuator, modem, sensor, sonar, vehicle
@@ -158,7 +159,7 @@ def _survey_track(data: bytes, folder: Path) -> list[Any]:
 
 @cache
 def simulator_to_restore() -> tuple[Any, bytes]:
-    """A simulator with a failsafe, faults and an estimate, and the state to which it returns."""
+    """Return a simulator with a failsafe, faults and an estimate, and the state to which it returns."""
     from uwsim.scenario import Scenario, load
     from uwsim.simulator.simulator import Simulator
 
@@ -175,7 +176,7 @@ def simulator_to_restore() -> tuple[Any, bytes]:
 
 
 def saved_with(notes: str) -> bytes:
-    """Return a state of that simulator with other notes, and a checksum that is right."""
+    """Return a state of that simulator with other notes, and a correct checksum."""
     from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 
     sim, _ = simulator_to_restore()
@@ -184,7 +185,7 @@ def saved_with(notes: str) -> bytes:
 
 
 def _notes(data: bytes, _: Path) -> bytes:
-    """The notes of a saved state: one that is refused changes nothing, one that is accepted flies on."""
+    """Read the notes of a saved state: refused ones change nothing, accepted ones fly on."""
     sim, begin = simulator_to_restore()
     try:
         sim.restore_state(saved_with(data.decode()))
@@ -202,7 +203,7 @@ def _notes(data: bytes, _: Path) -> bytes:
 
 
 def _commands(data: bytes, _: Path) -> bytes:
-    """A recording's commands, a line each, ten steps apart. One that is refused changes nothing."""
+    """Read a recording's commands, one per line, ten steps apart. A refused one changes nothing."""
     from uwsim.channels import Table
     from uwsim.recording.commands import command_from
     from uwsim.recording.replay import give
@@ -232,7 +233,7 @@ def _flight(data: bytes, folder: Path) -> str:
 
 
 def _recording(data: bytes, folder: Path) -> list[Any]:
-    """All that a recording says, and its scenario. One that is not complete says so."""
+    """Read a recording's messages and its scenario. An incomplete recording is recognised as such."""
     from uwsim import recording
     from uwsim.recording.capsule import unpack
 
@@ -246,7 +247,10 @@ def _recording(data: bytes, folder: Path) -> list[Any]:
 
 
 def _cdr(data: bytes, _: Path) -> Any:
-    """A message of the type that the first byte tells; what is accepted is the same after it is written and read."""
+    """Read a message of the type that the first byte selects.
+
+    An accepted one is the same after it is written and read.
+    """
     from uwsim.channels.cdr import encode
     from uwsim.channels.messages import from_bytes
 
@@ -259,7 +263,7 @@ def _cdr(data: bytes, _: Path) -> Any:
 
 
 def _frames(data: bytes, _: Path) -> None:
-    """Frames of one rosbridge client, a line each: as text, or as CBOR in hexadecimal digits if it starts with #."""
+    """Read the frames of one rosbridge client, one per line: text, or CBOR in hexadecimal digits after a #."""
     from uwsim.bridges.rosbridge import Limits
     from uwsim.bridges.rosbridge.graph import LOGGER, Graph
     from uwsim.bridges.rosbridge.session import Session
@@ -324,7 +328,7 @@ def _without_end(_: bytes) -> bool:
 
 
 def _has_one_solid(data: bytes) -> bool:
-    """Return whether it is no text of several solids, each of which could be the last."""
+    """Return whether it is not a text of several solids, each of which could be the last."""
     return data.lower().count(b"endsolid") < 2
 
 
@@ -379,4 +383,4 @@ READERS = {
     "cdr": Reader(_cdr, ("rosbags",)),
     "frames": Reader(_frames, ("cbor2", "json"), has_end=_without_end, values=JSON_LINES),
 }
-"""By the name that `tools/fuzz` takes."""
+"""The readers by the name that `tools/fuzz` takes."""

@@ -1,4 +1,4 @@
-"""Inputs that fuzzers begin with: small whole files, most of them written by our own writers."""
+"""Inputs that fuzzers start with: small whole files, most of them written by our own writers."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ FRAMES = (
 
 
 def seeds(name: str) -> dict[str, bytes]:
-    """Return the inputs that a reader's fuzzer begins with, by file name."""
+    """Return the inputs that a reader's fuzzer starts with, by file name."""
     made = _MAKERS[name]()
     return {f"{name}-{number}": data for number, data in enumerate(made)}
 
@@ -138,7 +138,7 @@ def _mesh(suffix: str) -> Callable[[], list[bytes]]:
         import trimesh
 
         box = trimesh.creation.box((1, 2, 3))
-        if suffix == "gltf":  # in one file: its buffers in it, in base64
+        if suffix == "gltf":  # in one file, with its buffers in base64
             return [trimesh.exchange.gltf.export_gltf(trimesh.Scene(box), embed_buffers=True)["model.gltf"]]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"box.{suffix}"
@@ -162,7 +162,7 @@ def _map() -> list[bytes]:
 
 
 def _state() -> list[bytes]:
-    """Nothing: the native fuzzer mutates states that it saves itself."""
+    """Return nothing: the native fuzzer mutates states that it saves itself."""
     return [b""]
 
 
@@ -266,7 +266,7 @@ def _flight() -> list[bytes]:
 
 
 def _recordings() -> list[bytes]:
-    """One as it is written, and one without compression and checksums, so that mutations reach what is inside."""
+    """Return one as it is written, and one without compression and checksums, so that mutations reach its content."""
     from mcap.reader import make_reader
     from mcap.writer import CompressionType, Writer
 

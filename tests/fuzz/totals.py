@@ -1,4 +1,4 @@
-"""The figures of all runs of a fuzzer: an hour of each can be put together from many short runs."""
+"""The totals of all runs of a fuzzer: an hour of each can be put together from many short runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pathlib import Path
 COVERED = re.compile(r"^#(\d+)\s+(\w+)\s+cov: (\d+)")
 EXECUTED = re.compile(r"^stat::number_of_executed_units:\s+(\d+)")
 INTERRUPTED = 72
-"""libFuzzer's exit code when it is told to end."""
+"""libFuzzer's exit code when it is interrupted."""
 MEMORY = re.compile(r"^stat::peak_rss_mb:\s+(\d+)")
 
 
@@ -39,7 +39,7 @@ class Total:
         )
 
     def plus(self, run: Total) -> Total:
-        """Return both together; a run in which nothing was new goes on with the silence of those before."""
+        """Return the sum of both; a run without a new edge extends the idle time of those before."""
         silent = run.idle_s >= run.seconds
         return Total(
             self.runs + run.runs,
@@ -64,19 +64,19 @@ def table(totals: Mapping[str, Total]) -> str:
 
 
 def read(path: Path) -> Total:
-    """Read a total; that of no runs if there is no file."""
+    """Read a total; without a file, that of no runs."""
     return Total(**json.loads(path.read_text())) if path.exists() else Total()
 
 
 def write(path: Path, total: Total) -> None:
-    """Replace the file by one rename."""
+    """Write the file atomically, by one rename."""
     beside = path.with_suffix(".part")
     beside.write_text(json.dumps(asdict(total)) + "\n")
     beside.replace(path)
 
 
 def slowness() -> float:
-    """Return how many times longer than on a quiet machine work takes now: libFuzzer's limits are of wall time."""
+    """Return the slowdown against a quiet machine, since libFuzzer's limits are in wall time."""
     wall_s, cpu_s = time.perf_counter(), time.process_time()
     while time.process_time() - cpu_s < 0.3:
         pass
@@ -84,7 +84,7 @@ def slowness() -> float:
 
 
 def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
-    """Run a fuzzer in `folder`, its words in `log`; return its exit code, 0 if it was told to end, and what it did."""
+    """Run a fuzzer in `folder`, with its output in `log`; return its exit code, 0 if interrupted, and its totals."""
     run = Total(runs=1)
     began_s, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     last_new_s, begun = began_s, False
@@ -95,7 +95,7 @@ def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
         ) as fuzzer,
     ):
         assert fuzzer.stdout is not None
-        signal.signal(signal.SIGTERM, lambda *_: fuzzer.terminate())  # it tells its figures, which are kept
+        signal.signal(signal.SIGTERM, lambda *_: fuzzer.terminate())  # it prints its totals, which are kept
         for line in fuzzer.stdout:
             kept.write(line)
             if covered := COVERED.match(line):
@@ -103,7 +103,7 @@ def watch(command: list[str], log: Path, folder: Path) -> tuple[int, Total]:
                 if begun and int(covered[3]) > run.edges:
                     last_new_s = time.monotonic()
                 run.edges = max(run.edges, int(covered[3]))
-                begun = begun or covered[2] == "INITED"  # what was reached before then, earlier runs have found
+                begun = begun or covered[2] == "INITED"  # edges reached before then were found by earlier runs
             elif executed := EXECUTED.match(line):
                 run.inputs = int(executed[1])
             elif memory := MEMORY.match(line):

@@ -1,8 +1,7 @@
-"""Runs hostile command lines, each in a process of its own with limits, and judges how they end.
+"""Runs hostile command lines, each in a separate process with limits, and judges how they end.
 
-The law: a line ends by itself with a code of `uwsim.cli.exit_codes`; what no parameter can mean is refused; what is
-refused is so within LIMIT_S with one line on stderr; no traceback, no signal, not more than MEMORY_MB, no file that is
-half-written.
+The rules: a line ends by itself with a code of `uwsim.cli.exit_codes`; meaningless values are refused; a refusal takes
+at most LIMIT_S and prints one line on stderr; no traceback, no signal, at most MEMORY_MB, and no half-written file.
 """
 
 from __future__ import annotations
@@ -24,19 +23,19 @@ from hostile.files import make
 from hostile.lines import Line
 
 LIMIT_S, LONG_S = 5.0, 60.0
-"""Wall time in which a line is refused, and in which one that works ends, on a quiet machine."""
+"""Wall time in which a line is refused, and in which a working one ends, on a quiet machine."""
 MEMORY_MB, ADDRESS_SPACE_BYTES = 2000.0, 8 << 30
 WORKS_ON = frozenset({"validate", "reproduce", "fingerprint", "compare"})
-"""Commands that work for minutes: as a server, they are told to end."""
+"""Commands that run for minutes: like servers, they are stopped."""
 TELL_MORE = frozenset({"sweep", "fleet", "doctor", "validate", "compare", "scenario check", "dataset"})
-"""Commands that end with 1 after lines of what was found."""
+"""Commands that end with 1 after printing lines of findings."""
 PRELOADED = ("cli.map", "mapping", "figures.style")
 ALL_PRELOADED = (*PRELOADED, "flight.survey.run", "flight.fly", "recording", "bridges")
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a line ended. complaint: what broke the law, "" if nothing did."""
+    """How a line ended. complaint: the rule that it broke, or ""."""
 
     line: Line
     code: int
@@ -47,13 +46,13 @@ class Verdict:
 
 
 def preload(only: str) -> None:
-    """Import what commands that begin so do, so that each process need not. Before the first attempt."""
+    """Import the modules of the commands that begin with `only`, before the first attempt forks from this process."""
     for name in PRELOADED if only.startswith("map") else ALL_PRELOADED:
         importlib.import_module(f"uwsim.{name}")
 
 
 def load_factor() -> float:
-    """Return how many times longer than on a quiet machine work takes now."""
+    """Return the slowdown against a quiet machine."""
     wall_s, cpu_s = time.perf_counter(), time.process_time()
     while time.process_time() - cpu_s < 0.05:
         pass
@@ -61,7 +60,7 @@ def load_factor() -> float:
 
 
 def attempt(line: Line, template: Path, folder: Path, factor: float) -> Verdict:
-    """Run a line in `folder`, which begins as a copy of `template` and is removed afterwards."""
+    """Run a line in `folder`, which starts as a copy of `template` and is removed afterwards."""
     shutil.copytree(template, folder)
     if line.is_about_a_file:
         make(folder / line.value)
@@ -72,7 +71,7 @@ def attempt(line: Line, template: Path, folder: Path, factor: float) -> Verdict:
     code, memory_mb, hangs = _ended(child, line, folder, factor)
     wall_s = time.monotonic() - began_s
     with contextlib.suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)  # what it may have left running
+        os.killpg(child, signal.SIGKILL)  # processes that it may have left running
     stderr = (folder / "stderr").read_text(errors="replace")
     complaint = "hangs" if hangs else _complaint(line, code, wall_s / factor, memory_mb, stderr, folder)
     shutil.rmtree(folder)
@@ -80,7 +79,7 @@ def attempt(line: Line, template: Path, folder: Path, factor: float) -> Verdict:
 
 
 def _run(line: Line, folder: Path) -> NoReturn:
-    """In the child: become `uwsim` with this line."""
+    """Run `uwsim` with this line in the child process."""
     code = 1
     try:
         os.setpgid(0, 0)
@@ -107,7 +106,10 @@ def _run(line: Line, folder: Path) -> NoReturn:
 
 
 def _ended(child: int, line: Line, folder: Path, factor: float) -> tuple[int, float, bool]:
-    """Wait for the child; end what may run on. Returns its code, its memory [MB] and whether it had to be killed."""
+    """Wait for the child, and stop it if it may run on.
+
+    Return its code, its memory [MB] and whether it had to be killed.
+    """
     runs_on = line.is_server or line.command in WORKS_ON
     told_at_s, kill_at_s = time.monotonic() + LIMIT_S * factor, time.monotonic() + LONG_S * factor
     told = False

@@ -1,4 +1,4 @@
-"""Hostile files: what a path may name that is not the file which a command expects."""
+"""Hostile files: paths that do not name the file which a command expects."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FILES: dict[str, Callable[[Path], None]] = {
     "loop": lambda path: path.symlink_to(path.name),
     "secret": _secret,
 }
-"""Makers by the file's name without its suffix. fifo: nobody writes into it. secret: only root may read it."""
+"""Makers by the file's name without its suffix. fifo: without a writer. secret: readable only by root."""
 
 
 def make(path: Path) -> None:
@@ -43,7 +43,7 @@ def make(path: Path) -> None:
 def names(kind: type, base: str, help_text: str) -> tuple[str, ...]:
     """Return the hostile files for a parameter; none if it takes no path.
 
-    base: a value that works, "" if unknown: theirs is its suffix, or the first one that the help names.
+    base: a working value, "" if unknown. They have its suffix, or else the first one that the help names.
     """
     named = SUFFIX.fullmatch(base) or SUFFIX.search(help_text)
     is_path = kind is Path or (kind is str and (SUFFIX.fullmatch(base) or "file" in help_text.lower()))

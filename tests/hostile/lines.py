@@ -1,7 +1,7 @@
 """Hostile command lines: for each parameter of each command, values that no user should have to fear.
 
-The commands and their parameters are those of the program itself, so that a new option is attacked without being named
-here. Each line begins as one that works (BASES), and one of its parameters gets a hostile value.
+The commands and their parameters are read from the program itself, so that a new option is attacked without being named
+here. Each line starts as a working one (BASES), in which one parameter gets a hostile value.
 """
 
 from __future__ import annotations
@@ -109,13 +109,13 @@ class Parameter:
 
     @property
     def bounds(self) -> Any:
-        """What typer calls with its value."""
+        """The object that typer calls with its value."""
         return self.info.callback
 
 
 @dataclass(frozen=True)
 class Line:
-    """A command line without the program's name. value: the hostile one, of parameter."""
+    """A command line without the program's name. value: the hostile value of `parameter`."""
 
     command: str
     parameter: str
@@ -125,17 +125,17 @@ class Line:
 
     @property
     def is_nonsense(self) -> bool:
-        """Whether its value is a text that no parameter means anything by, but the names of files."""
+        """Return whether its value is a text that is meaningless for every parameter, except as the name of a file."""
         return self.kind is str and self.value in NONSENSE
 
     @property
     def is_about_a_file(self) -> bool:
-        """Whether its hostile value is the name of a file of `hostile.files`."""
+        """Return whether its hostile value is the name of a file of `hostile.files`."""
         return Path(self.value).stem in FILES
 
     @property
     def is_server(self) -> bool:
-        """Whether it may run until it is told to end."""
+        """Return whether it may run until it is stopped."""
         return self.command in SERVER or "--as-topics" in self.words
 
 
@@ -209,7 +209,7 @@ def _values(parameter: Parameter) -> tuple[str, ...]:
 
 
 def prepare(folder: Path) -> None:
-    """Write the files that BASES name; map and recording are those that tests read, too."""
+    """Write the files that BASES name; map and recording are those of the tests."""
     from uwsim.scenario.read.assets import assets_folder
 
     (folder / "folder").mkdir()

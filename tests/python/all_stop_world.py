@@ -1,4 +1,4 @@
-"""Vehicles of every kind of drive, for tests of all stop, and what they do."""
+"""Vehicles with every kind of drive for tests of all stop, and measures of their motion."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A station with a browser that looks at it, for tests: Debian's headless Chromium, drawing WebGL in software."""
+"""A station viewed in a browser, for tests: Debian's headless Chromium, drawing WebGL in software."""
 
 from __future__ import annotations
 

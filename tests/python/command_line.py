@@ -1,4 +1,4 @@
-"""The `uwsim` command: run here, which spares a process's imports, or as a process of its own, as a user runs it."""
+"""The `uwsim` command: run here, which spares a process's imports, or in a separate process, as a user runs it."""
 
 import contextlib
 import functools

@@ -1,4 +1,4 @@
-"""Settings for all tests: Hypothesis tries the same examples on every run; figures open no window, and are small."""
+"""Settings for all tests: Hypothesis tries the same examples on every run; figures are small and open no window."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""A node of ROS 2 as its default middleware makes it (tests/fast_dds/fast_dds_peer.cpp), in a process of its own."""
+"""A ROS 2 node of the default middleware (tests/fast_dds/fast_dds_peer.cpp), in a separate process."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""The sockets on which a program listens, read from /proc, and what they answer to requests of HTTP."""
+"""The sockets on which a program listens, read from /proc, and their answers to HTTP requests."""
 
 import re
 import socket

@@ -1,4 +1,4 @@
-"""A scenario in which every parameter has an effect, and what can be observed in it."""
+"""A scenario in which every parameter has an effect, and the quantities that show it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A second participant for tests of ROS 2, on this machine alone and in a domain that nobody else uses."""
+"""A second participant for tests of ROS 2, on this machine only and in a domain that nothing else uses."""
 
 import os
 import socket

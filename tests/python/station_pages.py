@@ -1,4 +1,4 @@
-"""What a browser's page does with a station, without a browser."""
+"""The actions of a station's page, without a browser."""
 
 import http.client
 import json

@@ -1,4 +1,4 @@
-"""A sound vehicle of a box's shape, and what makes it ill."""
+"""A sound vehicle with the shape of a box, and changes that make it unsound."""
 
 from __future__ import annotations
 

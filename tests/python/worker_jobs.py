@@ -1,4 +1,4 @@
-"""What workers are given to do in tests: in a module of its own, since each worker imports it."""
+"""The jobs that tests give to workers: in a separate module, since each worker imports it."""
 
 import os
 import signal

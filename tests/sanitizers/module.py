@@ -1,4 +1,4 @@
-"""A plugin of pytest: takes the native module from $UWSIM_NATIVE_MODULE, compiled with a sanitizer."""
+"""A pytest plugin that loads the native module from $UWSIM_NATIVE_MODULE, compiled with a sanitizer."""
 
 from __future__ import annotations
 

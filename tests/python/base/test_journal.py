@@ -1,4 +1,4 @@
-"""A journal sees every command as it takes effect, once, and its observers are due at the ticks that they ask for."""
+"""A journal sees every command once, when it takes effect, and calls its observers at the ticks that they request."""
 
 from typing import Any
 

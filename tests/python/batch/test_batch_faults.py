@@ -1,4 +1,4 @@
-"""What fails in a member of a batch, and what its vehicle does about it, is as in the lone simulator, to the bit."""
+"""Faults of a batch's member, and its vehicle's reactions to them, are as in the lone simulator, to the bit."""
 
 from __future__ import annotations
 

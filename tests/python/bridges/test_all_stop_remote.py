@@ -1,4 +1,4 @@
-"""All stop from elsewhere: over rosbridge, ROS 2, Foxglove, a modem, from a remote mission and the pilot's terminal."""
+"""All stop from outside: over rosbridge, ROS 2, Foxglove, a modem, from a remote mission and the pilot's terminal."""
 
 from __future__ import annotations
 

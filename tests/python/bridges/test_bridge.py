@@ -1,4 +1,4 @@
-"""Laws of all bridges: readings are taken once, calls answered once, and nothing is left at the end."""
+"""Rules of all bridges: readings are taken once, calls are answered once, and nothing is left at the end."""
 
 import itertools
 import json

@@ -1,4 +1,4 @@
-"""`uwsim connect` from the shell: it waits for its server, joins it, and comes back when the server was away."""
+"""`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after the server was away."""
 
 import json
 import signal

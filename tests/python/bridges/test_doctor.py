@@ -1,4 +1,4 @@
-"""`uwsim doctor`: each cause of two sides not seeing each other is named, with what to do."""
+"""`uwsim doctor` names each cause for which two sides do not see each other, and the remedy."""
 
 import http.server
 import os

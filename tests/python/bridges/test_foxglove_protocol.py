@@ -1,4 +1,4 @@
-"""Foxglove's protocol: the same conversation as the SDK's own server, bounded, and not with every page."""
+"""Foxglove's protocol: the same conversation as with the SDK's own server, bounded, and not open to every page."""
 
 import gc
 import json

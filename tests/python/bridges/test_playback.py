@@ -1,4 +1,4 @@
-"""A recording plays to ROS 2 and to Foxglove: the very bytes that were recorded."""
+"""A recording plays to ROS 2 and to Foxglove with exactly the bytes that were recorded."""
 
 import threading
 from pathlib import Path

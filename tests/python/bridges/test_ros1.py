@@ -1,4 +1,4 @@
-"""The simulator as a node of ROS 1, as Debian's rospy, tf2 and laser_geometry see it."""
+"""The simulator as a ROS 1 node, as seen by Debian's rospy, tf2 and laser_geometry."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The node of ROS 2, seen from another participant of the same domain."""
+"""The ROS 2 node, as seen by another participant of the same domain."""
 
 import socket
 import subprocess

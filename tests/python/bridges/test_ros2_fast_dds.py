@@ -1,4 +1,4 @@
-"""ROS 2 with the middleware of its default: Fast DDS and Fast CDR read what we write, and we what they write."""
+"""ROS 2 with its default middleware: Fast DDS and Fast CDR read our messages, and we read theirs."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""What a client's frame costs: no accepted one takes more than Limits.cost_of its size, or long, and refused ones less.
+"""The cost of a client's frames: an accepted one takes at most Limits.cost_of its size, a refused one less.
 
 Memory is traced, and work is counted in slices, so that nothing here depends on the machine's speed.
 """

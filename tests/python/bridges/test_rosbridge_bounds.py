@@ -1,4 +1,4 @@
-"""What a server keeps for its clients: bounded in bytes for each and for all, and gone with them."""
+"""The data that a server keeps for its clients is bounded in bytes, for each and for all, and freed when they leave."""
 
 import gc
 import json

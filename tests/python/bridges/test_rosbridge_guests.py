@@ -1,4 +1,4 @@
-"""What the server offers beyond rosbridge: credit, topics that build up, guests, a change of simulator, the door."""
+"""The server's extensions of rosbridge: credit, topics that build up, guests, a change of simulator, admission."""
 
 import json
 from concurrent.futures import Future

@@ -1,4 +1,4 @@
-"""Hostile input: the answer is a status or a closed connection; the server serves on and forgets the client."""
+"""Hostile input is answered by a status or a closed connection; the server keeps serving and forgets the client."""
 
 import json
 import logging

@@ -1,4 +1,4 @@
-"""roslib 1.4 and 2.x under node against our rosbridge: tests/js/rosbridge.mjs does what their users do."""
+"""roslib 1.4 and 2.x under node against our rosbridge: tests/js/rosbridge.mjs does what its users do."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""roslibpy against our rosbridge: what its users do, through its own names."""
+"""roslibpy against our rosbridge: it does what its users do, through its public names."""
 
 import queue
 import time

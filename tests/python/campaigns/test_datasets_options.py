@@ -1,4 +1,4 @@
-"""Datasets along tracks, and what their options refuse."""
+"""Datasets along tracks, and the values that their options refuse."""
 
 import json
 from pathlib import Path

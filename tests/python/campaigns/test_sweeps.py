@@ -1,4 +1,4 @@
-"""Sweeps: what they vary, their runs, the table, the report; in this process."""
+"""Sweeps: their varied values, runs, table and report; in this process."""
 
 import json
 from pathlib import Path

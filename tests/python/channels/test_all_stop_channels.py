@@ -1,4 +1,4 @@
-"""All stop outranks every topic that is heard and the pilot's hands; its service, what tells of it, a full queue."""
+"""All stop outranks every command topic and the pilot's hands; its service, its messages, and a full queue."""
 
 from __future__ import annotations
 

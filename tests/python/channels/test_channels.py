@@ -1,4 +1,4 @@
-"""Every channel says what the simulator knows, in the frames, signs and units of its message."""
+"""Every channel publishes the simulator's values in the frames, signs and units of its message."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""ROS 2's bytes of messages: made once, the same as rosbags', and described as ROS 2 does."""
+"""ROS 2's bytes of messages: made once, equal to those of rosbags, and described as ROS 2 does."""
 
 import re
 import threading

@@ -1,4 +1,4 @@
-"""Standard commands and services of the table do what they say, or say why not."""
+"""The standard commands and services of the table work, or report why they do not."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Covariances are those of the sensors' own figures: readings scatter about the truth as they say."""
+"""Covariances are those of the sensors' own noise: readings scatter about the truth accordingly."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Pictures on the wall clock: those that are late are left out, and nobody waits for them."""
+"""Pictures on the wall clock: late ones are left out, and nothing waits for them."""
 
 from collections.abc import Callable
 from threading import Event

@@ -1,4 +1,4 @@
-"""Pictures: one for all readers, one period late, streamed as asked."""
+"""Pictures: one for all readers, one period late, streamed as requested."""
 
 import io
 

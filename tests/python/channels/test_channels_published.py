@@ -1,4 +1,4 @@
-"""The published wire: its strings decode, its signs are as published, its commands saturate."""
+"""The published protocol: its strings decode, its signs are as published, its commands saturate."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""ROS messages as JSON, CBOR and ROS's own bytes: nothing is lost on the way, and what is wrong is named."""
+"""ROS messages as JSON, CBOR and ROS's own bytes: nothing is lost in transit, and errors are named."""
 
 import base64
 import math

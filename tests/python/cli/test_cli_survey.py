@@ -1,4 +1,4 @@
-"""`uwsim survey` as a user meets it: results on disk, interruptions, and errors in one line."""
+"""`uwsim survey` as a user runs it: results on disk, interruptions, and errors in one line."""
 
 import signal
 import subprocess

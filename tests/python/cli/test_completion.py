@@ -1,4 +1,4 @@
-"""What a shell offers when Tab is pressed: asked by typer's own protocol, as bash, zsh and fish ask."""
+"""The completions that a shell offers on Tab, requested by typer's own protocol, as bash, zsh and fish do."""
 
 import os
 import re

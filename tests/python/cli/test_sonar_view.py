@@ -1,4 +1,4 @@
-"""`uwsim sonar` and its figures: echoes are drawn at their place, and errors are one line."""
+"""`uwsim sonar` and its figures: echoes are drawn in their places, and errors are one line."""
 
 import re
 from dataclasses import replace

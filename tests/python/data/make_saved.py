@@ -1,8 +1,8 @@
-"""Writes what this build saves, which later builds must read, into a folder; tests/python/data/v1 was made so.
+"""Writes the files of this build that later builds must read into a folder; tests/python/data/v1 was made with it.
 
     python tests/python/data/make_saved.py /srv/v1
 
-Run it only when a format's version is raised, and keep what it writes beside v1. The folder's name is in the files.
+Run it only when a format's version is raised, and keep its output next to v1. The files contain the folder's name.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Same in, same out: whatever the threads, processors, locale, time zone, hash seed and addresses."""
+"""The same input gives the same output for all threads, processors, locales, time zones, hash seeds and addresses."""
 
 import hashlib
 import json

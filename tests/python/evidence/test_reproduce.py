@@ -1,4 +1,4 @@
-"""The paper's figures, made again: pictures with values behind them, trees and maps as the messages tell them."""
+"""The paper's figures, reproduced: pictures with the values behind them, trees and maps as the messages define them."""
 
 import json
 import re

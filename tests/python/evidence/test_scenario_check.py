@@ -1,4 +1,4 @@
-"""A check tells all mistakes of a file at once, what its scene will look like, and what in it may surprise."""
+"""A check reports all mistakes of a file at once, draws its scene, and warns of surprising values."""
 
 import json
 from pathlib import Path

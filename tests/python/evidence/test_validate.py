@@ -1,4 +1,4 @@
-"""Checks, suites and the command of the validation. All the suites themselves are run by tools/docs."""
+"""Checks, suites and the command of the validation. The suites themselves are run by tools/docs."""
 
 import math
 import subprocess

@@ -1,4 +1,4 @@
-"""The validation of thrusters and fins, which tools/docs runs, would miss if a value of theirs were 5 % off."""
+"""The validation of thrusters and fins, which tools/docs runs, fails if one of their values is 5 % off."""
 
 from collections.abc import Callable, Iterable, Iterator
 

@@ -1,4 +1,4 @@
-"""The validation of the dynamics, which tools/docs runs, would miss if a coefficient were 5 % off."""
+"""The validation of the dynamics, which tools/docs runs, fails if a coefficient is 5 % off."""
 
 from collections.abc import Iterator
 from pathlib import Path

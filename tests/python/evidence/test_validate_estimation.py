@@ -1,4 +1,4 @@
-"""The navigation's validation, with few flights; `uwsim validate estimation` flies 50."""
+"""The validation of the navigation, with few flights; `uwsim validate estimation` flies 50."""
 
 import numpy as np
 

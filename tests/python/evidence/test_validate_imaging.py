@@ -1,4 +1,4 @@
-"""The imaging suite, which tools/docs runs, would fail if a value of a model were wrong."""
+"""The imaging suite, which tools/docs runs, fails if a value of a model is wrong."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

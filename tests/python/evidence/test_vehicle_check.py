@@ -1,4 +1,4 @@
-"""A check builds the vehicle that it checks, and reports trim, stability and mounts: a sick one is warned of."""
+"""A check builds the vehicle and reports trim, stability and mounts; it warns of an unsound one."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`uwsim compare`: one table over missions and seeds, whose figures are those of the flights."""
+"""`uwsim compare`: one table over missions and seeds, with the values of the flights."""
 
 import csv
 import json

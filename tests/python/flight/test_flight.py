@@ -1,4 +1,4 @@
-"""Flights of missions: what they record, how they end, and that a resumed one gives the same map."""
+"""Flights of missions: their records and ends, and that a resumed one gives the same map."""
 
 import json
 import signal

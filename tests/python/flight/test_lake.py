@@ -1,4 +1,4 @@
-"""The whole default survey meets the figures that are promised for it."""
+"""The whole default survey meets its promised values."""
 
 from uwsim import Simulator
 from uwsim.flight.record import DONE

@@ -1,4 +1,4 @@
-"""A flight measures its map against the true surface while it is made."""
+"""A flight measures its map against the true surface while the map grows."""
 
 import json
 from itertools import pairwise

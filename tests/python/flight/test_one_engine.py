@@ -1,4 +1,4 @@
-"""`uwsim survey` and `uwsim run` are one engine: the same flight has the same results, whichever command flies it."""
+"""`uwsim survey` and `uwsim run` are one engine: the same flight has the same results with either command."""
 
 import inspect
 import json

@@ -1,4 +1,4 @@
-"""The same mission in process and over a rosbridge; what a remote vehicle reads is what the simulated one reads."""
+"""The same mission in process and over a rosbridge; a remote vehicle has the readings of the simulated one."""
 
 import json
 from pathlib import Path

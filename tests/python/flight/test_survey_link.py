@@ -1,4 +1,4 @@
-"""A survey over a link: the map aboard is as without one, the station's is of the pings that arrived."""
+"""A survey over a link: the map aboard is as without one, the station's has the pings that arrived."""
 
 from __future__ import annotations
 

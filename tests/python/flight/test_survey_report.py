@@ -1,4 +1,4 @@
-"""The report is self-contained, shows every key figure, and is valid however early the survey ended."""
+"""The report is self-contained, shows every key value, and is valid however early the survey ended."""
 
 import base64
 import dataclasses

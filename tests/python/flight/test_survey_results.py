@@ -1,4 +1,4 @@
-"""How much a survey reports: everything, figures as JSON, or nothing but the map."""
+"""The extent of a survey's report: everything, values as JSON, or nothing but the map."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The depth-map method against one ray for each beam: its errors, and the figures that it refuses."""
+"""The depth-map method against one ray for each beam: its errors, and the values that it refuses."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Sensors in Python: readings, samples, units, and their figures in a vehicle's YAML file."""
+"""Sensors in Python: readings, samples, units, and their values in a vehicle's YAML file."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""Each task can be done: a simple pilot who sees the truth does it, and is paid more than one who does nothing."""
+"""Each task can be solved: a simple pilot that knows the truth solves it, and is rewarded more than an idle one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever does not go over the link is in the table of docs/guides/link.md, and the table names nothing else."""
+"""The table of docs/guides/link.md lists exactly the data that bypass the link."""
 
 from __future__ import annotations
 

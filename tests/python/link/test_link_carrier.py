@@ -1,4 +1,4 @@
-"""A live simulator over a link: what arrives is what was carried, late or never, and runs repeat to the same bytes."""
+"""A live simulator over a link: only carried data arrive, late or never, and runs repeat to the same bytes."""
 
 from __future__ import annotations
 

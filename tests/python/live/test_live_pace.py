@@ -1,4 +1,4 @@
-"""The pace's schedule, on a clock that the test turns."""
+"""The pace's schedule, on a clock that the test sets."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Laws of the gate along the swath: it drops what stands alone, and keeps beds, steps and things of four beams."""
+"""Laws of the gate along the swath: it drops isolated soundings, and keeps beds, steps and objects of four beams."""
 
 import numpy as np
 import pytest

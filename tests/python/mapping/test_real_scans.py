@@ -1,4 +1,4 @@
-"""The scans and the map that liboctomap-dev ships give the bytes that OctoMap's own programs give."""
+"""The scans and the map of liboctomap-dev give the bytes that OctoMap's own programs give."""
 
 import bz2
 import struct

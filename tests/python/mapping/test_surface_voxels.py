@@ -1,4 +1,4 @@
-"""SurfaceVoxels: what was looked at before changes nothing but the time it takes."""
+"""SurfaceVoxels: earlier queries change nothing but the time that it takes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Planners that cover an area: lanes over any polygon, and frontiers of the map that is being made."""
+"""Planners that cover an area: lanes over any polygon, and frontiers of the growing map."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Curved paths: they pass through the waypoints, turn no tighter than asked, and vehicles fly them."""
+"""Curved paths: they pass through the waypoints, turn no tighter than allowed, and vehicles fly them."""
 
 import math
 

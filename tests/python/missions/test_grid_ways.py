@@ -1,4 +1,4 @@
-"""Ways over a grid: the cheapest there are, over open cells alone, and of equal ones always the same."""
+"""Ways over a grid: the cheapest, over open cells only, and always the same of equal ones."""
 
 import math
 from collections import deque

@@ -1,4 +1,4 @@
-"""Gates that the sonar sees are passed in their middle."""
+"""Gates that the sonar detects are passed through the middle."""
 
 import math
 from itertools import pairwise

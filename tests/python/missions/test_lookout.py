@@ -1,4 +1,4 @@
-"""The lookout: over the bed and over what the sonar has seen ahead, in time, by one law for lanes and planners."""
+"""The lookout climbs over the bed and all that the sonar has seen ahead, in time, by one law for lanes and planners."""
 
 import math
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Ways through a map: round what is occupied, not through what is unknown, and as short as the clearance allows."""
+"""Ways through a map: round occupied voxels, not through unknown ones, and as short as the clearance allows."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Shoals: seen on the way, gone round; known before the flight, left out or refused."""
+"""Shoals are avoided if seen during the flight, and left out or refused if known before it."""
 
 import itertools
 from pathlib import Path

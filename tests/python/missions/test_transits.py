@@ -1,4 +1,4 @@
-"""On long ways to a lane the lawn-mower sees what lies ahead in time: it crosses the lake without a collision."""
+"""On long transits the lawn-mower sees obstacles ahead in time: it crosses the lake without a collision."""
 
 import numpy as np
 import pytest

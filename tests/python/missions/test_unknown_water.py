@@ -1,4 +1,4 @@
-"""The lawn-mower without a polygon: it covers what can be reached, hits nothing, and ends at edges of every kind."""
+"""The lawn-mower without a polygon: it covers all reachable bed, hits nothing, and stops at edges of every kind."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The navigation filter against the truth, and what it must not depend on."""
+"""The navigation filter against the truth, and the inputs on which it must not depend."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""All stop on the station's page: anybody may set it, by a key or a button, and the pilot releases it."""
+"""All stop on the station's page: any page may set it, by a key or a button, and the pilot releases it."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What changes at a station: simulators made before Start, dead networks of pilots, parameters that pages hear of."""
+"""Changes at a station: simulators made before Start, dead networks of pilots, parameters that pages receive."""
 
 import time
 

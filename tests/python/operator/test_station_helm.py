@@ -1,4 +1,4 @@
-"""The pilot's hands: who has the controls, how old commands are, and what follows silence."""
+"""The pilot's controls: who holds them, the age of commands, and the reaction to silence."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The station over a modem: pictures, map and panel are what has arrived; the full ones need leave for the truth."""
+"""The station over a modem: pictures, map and panel are those that arrived; the true ones need permission."""
 
 from __future__ import annotations
 

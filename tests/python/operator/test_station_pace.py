@@ -1,4 +1,4 @@
-"""What keeps the station quick: a simulator that is ready before Start, and pictures as large as there is time for."""
+"""The station's speed: a simulator that is ready before Start, and pictures as large as time allows."""
 
 import itertools
 import threading

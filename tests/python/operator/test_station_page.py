@@ -1,4 +1,4 @@
-"""The station's page in a real browser: from the start screen to a map, who flies, when efforts end, who connects."""
+"""The station's page in a real browser: from the start screen to a map, with pilots, efforts and connections."""
 
 import http.client
 import json

@@ -1,4 +1,4 @@
-"""What the operator's station serves over HTTP, and to whom."""
+"""The files and pages that the operator's station serves over HTTP, and to whom."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""One description of the station's messages makes the page's module; page, server and docs keep to it."""
+"""One description of the station's messages generates the page's module; page, server and docs agree with it."""
 
 from __future__ import annotations
 

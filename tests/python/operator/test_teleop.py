@@ -1,4 +1,4 @@
-"""The pilot's terminal: efforts end by themselves, and are zero whatever ends the flight."""
+"""The pilot's terminal: efforts end by themselves, and are zero after any end of the flight."""
 
 import asyncio
 import math

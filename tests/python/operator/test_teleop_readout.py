@@ -1,4 +1,4 @@
-"""What the pilot's terminal reads of the vehicle's panel."""
+"""The values that the pilot's terminal reads from the vehicle's panel."""
 
 import numpy as np
 import pytest

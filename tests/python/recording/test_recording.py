@@ -1,4 +1,4 @@
-"""A recording holds what a run said and was told, for others to read and to be repeated, however the run ends."""
+"""A recording holds a run's messages and commands, for others to read and replay, however the run ends."""
 
 import itertools
 import json

@@ -1,4 +1,4 @@
-"""A damaged recording is refused and its damaged part is named; one that was cut off is read up to there."""
+"""A damaged recording is refused and its damaged part is named; a truncated one is read up to its end."""
 
 import shutil
 import struct

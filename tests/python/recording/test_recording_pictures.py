@@ -1,4 +1,4 @@
-"""Pictures of a live run, however late they came, are those that a replay sees at their moments."""
+"""Pictures of a live run, however late, are those that a replay sees at their moments."""
 
 import itertools
 import json

@@ -1,4 +1,4 @@
-"""A recording as tables and arrays, its map and report from the file alone, and where two recordings part."""
+"""A recording as tables and arrays, its map and report from the file alone, and the first difference of two."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Laws of the cache: it returns what was made, and never more than the making is lost with it."""
+"""Laws of the cache: it returns the stored arrays, and its loss costs no more than making them again."""
 
 import warnings
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A mesh in another unit than metres is refused at the door, with the numbers and the unit that it may be in."""
+"""A mesh in a unit other than metres is refused when it is read, with the numbers and the unit that it may be in."""
 
 from pathlib import Path
 from typing import Any

@@ -1,6 +1,6 @@
-"""A scenario that is written, in a recording or as a YAML file, is read as the same one.
+"""A scenario written to a recording or a YAML file is read back as the same one.
 
-The same: equal, with the same keys given, and built to the same bits. For a key may mean something by being there.
+The same means equal, with the same keys set, and built to the same bits, since the presence of a key may matter.
 """
 
 import json

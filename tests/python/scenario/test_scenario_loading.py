@@ -1,4 +1,4 @@
-"""A scenario file is loaded as it says, or refused in one line that says where and why."""
+"""A scenario file is loaded as written, or refused in one line that names the place and the reason."""
 
 import pickle
 import re

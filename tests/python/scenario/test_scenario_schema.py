@@ -1,4 +1,4 @@
-"""The JSON Schemas accept what the program accepts, and refuse what it refuses of a single key."""
+"""The JSON Schemas accept what the program accepts, and refuse what it refuses for a single key."""
 
 import json
 from functools import cache

@@ -1,4 +1,4 @@
-"""Density, temperature and salinity agree: what is left out follows by EOS-80, and what contradicts is refused."""
+"""Density, temperature and salinity agree: a missing one follows by EOS-80, and contradictions are refused."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""Laws of what can be seen: a group of points is seen when one of its points is, from any viewpoint, by itself."""
+"""Laws of visibility: a group of points is seen if one of its points, taken alone, is seen from any viewpoint."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,7 @@
-"""Whatever state a simulator gets into, restoring an earlier state or resetting undoes it, in every part.
+"""Restoring an earlier state, or resetting, undoes every later change of a simulator, in every part.
 
-The parts are found by walking the objects, by calling whatever the native simulation can be asked, and by giving every
-command there is: a part that is added later and is not saved, or not reset, fails here.
+The parts are found by walking the objects, by calling every query of the native simulation, and by giving every
+command. A part that is added later and is not saved, or not reset, fails here.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""All stop outranks every way of commanding a vehicle: while it is set, they move as if nobody commanded anything."""
+"""All stop outranks every way of commanding a vehicle: while it is set, vehicles move as if without commands."""
 
 from __future__ import annotations
 

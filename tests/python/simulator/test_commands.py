@@ -1,4 +1,4 @@
-"""One table of commands: what vehicles, logs, links, services and pages know of a command is its entry."""
+"""One table of commands, from which vehicles, logs, links, services and pages take all that they know of a command."""
 
 from __future__ import annotations
 

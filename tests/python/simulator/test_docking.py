@@ -1,4 +1,4 @@
-"""Docked, free and docked again: never in silence."""
+"""Docked, free and docked again: never without a notice."""
 
 import warnings
 

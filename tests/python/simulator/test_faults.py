@@ -1,4 +1,4 @@
-"""Faults happen when and as they are stated, drawn or injected, and act by physics."""
+"""Faults happen when and as specified, drawn or injected, and act by physics."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A parameter that is changed gives the run of a scenario that says so; and none is without effect."""
+"""A changed parameter gives the run of a scenario that has it from the start; and none is without effect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The packaged vehicles have the published figures and move as these predict."""
+"""The packaged vehicles have the published values and move as these predict."""
 
 import ctypes
 import platform

@@ -1,6 +1,6 @@
 """Rules of the architecture that neither compilers nor import-linter check: which file may include or import which.
 
-Each rule is a function from one file's path and text to complaints, so that a test can show it to fail on bad code.
+Each rule is a function from one file's path and text to complaints, so that a test can show that it fails on bad code.
 """
 
 import ast

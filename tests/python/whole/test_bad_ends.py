@@ -1,4 +1,4 @@
-"""A disk that is full, memory that is not there: one clear line, and nothing is lost that was saved."""
+"""A full disk or too little memory: one clear line, and nothing that was saved is lost."""
 
 import resource
 import subprocess

@@ -1,4 +1,4 @@
-"""Commands that the pages show are known, with all their options; YAML that they show is accepted."""
+"""Commands in the pages exist, with all their options; YAML in the pages is accepted."""
 
 import re
 import shlex

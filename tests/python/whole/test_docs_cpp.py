@@ -1,4 +1,4 @@
-"""The C++ of the documentation's pages: its sources and tests compile, its tables are ours with one more entry."""
+"""The C++ of the documentation's pages: its sources and tests compile, and its tables are ours with one more entry."""
 
 import importlib
 import re

@@ -1,4 +1,4 @@
-"""Objects that a person meets: they print as what they are, travel between processes, and have the types they say."""
+"""Public objects print readably, travel between processes, and have the types that they declare."""
 
 import copy
 import pickle

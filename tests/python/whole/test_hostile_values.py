@@ -1,4 +1,4 @@
-"""Numbers from a user have bounds, in files and on the command line; hostile ones are refused, in one line."""
+"""Numbers from users have bounds, in files and on the command line; hostile ones are refused in one line."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What users run with has a licence that lets them use uwsim under its own, MIT."""
+"""All that users run has a licence that lets them use uwsim under its own, MIT."""
 
 import re
 import sys

@@ -1,4 +1,4 @@
-"""Nothing that a user sets is without effect: it acts, or it raises an error that says what to do instead."""
+"""No setting of a user is without effect: it acts, or raises an error that names the remedy."""
 
 import copy
 import pickle

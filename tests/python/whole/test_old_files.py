@@ -1,7 +1,7 @@
-"""What an earlier build saved is read by this one, or refused by its version. data/v1 is of the first version of each.
+"""Files of earlier builds are read, or refused by their version. data/v1 has the first version of each.
 
-A later build may compute other bits, so that results need not be equal. A file of v1 may become unreadable only
-together with a raised version: then the test that reads it goes, and the one that names the version stays.
+A later build may compute other bits, so results need not be equal. A file of v1 may become unreadable only if its
+version is raised: then the test that reads it is removed, and the one that checks the version stays.
 """
 
 import io

@@ -1,4 +1,4 @@
-"""Every figure of a packaged vehicle, thruster, sensor and sonar names its source or says that it is assumed."""
+"""Every value of a packaged vehicle, thruster, sensor and sonar names its source or is marked as assumed."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Files from strangers are input, never code: they write nowhere else, are not read by halves, and crash nothing."""
+"""Files from strangers are never code: they cannot write elsewhere, are read whole or not at all, and crash nothing."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""SIGTERM: what flies is saved and goes, without the report, which --resume makes."""
+"""SIGTERM: the flight in progress is saved and ends without the report, which --resume makes."""
 
 import signal
 import subprocess

@@ -1,4 +1,4 @@
-"""Folders and files that are deleted while uwsim writes them: what is in memory is written again, the rest is told."""
+"""Folders and files deleted while uwsim writes them: data in memory is written again, the rest is reported."""
 
 import json
 import shutil
