@@ -31,7 +31,7 @@ class Allowance:
 
 
 class Rates(NamedTuple):
-    """What a client may send per second; one that sends more is read more slowly."""
+    """Limits of what a client may send per second; one that sends more is read more slowly."""
 
     frames: float
     bytes: float

@@ -42,13 +42,13 @@ class Limits:
     ids: int = 100
     """Number of ids of one subscription."""
     client_bytes: int = 64 << 20
-    """What is queued and stored for a client: messages to be sent, latched ones, fragments, open calls."""
+    """Data queued and stored for a client: messages to be sent, latched ones, fragments, open calls."""
     mailbox_bytes: int = 16 << 20
     """Size of one subscription's queue: beyond it the oldest messages are dropped, as beyond the queue's length."""
     total_bytes: int = 512 << 20
-    """What is queued and stored for all clients: beyond it the one with the most is disconnected."""
+    """Data queued and stored for all clients: beyond it the one with the most is disconnected."""
     messages_per_s: float = 2000.0
-    """From a client; one that sends more is read more slowly. A second's worth may arrive at once."""
+    """Rate from a client; one that sends more is read more slowly. The messages of a second may arrive at once."""
     bytes_per_s: float = 16e6
     """From a client, in the same way."""
 

@@ -20,7 +20,7 @@ class Fit:
 
     @property
     def share(self) -> float:
-        """Of the full width, in (0, 1]."""
+        """Share of the full width, in (0, 1]."""
         return SHARES[self._step]
 
     def note(self, took_s: float, period_s: float) -> None:

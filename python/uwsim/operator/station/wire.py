@@ -195,7 +195,7 @@ class Warnings(Message):
 
 
 class Description(Message):
-    """What runs."""
+    """The running simulator."""
 
     success: Literal[True]
     session: int
@@ -231,7 +231,7 @@ class Joined(Done):
 
 
 class HandOver(Message):
-    """to: the id of another member; empty: nobody."""
+    """to: the id of another member; empty: no one."""
 
     to: str | None = None
 

@@ -1,4 +1,4 @@
-// Where it begins: connects, shows the start screen or the station, and joins the parts to each other.
+// The entry point: connects, shows the start screen or the station, and connects the parts.
 import './theme.js';
 import { CameraAim } from './camera_aim.js';
 import { watchDialogs } from './dialogs/dialog.js';
@@ -40,7 +40,7 @@ panel.link.onAboard = (isAboard) => views.setAboard(isAboard);
 const recorder = new Recorder(station, telemetry, views);
 const lease = new Lease(station);
 const start = new StartScreen(station);
-let ends = []; // of this session's subscriptions
+let ends = []; // ends of this session's subscriptions
 let vehicle = null;
 
 watchDialogs((isOpen) => {
@@ -88,7 +88,7 @@ station.addEventListener('trouble', (event) => toast(event.detail, 'error'));
 station.addEventListener('session', begin);
 station.addEventListener('description', describe);
 
-// Say what the controls act on.
+// Show the vehicle that the controls act on.
 function describe() {
   const { description } = station;
   vehicle = description.vehicles.find(({ name }) => name === vehicle?.name) ?? description.vehicles[0];

@@ -1,4 +1,4 @@
-// Angles for people, from a quaternion x, y, z, w of the body (x ahead, y to port, z up) in east, north, up.
+// Readable angles from a quaternion x, y, z, w of the body (x ahead, y to port, z up) in east, north, up.
 
 const DEG = 180 / Math.PI;
 

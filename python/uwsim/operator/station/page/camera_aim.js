@@ -2,7 +2,7 @@
 import { attempt, el } from './dom.js';
 
 const STEP_RAD = (6 * Math.PI) / 180;
-const PERIOD_MS = 200; // while held: 30 degrees a second
+const PERIOD_MS = 200; // while held: 30 degrees per second
 // Positive pan is to port, positive tilt is down.
 const TURNS = {
   camUp: ['tilt', -1, '▲', 'up'],
@@ -14,7 +14,7 @@ const TURNS = {
 export class CameraAim {
   #vehicle = null;
   #motors = [];
-  #angles = new Map(); // camera: { pan, tilt } as asked for
+  #angles = new Map(); // camera: the requested { pan, tilt }
   #timer = 0;
 
   constructor(station, views) {
@@ -35,7 +35,7 @@ export class CameraAim {
     this.#show();
   }
 
-  // Return whether the action was one of turning a camera.
+  // Return whether the action turned a camera.
   act(action, isHeld) {
     if (!(action in TURNS)) return false;
     clearInterval(this.#timer);

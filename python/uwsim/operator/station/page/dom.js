@@ -15,7 +15,7 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
-// Write text only if it differs: layout is not disturbed ten times a second for nothing.
+// Write text only if it differs, so that the layout is not disturbed ten times a second without need.
 export function write(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -30,8 +30,8 @@ export function toast(text, kind = 'info') {
   toastTimer = setTimeout(() => box.classList.remove('is-shown'), kind === 'error' ? 6000 : 3000);
 }
 
-// Do what a button asks the server for; say it when the server refuses. done: what is said else, unless the server says
-// more. Return its answer, or null.
+// Await the server's answer to a button, and show a refusal. done: the message on success, unless the answer has one.
+// Return the answer, or null.
 export async function attempt(promise, done = '') {
   try {
     const answer = await promise;

@@ -1,4 +1,4 @@
-// Snapshots, and recordings of the large view with the telemetry beside it.
+// Snapshots, and recordings of the large view together with the telemetry.
 import { byId, toast } from './dom.js';
 
 const FRAMES_PER_S = 10;
@@ -43,7 +43,7 @@ export class Recorder {
     return this.#running !== null;
   }
 
-  // Save the large view as the server renders it, without loss, and what the panel says; the 3D view as it is shown.
+  // Save the large view as the server renders it, without loss, and the panel's values; the 3D view as it is shown.
   async snapshot() {
     const { large } = this.views;
     const stem = this.#stem(large);
@@ -104,7 +104,7 @@ export class Recorder {
     toast(`Saved ${stem}: video and telemetry`);
   }
 
-  // The large view with what lies over it.
+  // The large view with its overlays.
   #compose(target) {
     const context = target.getContext('2d');
     context.fillStyle = '#05080a';
@@ -130,13 +130,13 @@ export class Recorder {
   }
 }
 
-// Give the canvas of a view that this page draws, while it holds its picture.
+// Pass on the canvas of a view that this page draws, while it holds its picture.
 function taken(view, take) {
   if (view.picture) view.picture(take);
   else take(view.canvas);
 }
 
-// As large as it fits, in the middle.
+// Draw it as large as it fits, in the middle.
 function paste(context, canvas) {
   const { canvas: target } = context;
   if (!canvas.width || !canvas.height) return;

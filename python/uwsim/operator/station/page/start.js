@@ -1,4 +1,4 @@
-// The start screen: what to simulate, or where a simulator runs already.
+// The start screen: choose what to simulate, or a running simulator.
 import { byId, el, write } from './dom.js';
 import { Preview } from './preview.js';
 import { number, options } from './start_inputs.js';
@@ -14,7 +14,7 @@ export class StartScreen {
   #timer = 0;
   #checks = 0;
   #preview = new Preview();
-  #isOld = false; // what the catalog says of saved sessions
+  #isOld = false; // whether the catalog's list of saved sessions is outdated
 
   constructor(station) {
     this.station = station;
@@ -26,7 +26,7 @@ export class StartScreen {
     });
     this.form.addEventListener('input', () => this.#later());
     station.addEventListener('session', () => {
-      this.#isOld = true; // it may be saved
+      this.#isOld = true; // that session may have been saved
     });
   }
 
@@ -42,7 +42,7 @@ export class StartScreen {
     }
     this.#build();
     this.#say('');
-    this.#check(); // the server makes the simulator of what is checked, so that Start finds it ready
+    this.#check(); // the server builds the checked simulator ahead, so that Start finds it ready
   }
 
   #build() {
@@ -203,7 +203,7 @@ export class StartScreen {
       write(this.#fields.get('sonar').hint, String(scenario.sonar ?? 'none'));
   }
 
-  // The choice, with what is empty left to the scenario. Numbers that are none are sent as they are: the server says why.
+  // Return the choice; empty fields follow the scenario. Invalid numbers are sent as text, and the server reports them.
   get choice() {
     const value = (name) => this.#fields.get(name).input.value.trim();
     const numeric = (name) =>

@@ -12,7 +12,7 @@ export function options(choices) {
   return select;
 }
 
-// A number as text: what is none is sent as it is, and the server says why.
+// A number field as text: an invalid number is sent as it is, and the server reports why.
 export function number({ min, max, step }) {
   return el('input', {
     type: 'text',

@@ -1,9 +1,9 @@
-// The newest telemetry of the vehicle that is shown, and how old it is.
+// The newest telemetry of the displayed vehicle, and its age.
 import { TYPES } from './wire/messages.js';
 import { seconds } from './wire/rosbridge.js';
 
 const LATE_MS = 1500;
-const LATE_SIM_S = 2; // behind the simulated time, such as by an acoustic link
+const LATE_SIM_S = 2; // behind the simulated time, for example over an acoustic link
 
 export class Telemetry extends EventTarget {
   #end = null;
@@ -35,7 +35,7 @@ export class Telemetry extends EventTarget {
     return this.message ? seconds(this.message.header.stamp) : NaN;
   }
 
-  // Seconds of simulated time that the values are behind the simulator.
+  // Simulated time by which the values are behind the simulator [s].
   get lag_s() {
     return Math.max(0, this.station.state.time - this.stamp_s);
   }

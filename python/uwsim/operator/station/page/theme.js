@@ -1,4 +1,4 @@
-// Dark or light: as the system says, unless somebody has chosen.
+// Dark or light: by default that of the system.
 
 const STORED = 'uwsim.theme';
 export const THEMES = ['system', 'dark', 'light'];

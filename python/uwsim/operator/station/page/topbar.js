@@ -1,4 +1,4 @@
-// The bar above: vehicle, lights, tilt, gain, camera, time.
+// The top bar: vehicle, lights, tilt, gain, camera, time.
 import { attempt, byId, clockText, el, fixed, write } from './dom.js';
 
 const TILT_STEP_RAD = Math.PI / 180;
@@ -44,7 +44,7 @@ export class TopBar {
     this.#makeCameraModes();
     station.addEventListener('state', () => this.showState());
     telemetry.addEventListener('change', () => this.#showVehicle());
-    // Space drives: a button that was clicked must not be pressed again by it.
+    // Space is a driving key: it must not press a button again that was clicked before.
     byId('station').addEventListener('pointerup', (event) => {
       event.target.closest('button, a')?.blur();
     });
@@ -92,7 +92,7 @@ export class TopBar {
       attempt(this.station.command('set_lamp', this.#vehicle.name, { lamp: name, on }));
   }
 
-  // Turn the head while held. The server turns it at its own rate.
+  // Turn the head while the button is held. The server turns it at its own rate.
   tilt(sign, isHeld) {
     clearInterval(this.#tiltTimer);
     this.#tiltTimer = 0;

@@ -1,4 +1,4 @@
-// Dialogs, which let all controls go while they are open.
+// Dialogs, which release all controls while they are open.
 import { el } from '../dom.js';
 
 let onChange = () => {};

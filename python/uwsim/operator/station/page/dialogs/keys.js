@@ -1,4 +1,4 @@
-// The keys: shown by ?, changed by a click and a key.
+// The list of keys: shown by ?, changed by a click and a key.
 import { byId, el } from '../dom.js';
 import { ACTIONS, DRIVING, keyName, PRESETS, SCREEN, VEHICLE } from '../drive/bindings.js';
 import { openDialog } from './dialog.js';

@@ -1,4 +1,4 @@
-// Which key does what: actions, presets, the pilot's own changes. A key is a place on the keyboard (KeyboardEvent.code).
+// The actions of keys, presets, and the pilot's own changes. A key is a place on the keyboard (KeyboardEvent.code).
 
 // Axes are those of REP 103: x ahead, y to port, z up; so positive pitch is nose down and positive yaw turns to port.
 export const DRIVING = {
@@ -15,7 +15,7 @@ export const DRIVING = {
   'roll-': 'Roll to port',
   'roll+': 'Roll to starboard',
 };
-export const ALL_STOP = 'stop'; // acts even while a dialog is shown
+export const ALL_STOP = 'stop'; // acts even while a dialog is open
 export const VEHICLE = {
   stop: 'All stop',
   release: 'Release or dock',
@@ -160,7 +160,7 @@ export class Bindings {
     this.#keep();
   }
 
-  // Give a key to an action; whoever had it loses it. Return why it cannot be, or ''.
+  // Bind a key to an action, and unbind it from its old one. Return why this is not possible, or ''.
   assign(action, code) {
     if (RESERVED.test(code)) return `${keyName(code)} is needed for something else`;
     const owner = this.actionOf(code);

@@ -39,7 +39,7 @@ export class Gamepads {
     return Object.values(this.axes).some((value) => value !== 0);
   }
 
-  // Read all gamepads; call it once a frame. Return whether an axis has changed.
+  // Read all gamepads; called once per frame. Return whether an axis has changed.
   poll(isAllowed) {
     const pads = (navigator.getGamepads?.() ?? []).filter((pad) => pad?.connected);
     this.name = pads[0]?.id ?? '';
@@ -75,7 +75,7 @@ export class Gamepads {
   }
 }
 
-// No drift at rest, fine near the middle, full at the end.
+// A dead zone at rest, fine control near the middle, full effort at the end.
 function shaped(value) {
   const size = Math.abs(value);
   return size < DEAD_ZONE ? 0 : Math.sign(value) * ((Math.min(size, 1) - DEAD_ZONE) / (1 - DEAD_ZONE)) ** 1.5;

@@ -4,13 +4,13 @@ import { ALL_STOP, DRIVING } from './bindings.js';
 const TYPING = 'input, select, textarea, [contenteditable]';
 
 export class Keys {
-  #held = new Map(); // key's code: driving action
+  #held = new Map(); // key's code: control action
   #bindings;
   #act;
   #changed;
   #allowed;
 
-  // act(action, isPressed): an action that is no axis. changed(): what is held has changed. allowed(): may the keys drive?
+  // act(action, isPressed): an action that is not an axis. changed(): held keys changed. allowed(): may the keys drive?
   constructor(bindings, { act, changed, allowed }) {
     [this.#bindings, this.#act, this.#changed, this.#allowed] = [bindings, act, changed, allowed];
     addEventListener('keydown', (event) => this.#down(event));
@@ -25,14 +25,14 @@ export class Keys {
     return new Set(this.#held.values());
   }
 
-  // Let all keys go: each must be pressed anew.
+  // Release all keys: each must be pressed again.
   drop() {
     const had = this.isHeld;
     this.#held.clear();
     if (had) this.#changed();
   }
 
-  // Add what the keys ask for to the axes.
+  // Add the efforts of the held keys to the axes.
   addTo(axes) {
     for (const action of this.#held.values()) axes[action.slice(0, -1)] += action.endsWith('+') ? 1 : -1;
   }
@@ -41,7 +41,7 @@ export class Keys {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.(TYPING)) return;
     const action = this.#bindings.actionOf(event.code);
     if (!action || (action !== ALL_STOP && !this.#allowed())) return;
-    if (event.target.matches?.('canvas') && event.code.startsWith('Arrow')) return; // they turn the 3D view
+    if (event.target.matches?.('canvas') && event.code.startsWith('Arrow')) return; // the arrows turn the 3D view
     const isButton = event.target.closest?.('button, a, summary');
     if (isButton && event.code === 'Space' && event.target.matches(':focus-visible')) return; // presses the button
     event.preventDefault();

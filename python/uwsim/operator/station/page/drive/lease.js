@@ -1,10 +1,10 @@
-// Who has the controls: a button that takes them, asks for them or hands them over.
+// Shows who has the controls, with a button that takes them, requests them or hands them over.
 import { attempt, byId, el, write } from '../dom.js';
 import { openDialog } from '../dialogs/dialog.js';
 
 export class Lease {
   #offered = -1; // the session whose controls this page has tried to take by itself
-  #refused = new Set(); // wishes that the pilot has seen
+  #refused = new Set(); // requests that the pilot has seen
 
   constructor(station) {
     this.station = station;
@@ -46,7 +46,7 @@ export class Lease {
     for (const member of this.#refused) if (!state.asking.includes(member)) this.#refused.delete(member);
   }
 
-  // The first who comes to a session flies it; who gives the controls away does not get them back by itself.
+  // The first page of a session flies it; a page that gives the controls away does not get them back by itself.
   takeOnce() {
     const { state, id, description } = this.station;
     if (id === '' || this.#offered === description.session) return;
@@ -57,7 +57,7 @@ export class Lease {
   async #press() {
     const { state, isPilot, id } = this.station;
     if (!isPilot) {
-      await this.station.takeControl().catch(() => null); // a refusal is a wish, which the state shows
+      await this.station.takeControl().catch(() => null); // a refusal becomes a request, which the state shows
       return;
     }
     const others = state.member_ids.filter((member) => member !== id);

@@ -1,4 +1,4 @@
-// Keys, gamepads and fingers become efforts: sent at once when they change, five times a second while held, zero when let go.
+// Turns keys, gamepads and fingers into efforts: sent on each change, five times a second while held, zero on release.
 import { AXES } from '../wire/messages.js';
 import { ALL_STOP } from './bindings.js';
 import { Gamepads } from './gamepad.js';
@@ -6,20 +6,20 @@ import { Keys } from './keys.js';
 import { Touch } from './touch.js';
 
 const PERIOD_MS = 200;
-const LEAST_MS = 40; // between two commands of a moving stick
+const LEAST_MS = 40; // minimum between two commands of a moving stick
 const GAINS = [0.1, 0.25, 0.5, 0.75, 1];
 const none = () => Object.fromEntries(AXES.map((axis) => [axis, 0]));
 const isZero = (efforts) => AXES.every((axis) => efforts[axis] === 0);
 
-// Events: 'efforts' (what is asked for has changed), 'gain', 'answer' (detail: milliseconds to the server and back).
+// Events: 'efforts' (the requested efforts changed), 'gain', 'answer' (detail: milliseconds to the server and back).
 export class Pilot extends EventTarget {
   efforts = none();
-  answers_ms = []; // of the last commands, for the curious and for benchmarks
+  answers_ms = []; // of the last commands, for display and for benchmarks
   #gain = GAINS.indexOf(0.5);
   #sentMs = -Infinity;
   #sent = none();
   #timer = 0;
-  #isOpen = true; // false while a dialog is shown
+  #isOpen = true; // false while a dialog is open
 
   constructor(station, bindings, act) {
     super();
@@ -66,13 +66,13 @@ export class Pilot extends EventTarget {
     this.#read();
   }
 
-  // While a dialog is shown no control acts.
+  // While a dialog is open no control acts.
   suspend(isSuspended) {
     this.#isOpen = !isSuspended;
     if (isSuspended) this.letGo();
   }
 
-  // Let all controls go, and say so to the server, even if it has heard zeros before: a lost one must not matter.
+  // Release all controls, and send zeros even if zeros were the last efforts sent, since those may have been lost.
   letGo() {
     this.keys.drop();
     this.gamepads.axes = {};
@@ -84,7 +84,7 @@ export class Pilot extends EventTarget {
     this.dispatchEvent(new Event('efforts'));
   }
 
-  // All efforts to zero, whatever is held: each key must be pressed anew.
+  // Set all efforts to zero, whatever keys are held: each key must be pressed again.
   stop() {
     this.letGo();
     this.#send();

@@ -13,7 +13,7 @@ export class Touch {
   #changed;
   #allowed;
 
-  // Fingers only: a mouse has keys beside it.
+  // Only fingers, since a mouse comes with a keyboard.
   constructor({ changed, allowed }) {
     [this.#changed, this.#allowed] = [changed, allowed];
     for (const side of Object.keys(STICKS)) this.element.append(this.#stick(side));

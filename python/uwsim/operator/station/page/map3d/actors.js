@@ -13,7 +13,7 @@ import {
   Vector3,
 } from '../vendor/three.js';
 
-const TRACK_MOST = 16384; // points; then every second one is forgotten
+const TRACK_MOST = 16384; // points; beyond it every second one is dropped
 const TRACK_STEP_M = 0.3;
 const FAN_RAYS = 64;
 
@@ -55,7 +55,7 @@ export class Track {
   }
 }
 
-// Poles at places that somebody has marked.
+// Poles at marked places.
 export class Marks {
   group = new Group();
   count = 0;
@@ -102,14 +102,14 @@ export class Vessel {
     this.group.add(hull);
   }
 
-  // Where it truly is, if that may be seen: there its sonar draws the map.
+  // The true pose, if it may be shown, at which the sonar draws the map.
   move({ position, true_position: truth, is_truth: isTruth, orientation }) {
     this.group.position.set(...(isTruth ? truth : position));
     this.group.quaternion.set(...orientation);
     this.track.add(this.group.position);
   }
 
-  // Draw the newest ping. tilt_rad: of the head, up is positive; a range without echo ends at the sonar's reach.
+  // Draw the newest ping. tilt_rad: of the head, up is positive; a range without an echo ends at the maximum range.
   setFan({ angle_min, angle_increment, ranges, range_max }, tilt_rad) {
     const positions = this.#fan.geometry.attributes.position;
     positions.setXYZ(0, 0, 0, 0);

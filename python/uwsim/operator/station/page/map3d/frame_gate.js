@@ -1,10 +1,10 @@
-// Asks for a frame only when the last one has left the graphics queue, and measures how long that took. Software GL
-// draws in another process: without a gate its queue grows, and pictures and keys wait behind it.
+// Requests a frame only when the last one has left the graphics queue, and measures how long that took. Software GL
+// draws in another process: without this gate its queue grows, and pictures and keys are delayed.
 
 const SMOOTHING = 0.2;
 
 export class FrameGate {
-  frame_ms = 0; // smoothed: from asking for a frame to its end
+  frame_ms = 0; // smoothed: from the request of a frame to its end
   frames = 0;
   #fence = null;
   #begunMs = 0;

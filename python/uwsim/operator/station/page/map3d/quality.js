@@ -1,9 +1,9 @@
-// How finely the 3D view is drawn, chosen from the measured frame time.
+// The quality of the 3D view, chosen from the measured frame time.
 
 const SLOW_MS = 150;
 const FAST_MS = 55;
 const PATIENCE = 4; // frames that must agree before anything changes
-// Pixels of the canvas for each of the page's along an axis, and levels of detail left out. Software GL pays for both.
+// Canvas pixels per page pixel along an axis, and levels of detail left out. Software GL pays for both.
 const STEPS = [
   [1, 0],
   [1, 1],

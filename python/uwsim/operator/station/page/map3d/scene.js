@@ -22,7 +22,7 @@ import { VoxelPoints } from './voxel_points.js';
 import { VoxelStore } from './voxel_store.js';
 
 const SMALL_MS = 1000; // between two frames while the view is small
-const IDLE_MS = 250; // while it is large and nothing turns it
+const IDLE_MS = 250; // while it is large and does not turn
 
 export class SceneView {
   name = 'scene';
@@ -71,7 +71,7 @@ export class SceneView {
     this.canvas.tabIndex = isLarge ? 0 : -1;
   }
 
-  // Show another simulator's lake. load(path): fetches from it; sceneUrl: its scene.json, '' if nobody says what is there.
+  // Show another simulator's lake. load(path): fetches from it; sceneUrl: its scene.json, '' if no server offers one.
   async begin(load, vehicles, sceneUrl) {
     this.clear();
     for (const part of this.#scenery) this.scene?.remove(part);
@@ -92,7 +92,7 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  // Forget the map and the tracks, such as at a restart.
+  // Clear the map and the tracks, for example at a restart.
   clear() {
     this.store.clear();
     this.voxels.clear();
@@ -126,7 +126,7 @@ export class SceneView {
     this.#isDue = true;
   }
 
-  // Leave a pole where a vehicle is; return its position.
+  // Leave a pole at a vehicle's place; return its position.
   mark(name) {
     const at = this.vessels.get(name)?.group.position.clone();
     if (at) this.marks.add(at);
@@ -134,7 +134,7 @@ export class SceneView {
     return at;
   }
 
-  // The view as it is now: a canvas of WebGL keeps its picture no longer than a frame.
+  // Return the view as it is now, since a WebGL canvas keeps its picture for no longer than a frame.
   picture(take) {
     if (!this.scene) return;
     this.#draw();
@@ -263,7 +263,7 @@ export class SceneView {
   }
 }
 
-// A mesh that is fixed: its colour says what it is.
+// A fixed mesh, coloured by its kind.
 function dressed(node, label) {
   const colour = /pipe/.test(label)
     ? 0xb9a27a

@@ -1,4 +1,4 @@
-// The true bed as a shaded mesh with a quiet colour: the map is what should catch the eye.
+// The true bed as a shaded mesh in a muted colour, so that the map stands out.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -9,7 +9,7 @@ import {
   MeshBasicMaterial,
 } from '../vendor/three.js';
 
-const MOST = 192; // vertices along an axis; more would be seen by nobody and cost every frame
+const MOST = 192; // vertices along an axis; more would not be visible and cost every frame
 const DEEP = [22, 36, 50]; // sRGB
 const SHOAL = [74, 92, 100];
 const LAND = [70, 82, 62];
@@ -52,7 +52,7 @@ export function makeTerrain(heights, { rows, columns, west_m, south_m, spacing_m
   return { mesh, low_m: low, high_m: top };
 }
 
-// sRGB to linear light, both 0 to 255, as three.js wants a vertex's colour.
+// sRGB to linear light, both 0 to 255, as three.js needs a vertex's colour.
 const linear = (value) => Math.round(255 * (value / 255) ** 2.2);
 
 function grid(positions, colours, wide, tall, at) {
@@ -71,7 +71,7 @@ function grid(positions, colours, wide, tall, at) {
   return geometry;
 }
 
-// The water's surface as lines, for the scale: 50 m apart.
+// The water's surface as a grid of lines 50 m apart, which shows the scale.
 export function makeSurface({ rows, columns, west_m, south_m, spacing_m: [dx, dy] }, height_m) {
   const [east, north] = [west_m + (columns - 1) * dx, south_m + (rows - 1) * dy];
   const points = [];

@@ -1,9 +1,9 @@
-// The buttons of the 3D view: layers, following, where to look from.
+// The buttons of the 3D view: layers, following, viewpoints.
 import { el } from '../dom.js';
 
 const LAYERS = { terrain: 'Bed', map: 'Map', track: 'Track', fan: 'Sonar' };
 
-// layers: which of LAYERS are shown, and whether the camera follows; it is changed here, then changed() is called.
+// layers: the visible ones of LAYERS, and whether the camera follows; changed here, and then changed() is called.
 export function sceneTools(layers, changed, look) {
   const toggle = (name, text) =>
     el(

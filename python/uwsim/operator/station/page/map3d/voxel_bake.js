@@ -1,8 +1,8 @@
-// Blocks of voxels as points: position and shade in four bytes a point. Coarser levels join 2, 4 or 8 voxels an axis by OR.
+// Blocks of voxels as points: position and shade in four bytes per point. Coarser levels OR 2, 4 or 8 voxels per axis.
 import { EDGE } from './voxel_store.js';
 
 export const CHUNK_BLOCKS = 8; // along an axis
-export const CHUNK_CELLS = CHUNK_BLOCKS * EDGE; // 128: a byte holds it
+export const CHUNK_CELLS = CHUNK_BLOCKS * EDGE; // 128, which fits in a byte
 export const LEVELS = 4;
 
 const tops = new Int16Array(CHUNK_CELLS * CHUNK_CELLS);
@@ -55,7 +55,7 @@ function reduced(rows, level, visit) {
   }
 }
 
-// 0 to 255: how much light falls on the slope of the columns around.
+// Return the light on the slope of the surrounding columns, 0 to 255.
 function shade(x, y, wide) {
   const here = tops[y * wide + x];
   const height = (i, j) => {

@@ -1,4 +1,4 @@
-// The live map in 3D: chunks of points, baked anew when they change, coarser when the machine is slow or they are far.
+// The live map in 3D: chunks of points, rebuilt when they change, and coarser when the machine is slow or they are far.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -12,14 +12,14 @@ import {
 } from '../vendor/three.js';
 import { bake, CHUNK_BLOCKS, CHUNK_CELLS, LEVELS } from './voxel_bake.js';
 
-const BAKE_MS = 8; // a frame
-const RAMP = ['#2b4fc0', '#2389cf', '#22bfae', '#86d86a', '#ffe066']; // deep to shoal; sRGB, as the shader writes it
+const BAKE_MS = 8; // per frame
+const RAMP = ['#2b4fc0', '#2389cf', '#22bfae', '#86d86a', '#ffe066']; // deep to shallow; sRGB, as the shader writes it
 
 const VERTEX = `
 uniform mat4 projectionMatrix, modelViewMatrix;
 uniform float edge, pointScale, base, low, high;
 uniform vec3 ramp[5];
-in vec4 position; // x, y, z, shade, each a byte
+in vec4 position; // x, y, z and shade, one byte each
 out vec3 colour;
 void main() {
   vec4 seen = modelViewMatrix * vec4((position.xyz + 0.5) * edge, 1.0);
@@ -37,7 +37,7 @@ void main() { shown = vec4(colour, 1.0); }`;
 
 export class VoxelPoints {
   group = new Group();
-  bias = 0; // levels that are left out everywhere
+  bias = 0; // levels that are left out in all chunks
   #chunks = new Map(); // 'x,y,z': { at, blocks: Set, level, wanted, isDirty, points }
   #shared = {
     pointScale: { value: 1 },
@@ -80,7 +80,7 @@ export class VoxelPoints {
     }
   }
 
-  // Choose levels for this camera, and bake what has changed, the nearest first, within the time of a frame.
+  // Choose levels for this camera, and rebuild changed chunks, the nearest first, within the time of a frame.
   update(camera, heightPx) {
     const edge = this.store.resolution_m;
     if (!edge) return false;

@@ -1,4 +1,4 @@
-// The occupied voxels of the map, in blocks of 16 x 16 x 16 bits, as they come over the wire.
+// The occupied voxels of the map, in blocks of 16 x 16 x 16 bits, as they are transmitted.
 
 export const EDGE = 16; // cells of a block along an axis
 const ROWS = EDGE * EDGE; // one 16-bit row of x for each y and z
@@ -29,7 +29,7 @@ export class VoxelStore {
     this.count = 0;
   }
 
-  // Take a uwsim_msgs/MapChanges; return the blocks that have changed.
+  // Apply a uwsim_msgs/MapChanges; return the changed blocks.
   apply({ snapshot, resolution, sequence, blocks, counts, cells }) {
     if (snapshot) this.clear();
     this.resolution_m = resolution;

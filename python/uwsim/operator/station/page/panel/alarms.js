@@ -1,8 +1,8 @@
-// The three lamps of the paper's panel, and their sound, which is off until somebody wants it.
+// The three lamps of the paper's panel, and their sound, which is off by default.
 import { el, write } from '../dom.js';
 
 const STORED = 'uwsim.sound';
-// Pitch [Hz] and length [s] of each beep: told apart by ear.
+// Pitch [Hz] and length [s] of each beep, so that they can be distinguished by ear.
 const LAMPS = {
   range: { title: 'Range', level: 'warn', field: 'range_warning', beep: [440, 0.12], period_ms: 3000 },
   proximity: { title: 'Proximity', level: 'warn', field: 'proximity_warning', beep: [740, 0.1], period_ms: 1500 },

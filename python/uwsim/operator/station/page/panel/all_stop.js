@@ -1,10 +1,10 @@
-// All stop: a button and a key that always send it, for whoever looks, and the button that releases it, for the pilot.
+// All stop: a button and a key that send it from any page, and a button that releases it, for the pilot.
 import { attempt, byId, el, toast, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 
 export class AllStop {
   #vehicle = '';
-  #wanted = ''; // the vehicle that is to be stopped, until a server has said that it does
+  #wanted = ''; // the vehicle to be stopped, until a server has confirmed it
   #isAsking = false;
   #wasSet = false;
 
@@ -37,10 +37,10 @@ export class AllStop {
     this.#send();
   }
 
-  // Show what the telemetry says.
+  // Show the state from the telemetry.
   show(message, isStale) {
     const isSet = (message?.alarms ?? []).includes(ALL_STOPPED);
-    if (isSet && !this.#wasSet) this.pilot.letGo(); // no key that is held moves the vehicle when it is released
+    if (isSet && !this.#wasSet) this.pilot.letGo(); // a held key must not move the vehicle after the release
     this.#wasSet = isSet;
     this.element.hidden = !isSet;
     this.element.classList.toggle('is-stale', isStale);
@@ -63,7 +63,7 @@ export class AllStop {
         success === false ? 'error' : 'info',
       );
     } catch (error) {
-      if (this.station.connected) this.#wanted = ''; // this server cannot do it: efforts are zero there
+      if (this.station.connected) this.#wanted = ''; // this server does not support it: efforts are zero there
       toast(error.message, 'error');
     } finally {
       this.#isAsking = false;

@@ -1,4 +1,4 @@
-// Bars about a middle, for thrusters and efforts: values in [-1, 1], written as percent.
+// Bars from a middle line, for thrusters and efforts: values in [-1, 1], shown in percent.
 import { el, write } from '../dom.js';
 
 export class Bars {
@@ -31,7 +31,7 @@ export class Bars {
   }
 }
 
-// A name that fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
+// A short name that fits below a bar: "vertical_front_left" becomes "v f l", "T3" stays.
 function shortened(name) {
   const words = name.split('_');
   return words.length === 1 ? name.slice(0, 6) : words.map((word) => word.slice(0, words.length > 2 ? 1 : 2)).join('');

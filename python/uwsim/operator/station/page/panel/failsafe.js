@@ -1,4 +1,4 @@
-// What the vehicle does by itself, why, what it notices about itself, and the button that takes it back.
+// The vehicle's failsafe: its action, the reason, its findings, and the button that takes control back.
 import { attempt, el, write } from '../dom.js';
 import { ALL_STOPPED } from '../wire/messages.js';
 
@@ -43,7 +43,7 @@ export class Failsafe {
     this.#vehicle = vehicle.name;
   }
 
-  // Show what the telemetry says. Servers of other versions may not tell.
+  // Show the state from the telemetry, which servers of other versions may not send.
   show(message, isStale) {
     const { failsafe = '', failsafe_cause: cause = '' } = message ?? {};
     const alarms = (message?.alarms ?? []).filter((alarm) => alarm !== ALL_STOPPED);

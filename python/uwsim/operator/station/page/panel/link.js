@@ -1,11 +1,11 @@
-// The link through the water, where the scenario has one: how well station and vehicle hear each other. Without one it is
-// seen only while a fault has cut the vehicle off.
+// The link through the water, if the scenario has one: its quality between station and vehicle. Without one it is
+// shown only while a fault has cut the vehicle off.
 import { el, fixed, write } from '../dom.js';
 import { TYPES } from '../wire/messages.js';
 
 const POOR = 0.8; // quality
 const SILENT_S = 5;
-const LATE = 2.5; // of the time between the last two things that came, over a slow modem
+const LATE = 2.5; // times the interval between the last two messages, over a slow modem
 const NONE = 'none';
 const VALUES = [
   ['Quality', '%', (m) => fixed(100 * m.quality, 0)],
@@ -23,7 +23,7 @@ function faultText(loss) {
 
 export class Link {
   #end = null;
-  #silence = 0; // as told last
+  #silence = 0; // from the last message
   #interval = 0;
 
   constructor(station) {
@@ -53,7 +53,7 @@ export class Link {
     );
   }
 
-  // views: those of describe. onAboard(isAboard) is called when the operator wants to see what the vehicle sees.
+  // views: those of describe. onAboard(isAboard) is called when the operator switches to the vehicle's own view.
   begin({ link }, views) {
     this.#end?.();
     this.#end = null;

@@ -1,4 +1,4 @@
-// The panel: every value of the paper's, the position, bars, the link and the map.
+// The panel: all values of the paper's panel, the position, bars, the link and the map.
 import { attitude } from '../attitude.js';
 import { clockText, el, fixed, write } from '../dom.js';
 import { Alarms } from './alarms.js';
@@ -12,7 +12,7 @@ const EMPTY_PERCENT = 10;
 const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
 const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
 
-// Each value: name, unit, and what it is in the telemetry m.
+// Each value: name, unit, and how it follows from the telemetry m.
 const BIG = [
   ['Depth', 'm', (m) => fixed(m.depth, 1)],
   ['Altitude', 'm', (m) => RANGE(m.distance_to_seabed)],
@@ -38,7 +38,7 @@ const AROUND = [
   ['Collisions', '', (m) => String(m.collisions)],
 ];
 
-// How well the vehicle knows where it is, and how far it is off where that may be seen.
+// The accuracy of the estimated position, and its true error where that may be shown.
 function estimateText({ position, position_std: std, true_position: truth, is_truth: isTruth }) {
   if (!Number.isFinite(position[0])) return '';
   const off_m = Math.hypot(...position.map((value, k) => value - truth[k]));
@@ -102,7 +102,7 @@ export class Panel {
     this.allStop.begin(vehicle);
     this.failsafe.begin(vehicle);
     this.link.begin(vehicle, description.views);
-    this.hasThrusters = vehicle.thrusters.length > 0; // else forces along and about the axes drive it
+    this.hasThrusters = vehicle.thrusters.length > 0; // otherwise it is driven by forces along and about the axes
     this.thrusters.name(this.hasThrusters ? vehicle.thrusters : EFFORTS);
     write(this.driveTitle, this.hasThrusters ? 'Thrusters' : 'Thrust');
     this.downloads.hidden = !vehicle.map;

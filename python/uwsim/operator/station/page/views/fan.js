@@ -1,4 +1,4 @@
-// The newest ping of the multibeam in the plane of its fan: the sonar below, ahead is up, starboard to the right.
+// The newest ping of the multibeam in the plane of its fan: the sonar is below, up is ahead, right is starboard.
 import { el } from '../dom.js';
 
 const INK = '#c9d8e2';
@@ -6,7 +6,7 @@ const SOFT = 'rgb(150 178 194 / .55)';
 const WATER = 'rgb(38 132 148 / .22)';
 const ECHO = '#ffd166';
 const OLD = 'rgb(255 209 102 / .16)';
-const MEMORY = 12; // pings that stay as an afterglow
+const MEMORY = 12; // pings that remain visible as an afterglow
 const RINGS = 5;
 const REACHES = [3, 5, 10, 20, 30, 50, 100];
 
@@ -65,7 +65,7 @@ export class FanView {
     ];
     this.#rings(c, at, scale, [width / 2, height - margin], half, reach);
     c.save();
-    c.beginPath(); // older echoes may lie beyond what is shown
+    c.beginPath(); // older echoes may lie beyond the range shown
     c.moveTo(width / 2, height - margin);
     c.arc(width / 2, height - margin, reach * scale, -Math.PI / 2 - half, -Math.PI / 2 + half);
     c.clip();
@@ -103,9 +103,9 @@ export class FanView {
     c.textAlign = 'left';
   }
 
-  // The water that the ping has passed without an echo.
+  // The water through which the ping has passed without an echo.
   #water(c, at, { ranges, angle_min, angle_increment, range_max }) {
-    // clipped to what is shown
+    // clipped to the range shown
     c.beginPath();
     c.moveTo(...at(0, 0));
     ranges.forEach((range, k) =>
@@ -126,7 +126,7 @@ export class FanView {
   }
 }
 
-// The least of REACHES that shows all echoes, so that what is near is seen large.
+// Return the smallest of REACHES that shows all echoes, so that near ones are drawn large.
 function shownReach({ ranges, range_max }) {
   const farthest = ranges.reduce((most, range) => (isEcho(range) && range > most ? range : most), 0);
   if (farthest === 0) return range_max;

@@ -1,4 +1,4 @@
-// The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks at nothing else.
+// The head-up display: heading, depth, altitude and attitude over the video, for a pilot who looks only at the picture.
 import { attitude } from '../attitude.js';
 
 const INK = '#f2f8fb';
@@ -29,7 +29,7 @@ export class Hud {
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.clearRect(0, 0, width, height);
     if (!message || width < 240) return;
-    const top = Math.max(0, (height - width / aspect) / 2); // of the picture, which is shown whole
+    const top = Math.max(0, (height - width / aspect) / 2); // top of the picture, which is shown whole
     const left = Math.max(0, (width - height * aspect) / 2);
     const scale = Math.max(0.72, Math.min(1.15, height / 560));
     this.ink = isStale ? STALE : INK;
@@ -105,7 +105,7 @@ export class Hud {
     c.fillText(`${String(Math.round(heading) % 360).padStart(3, '0')}°`, middle, y + h / 2 + 1);
   }
 
-  // A vertical tape with the value in a box at its middle. down: greater values below.
+  // Draw a vertical tape with the value in a box at its middle. down: greater values below.
   #tape(x, middle, tall, scale, { name, value, side, down = false, color = this.ink }) {
     const { context: c } = this;
     const isLeft = side === 'left';
@@ -236,7 +236,7 @@ export class Hud {
     c.restore();
   }
 
-  // A light line with a dark edge is seen over any water.
+  // Draw a light line with a dark edge, which is visible over any water.
   #twice(path, width) {
     const { context: c } = this;
     c.lineWidth = width + 2.2;

@@ -9,13 +9,13 @@ const SMALL_LATE_MS = 20000;
 const LADDER = /front/; // cameras that look ahead
 const KINDS = ['camera', 'chase', 'scene', 'fan', 'forward_looking', 'side_scan', 'profiling', 'station'];
 const KEYS = 10;
-const ROW = 6; // small views that fit beside each other
+const ROW = 6; // small views that fit side by side
 const LARGE = { credit: 2 };
-const LATE_PERIODS = 3; // of pictures that come over a link
-const SELDOM_S = 0.5; // between pictures: whoever waits longer reads how long
+const LATE_PERIODS = 3; // times the period of pictures that come over a link
+const SELDOM_S = 0.5; // between pictures: after a longer interval the view shows it
 
-// A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s: null
-// without room for any. large_only: pictures of the large view alone are carried.
+// A view of a vehicle's camera whose pictures come over a link has `link`: { modem, period_s, large_only }. period_s is
+// null if there is no capacity for pictures. large_only: only pictures of the large view are carried.
 function linkText({ modem, period_s: period }) {
   if (period === null) return `${modem} has no room for pictures`;
   if (period < SELDOM_S) return `over ${modem}`;
@@ -27,7 +27,7 @@ const rank = ({ kind }) => (KINDS.includes(kind) ? KINDS.indexOf(kind) : KINDS.l
 export class Views extends EventTarget {
   #views = new Map(); // name: { view, element, picture, hud, scene, lost }
   #large = '';
-  #isAboard = false; // whether views show what the vehicle sees, not what the link carries
+  #isAboard = false; // whether views show the vehicle's own pictures, not those carried by the link
   #cameras = new Previews();
   #sonars = new Previews();
   #tools = el('div', { className: 'picture-tools' });
@@ -63,7 +63,7 @@ export class Views extends EventTarget {
     return this.#views.get(name)?.picture;
   }
 
-  // Show these views (of describe.views) and those that are drawn here, in the order of their kinds.
+  // Show these views (of describe.views) and those that this page draws, in the order of their kinds.
   fill(views) {
     for (const { picture } of this.#views.values()) picture?.show('');
     this.#views.clear();
@@ -95,14 +95,14 @@ export class Views extends EventTarget {
     this.dispatchEvent(new Event('swap'));
   }
 
-  // Show what the vehicle sees, where the server lets us, or what the modem carries.
+  // Show the vehicle's own pictures, where the server permits it, or those carried by the modem.
   setAboard(isAboard) {
     this.#isAboard = isAboard;
     this.#choosePictures();
     this.#look();
   }
 
-  // number: of the key, 0 is the tenth.
+  // number: of the key; 0 is the tenth.
   enlargeNumber(number) {
     this.enlarge(this.names[(number + KEYS - 1) % KEYS]);
   }
@@ -142,7 +142,7 @@ export class Views extends EventTarget {
     return { ...frame, view: { name, kind, title } };
   }
 
-  // Pictures of a hidden tab are not even rendered.
+  // Request no pictures for a hidden tab, so that they are not even rendered.
   #choosePictures() {
     const [cameras, sonars] = [[], []];
     for (const [name, { view, picture, hud }] of this.#views) {
@@ -153,10 +153,10 @@ export class Views extends EventTarget {
       else (hud ? cameras : sonars).push({ picture, topic: this.#smallTopic(view) });
     }
     this.#cameras.show(cameras);
-    this.#sonars.show(sonars); // which come at their own pace
+    this.#sonars.show(sonars); // sonar pictures come at their own pace
   }
 
-  // link: of a view whose pictures come over a link.
+  // link: that of a view whose pictures come over a link.
   #whyNone(name, link) {
     if (link && link.period_s === null) return 'No picture';
     return link?.large_only && name !== this.#large ? 'Enlarge to ask for it' : 'Waiting for a picture';

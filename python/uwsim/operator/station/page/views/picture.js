@@ -1,4 +1,4 @@
-// A stream of JPEG pictures on a canvas: only the newest, and each acknowledged when it has been drawn.
+// A stream of JPEG pictures on a canvas: only the newest is drawn, and each is acknowledged after that.
 import { seconds } from '../wire/rosbridge.js';
 
 // Events: 'drawn'.
@@ -10,7 +10,7 @@ export class Picture extends EventTarget {
   #hasCredit = false;
   arrivedMs = -Infinity;
   drawn = 0;
-  shown = []; // of the last pictures: the moment that each shows [s, simulated], when it came and was drawn [ms, wall clock]
+  shown = []; // of the last pictures: moment shown [s, simulated], arrival and drawing [ms, wall clock]
 
   constructor(bridge, canvas) {
     super();
@@ -23,7 +23,7 @@ export class Picture extends EventTarget {
     return this.#topic;
   }
 
-  // Show another topic, '' for none. The last picture stays until the next.
+  // Show another topic, '' for none. The last picture stays until the next one.
   show(topic, options) {
     if (topic === this.#topic) return;
     this.#end?.();

@@ -1,9 +1,9 @@
-// The small views, one after the other, with a rest in between that is a multiple of how long the last one took: however
-// slow the machine is, most of its time is left to the large view.
+// The small views, refreshed one after the other, with pauses of a multiple of the time that the last one took: on any
+// machine, most of the time is left to the large view.
 
-const REST = 3; // times as long
+const REST = 3; // times the duration of the last picture
 const LEAST_REST_MS = 100;
-const PATIENCE_MS = 3000; // with one that does not come
+const PATIENCE_MS = 3000; // for a picture that does not come
 
 export class Previews {
   #streams = []; // { picture, topic }, the next one first
@@ -12,7 +12,7 @@ export class Previews {
   #timer = 0;
   #drawn = () => this.#rest();
 
-  // streams: all that are small now; none while nobody looks.
+  // streams: all that are small now; none while the page is hidden.
   show(streams) {
     this.#streams = streams;
     if (this.#current && !streams.some(({ topic }) => topic === this.#current.topic)) this.#end();
@@ -42,6 +42,6 @@ export class Previews {
     const { picture, topic } = this.#current;
     this.#current = null;
     picture.removeEventListener('drawn', this.#drawn);
-    if (picture.topic === topic) picture.show(''); // else it is large by now
+    if (picture.topic === topic) picture.show(''); // otherwise it has become large meanwhile
   }
 }

@@ -181,7 +181,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string | null} [aboard_small_topic]
  */
 
-/** What runs.
+/** The running simulator.
  * @typedef {object} Description
  * @property {true} success
  * @property {number} session

@@ -1,4 +1,4 @@
-// The name by which the others at the station know this page.
+// The name of this page for the others at the station.
 
 const STORED = 'uwsim.name';
 

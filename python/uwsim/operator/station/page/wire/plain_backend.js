@@ -1,5 +1,5 @@
-// A rosbridge without a station, such as `uwsim serve lake`: the same questions, answered by ROS topics and services.
-// Nobody has a lease there, and no server zeroes the efforts of a page that is gone: the page says so.
+// A rosbridge without a station, such as `uwsim serve lake`: the same requests, answered by ROS topics and services.
+// There is no lease, and no server that zeroes the efforts of a page that is gone, so the page shows a notice.
 import { AXES, SERVICES } from './messages.js';
 import { seconds } from './rosbridge.js';
 
@@ -7,7 +7,7 @@ const PACE_MS = 500;
 const CAMERA = /^\/(?:(\w+)\/)?camera\/(\w+)\/image_raw\/compressed$/;
 const TILT = { min_rad: -Math.PI / 2, max_rad: Math.PI / 2, rate_rad_s: (5 * Math.PI) / 180 }; // of the published wire
 const FIXED = {
-  // where a page without a station has to leave a thing to others
+  // functions that a page without a station has to leave to others
   truth_allowed: true,
   warnings: { proximity_m: 10 },
   scene: '',
@@ -21,7 +21,7 @@ export class PlainBackend {
   #session = 1;
   #time_s = 0;
 
-  // learn(state): takes what /station/state would say.
+  // learn(state): takes what /station/state would publish.
   constructor(bridge, learn) {
     [this.#bridge, this.#learn] = [bridge, learn];
   }
@@ -84,7 +84,7 @@ export class PlainBackend {
     };
   }
 
-  // The published wire's key, whose sway and yaw are to starboard.
+  // A key of the published protocol, whose sway and yaw are to starboard.
   async drive(vehicle, { surge, sway, heave, roll, pitch, yaw }) {
     const prefix = vehicle === 'vehicle' ? '' : `${vehicle}/`;
     this.#bridge.publish(`/${prefix}key`, {

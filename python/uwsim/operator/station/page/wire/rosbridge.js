@@ -1,11 +1,11 @@
-// A rosbridge v2 client: JSON out, JSON and CBOR in. It reconnects by itself and subscribes anew.
+// A rosbridge v2 client: JSON out, JSON and CBOR in. It reconnects and resubscribes by itself.
 import { Decoder } from '../vendor/cbor.js';
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;
 const CALL_TIMEOUT_MS = 30000;
 
-// A stamp of either ROS in seconds.
+// A stamp of ROS 1 or ROS 2 in seconds.
 export const seconds = (stamp) => (stamp.sec ?? stamp.secs) + 1e-9 * (stamp.nanosec ?? stamp.nsecs);
 
 export class ServiceError extends Error {}
@@ -36,7 +36,7 @@ export class Rosbridge extends EventTarget {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
-  // Bytes that wait in this browser to be sent.
+  // Bytes in this browser that wait to be sent.
   get backlog() {
     return this.#socket?.bufferedAmount ?? 0;
   }
@@ -65,17 +65,17 @@ export class Rosbridge extends EventTarget {
     };
   }
 
-  // With credit: a message has been drawn, another may come.
+  // With credit: a message has been drawn, and another may come.
   acknowledge(topic, count = 1) {
     this.#send({ op: 'ack', topic, count });
   }
 
-  // Return whether the message could be handed to an open socket: nothing is kept for later.
+  // Return whether the message was handed to an open socket; none is kept for later.
   publish(topic, msg) {
     return this.#send({ op: 'publish', topic, msg });
   }
 
-  // Return the answer's values. Rejects with a ServiceError that says what the server said.
+  // Return the answer's values. Rejects with a ServiceError that has the server's message.
   call(service, args = {}) {
     const id = `call${(this.#count += 1)}`;
     return new Promise((resolve, reject) => {
@@ -96,7 +96,7 @@ export class Rosbridge extends EventTarget {
     try {
       socket = new WebSocket(this.#url);
     } catch (error) {
-      // an address that is none
+      // not a valid address
       queueMicrotask(() => this.dispatchEvent(new CustomEvent('refused', { detail: error.message })));
       return;
     }

@@ -1,10 +1,10 @@
-// The station as the page knows it: its state, who this page is, and what can be asked.
+// The station as the page knows it: its state, this page's identity, and its requests.
 import * as messages from './messages.js';
 import { PlainBackend } from './plain_backend.js';
 import { Rosbridge } from './rosbridge.js';
 import { StationBackend } from './station_backend.js';
 
-// Where the rosbridge is: this page's own server, or the one that the address bar names (?rosbridge=ws://HOST:PORT).
+// The address of the rosbridge: this page's own server, or the one in the address bar (?rosbridge=ws://HOST:PORT).
 export function bridgeUrl(location) {
   const asked = new URLSearchParams(location.search);
   const other = asked.get('rosbridge');
@@ -14,7 +14,7 @@ export function bridgeUrl(location) {
   return `${scheme}://${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ''}`;
 }
 
-// Events: 'open', 'close', 'state', 'session' (another simulator, or the same one anew), 'description' (its
+// Events: 'open', 'close', 'state', 'session' (another simulator, or a restart of the same), 'description' (its
 // parameters have changed), 'trouble' (detail: a sentence).
 export class Station extends EventTarget {
   state = { phase: '', session: -1, pilot: '', member_ids: [], member_names: [], asking: [] };
@@ -48,7 +48,7 @@ export class Station extends EventTarget {
     return this.state.phase === 'running';
   }
 
-  // Seconds for which nothing has come from the pilot, if that is somebody else and his connection seems dead, else 0.
+  // Seconds without a message from the pilot, if that is another page whose connection seems dead, else 0.
   get pilotSilence() {
     return this.isPilot || this.state.pilot === '' ? 0 : (this.state.pilot_silence ?? 0);
   }
@@ -58,13 +58,13 @@ export class Station extends EventTarget {
     return this.#backend.isPlain;
   }
 
-  // The name of a member, for people.
+  // The displayed name of a member.
   nameOf(id) {
     const k = this.state.member_ids.indexOf(id);
     return k < 0 ? id : this.state.member_names[k] || id;
   }
 
-  // Be known to the others by another name.
+  // Change the name that the others see.
   async rename(name) {
     const { id } = await this.#backend.join(name);
     [this.name, this.id] = [name, id];
@@ -99,7 +99,7 @@ export class Station extends EventTarget {
     return this.#backend.command(name, vehicle, args);
   }
 
-  // Set all stop, which anybody may, or release it, which the pilot may.
+  // Set all stop, which any page may, or release it, which the pilot may.
   allStop(vehicle, on) {
     return this.#backend.allStop(vehicle, on);
   }
@@ -112,7 +112,7 @@ export class Station extends EventTarget {
     return this.#backend.setView(options);
   }
 
-  // A path on the server that this page's simulator runs on, such as '/map/rov.bt'.
+  // A path on the server of this page's simulator, such as '/map/rov.bt'.
   href(path) {
     const socket = new URL(this.bridge.url);
     const token = socket.searchParams.get('token');
@@ -164,7 +164,7 @@ export class Station extends EventTarget {
   }
 }
 
-// Whether a description is of the simulator and the parameters that a state tells of. A server may have no editions.
+// Whether a description belongs to the simulator and the parameters of a state. A server may have no editions.
 function isOf({ session, edition }, description) {
   return description?.session === session && description.edition === edition;
 }

@@ -1,4 +1,4 @@
-// A station answers as docs/connections/station-wire.md says.
+// A station answers as specified in docs/connections/station-wire.md.
 import * as messages from './messages.js';
 
 export class StationBackend {
