@@ -1,4 +1,4 @@
-"""Who may connect: one rule for every socket on which any part of uwsim listens."""
+"""Admission of clients: one rule for every socket on which any part of uwsim listens."""
 
 import ast
 import re

@@ -39,7 +39,7 @@ REQUEST = '{"op": "call_service", "service": "/rosapi/topics", "id": "still ther
 
 
 def works(client):
-    """Whether the server still answers this client, in order."""
+    """Return whether the server still answers this client, in order."""
     client.send(REQUEST)
     while (answer := json.loads(client.recv(PATIENCE_S))).get("id") != "still there?":
         pass
