@@ -39,6 +39,7 @@ def connect(
     from contextlib import ExitStack
 
     from uwsim.bridges import RosbridgeClient
+    from uwsim.bridges.nodes.websocket import checked_url
     from uwsim.channels import Table, diagnostics_channel
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
@@ -48,6 +49,7 @@ def connect(
     logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
     if ros not in (1, 2):
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
+    checked_url(url)  # before the scenario is built
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
     table = Table(

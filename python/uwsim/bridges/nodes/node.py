@@ -28,8 +28,6 @@ class Node:
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:
-        if not url.startswith(("ws://", "wss://")):
-            raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
         self._connection = WebSocket(url)
         self.finish: Callable[[], None] = lambda: None
         self.complain: Callable[[str], object] = lambda text: None

@@ -22,13 +22,22 @@ FRAME_BYTES = 64 << 20
 Result = TypeVar("Result")
 
 
+def checked_url(url: str) -> str:
+    """Return the URL of a WebSocket server. Raises ValueError for any other."""
+    if not url.startswith(("ws://", "wss://")):
+        raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+    return url
+
+
 class WebSocket:
     """A connection to a WebSocket server; every method may be called on any thread.
 
-    Raises OSError if the server cannot be reached, and websockets' InvalidHandshake if it refuses.
+    Raises ValueError for a wrong URL, OSError if the server cannot be reached, and websockets' InvalidHandshake if it
+    refuses.
     """
 
     def __init__(self, url: str) -> None:
+        checked_url(url)
         self._loop = asyncio.new_event_loop()
         self._lock, self._is_open = Lock(), True
         self._thread = Thread(target=self._loop.run_forever, name="uwsim-websocket", daemon=True)

@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
+from uwsim.bridges.nodes.websocket import checked_url
 from uwsim.bridges.rosbridge.encoding import Sample, to_json
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse
@@ -53,10 +54,8 @@ class RosbridgeClient(Bridge):
         limits: Limits | None = None,
         feed: Readings | None = None,
     ) -> None:
-        if not url.startswith(("ws://", "wss://")):
-            raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
+        self.url = checked_url(url)
         super().__init__("rosbridge", live, channels, services, feed)
-        self.url = url
         self._ros: Ros = ros
         self._limits = limits or Limits(frame_bytes=16 << 20)
         self._waiting: deque[Reading] = deque(maxlen=WAITING)

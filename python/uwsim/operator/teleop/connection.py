@@ -15,6 +15,7 @@ from typing import Any
 from websockets.exceptions import WebSocketException
 
 from uwsim.bridges.nodes.node import Node
+from uwsim.bridges.nodes.websocket import checked_url
 from uwsim.channels.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
 from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
@@ -38,9 +39,7 @@ class Connection:
     def __init__(
         self, url: str, hands: Hands, vehicle: str | None = None, say: Callable[[str], object] = lambda text: None
     ) -> None:
-        if not url.startswith(("ws://", "wss://")):
-            raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
-        self.url = url
+        self.url = checked_url(url)
         self.hands = hands
         self.say = say
         self.readout = Readout()
