@@ -173,6 +173,17 @@ def test_within_this_machine_no_udp_socket_receives_from_another(node):
     assert all(ports.values()) and min(ports) == unicast_port(SETTINGS.domain_id, 0)
 
 
+def test_packets_that_are_not_of_dds_do_not_fill_the_log(node, other, capfd):
+    """Cyclone DDS printed a warning for each: 30 MB for 110,000 packets."""
+    port = unicast_port(SETTINGS.domain_id, 0)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        for _ in range(200):
+            stranger.sendto(b"RTPS\2\5\1\x10" + bytes(12) + b"\x0c\x75" + bytes(range(60)), ("127.0.0.1", port))
+    other.listen("odom", "nav_msgs/msg/Odometry")  # later than the packets, and through the same socket
+    other.next("odom")
+    assert "malformed" not in capfd.readouterr().err
+
+
 def test_it_leaves_within_a_second_and_leaves_no_thread(live):
     settings = Ros2Settings(domain_id=free_domain())
     before = set(threading.enumerate())

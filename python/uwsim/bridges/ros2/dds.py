@@ -30,6 +30,7 @@ from uwsim.bridges.ros2.settings import PORTS_PER_DOMAIN, Ros2Settings, unicast_
 EVENTS_MAX = 64  # returned by one wait; others follow with the next
 UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
 BAD_PARAMETER = -3
+FATAL, ERROR = 1, 2  # Cyclone DDS's log categories; a warning for each malformed packet lets strangers fill the log
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of glibc's mallopt
 KEPT_BYTES, BLOCK_BYTES = 64 << 20, 8 << 20
 
@@ -103,6 +104,7 @@ class Domains:
         with self._lock:
             if number not in self._domains:
                 keep_blocks_of_messages()
+                _library.dds_set_log_mask(FATAL | ERROR)
                 try:
                     self._domains[number] = config, Domain(number, config)
                 except DDSException as error:
