@@ -26,7 +26,7 @@ class Pid {
   Pid(double integral, double derivative, double measured)
       : integral(integral), derivative(derivative), measured(measured), begun(true) {}
 
-  /// The output that the controller asks for in this period.
+  /// The output requested in this period.
   double output(double error, double measured, const PidGains& gains, double period_s);
   /// Ends the period: the integral grows with the error and towards what was applied.
   void settle(double applied, const PidGains& gains, double period_s);

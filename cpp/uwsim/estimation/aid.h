@@ -33,7 +33,7 @@ class Aid {
   virtual ErrorIndex seen() const = 0;
   /// Corrects `state` with a reading (width(),), scalar by scalar.
   virtual void correct(FilterState& state, const double* reading) const = 0;
-  /// Saves or restores the parameters that it was made with. Throws InvalidValue.
+  /// Saves or restores its parameters. Throws InvalidValue.
   virtual void exchange_figures(StateArchive& archive) = 0;
 
   /// Positions of its counts and its biases in the state; set by NavigationFilter.

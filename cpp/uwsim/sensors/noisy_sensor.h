@@ -46,7 +46,7 @@ class NoisySensor {
   /// Sets whether its samples come over the link: the code that carries its pings then calls take_question and answer.
   void use_link(bool has_modems);
   bool uses_link() const { return uses_link_; }
-  /// The number of the sample that it has asked for since the last call, if any.
+  /// The number of the sample for which it has requested a ping since the last call, if any.
   std::optional<std::uint64_t> take_question() { return std::exchange(question_, std::nullopt); }
   /// The longest time from ping to answer that its range allows [s].
   double longest_travel_time_s() const { return sensor_->longest_travel_time_s(); }

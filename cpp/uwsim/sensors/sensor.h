@@ -68,7 +68,8 @@ class Sensor {
   /// The delay until a measurement arrives [s], and its upper limit.
   virtual double travel_time_s(const SensorInput&) const { return 0; }
   virtual double longest_travel_time_s() const { return 0; }
-  /// Whether it asks with a packet of the link's modem, if there is one, and has a sample when the answer arrives.
+  /// Whether its ping is a packet of the link's modem, if there is one, so that it has a sample when the answer
+  /// arrives.
   virtual bool shares_modem() const { return false; }
 };
 

@@ -27,7 +27,7 @@ class PositionExchange {
   std::size_t node() const { return node_; }
   std::size_t sensor() const { return sensor_; }
 
-  /// To be called before packets are sent: gives up what is overdue, and pings if the sensor asks for it.
+  /// Must be called before packets are sent: gives up an overdue ping, and sends one if the sensor requests it.
   void ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
   /// Whether its ping has left since the last call; the caller then reports the vehicle's state by left().
   bool has_left(const PacketNetwork& network) const {
@@ -53,7 +53,7 @@ class PositionExchange {
   std::size_t node_ = 0, sensor_ = 0;
   std::uint64_t topic_ = 0;
   State state_ = State::kIdle;
-  std::uint64_t number_ = 0;       // number of the sample that it asks for
+  std::uint64_t number_ = 0;       // number of the sample of its ping
   std::uint64_t sent_before_ = 0;  // number of pings sent when the present one was queued
   std::uint64_t until_ns_ = 0;     // kAsked: when it gives up; kAnswered: when the sensor's latency is over
   VehicleSnapshot asked_;          // the vehicle's state when the ping left

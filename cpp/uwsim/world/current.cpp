@@ -124,7 +124,7 @@ class GustyCurrent : public Current {
     Eigen::Vector3d left = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();
   };
 
-  /// The last interval is cached, since many consecutive steps ask for it. If another thread is using the cache, the
+  /// The last interval is cached, since many consecutive steps need it. If another thread is using the cache, the
   /// interval is drawn again.
   Ends ends_of(std::int64_t index) const {
     if (looking_.test_and_set(std::memory_order_acquire)) return drawn(index);

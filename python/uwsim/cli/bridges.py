@@ -75,7 +75,7 @@ class Bridges:
             load_rospy(), require_master()
         if ros2:
             need_subnet(ros_reach, ros_peer)
-            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # the node: is the extra there?
+            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # Ros2Node checks for the extra
 
             self._ros2 = settings_from(
                 os.environ,

@@ -95,7 +95,7 @@ class Flight:
         """Return the record with its loops closed, if requested."""
         if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
             return flown
-        from uwsim.flight.closed_flight import closed_flight  # imported here, since scipy takes long
+        from uwsim.flight.closed_flight import closed_flight  # here, since scipy is slow to import
 
         with self._setup.screen.status("closing loops"):
             return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
@@ -275,6 +275,6 @@ def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
 def _link_rows(sim: Simulator) -> list[LinkRow]:
     if sim.link is None:
         return []
-    from uwsim.link.table import link_rows  # imported here, since channels take long
+    from uwsim.link.table import link_rows  # here, since channels are slow to import
 
     return link_rows(sim)

@@ -224,7 +224,7 @@ def _recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
 ) -> FlightRecorder:
     """Return a recorder, which has not written anything yet. Raises ValueError."""
-    from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
+    from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats are slow to import
 
     return flight_recorder(sim, path, topics, request if mission.make is not None else None)
 

@@ -141,7 +141,7 @@ class MapMaker:
             log = PingLog(survey_area_m(sim))
             on_ping = setup.on_ping
             if setup.keep:
-                from uwsim.flight.closed_flight import PingKeeper  # imported here, since scipy takes long
+                from uwsim.flight.closed_flight import PingKeeper  # here, since scipy is slow to import
 
                 self._keepers[name] = PingKeeper(sim, sim.vehicles[name])
                 on_ping = (*on_ping, self._keepers[name])

@@ -158,7 +158,7 @@ def _print(flown: FlightRecord, screen: Silent, report: str, out: Path) -> None:
     if report != "none":
         screen.result(summary_table(flown))
     if flown.ashore is not None and flown.ashore_score is not None:
-        from uwsim.link.table import text_table  # imported here, since channels take long
+        from uwsim.link.table import text_table  # here, since channels are slow to import
 
         screen.result(text_table(flown.ashore.table()))
         screen.result(f"{ashore_text(flown, flown.ashore_score)}  {out / MAP_ASHORE}")

@@ -30,7 +30,7 @@ def flown_area_m(path_world_m: Array) -> Array | None:
     """Return the polygon (k, 2) within AREA_MARGIN_M of the convex hull of positions (n, 3); None without any."""
     if not len(path_world_m):
         return None
-    from scipy.spatial import ConvexHull, QhullError  # imported here, since scipy takes long
+    from scipy.spatial import ConvexHull, QhullError  # here, since scipy is slow to import
 
     angles = np.radians(np.arange(0.0, 360.0, 22.5))
     ring = AREA_MARGIN_M * np.column_stack([np.cos(angles), np.sin(angles)])

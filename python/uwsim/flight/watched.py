@@ -50,7 +50,7 @@ def linked(flight: Watched) -> Iterator[Ashore | None]:
     if sim.link is None:
         yield None
         return
-    from uwsim.channels import Table  # imported here, since channels take long
+    from uwsim.channels import Table  # here, since channels are slow to import
 
     recorded = None if setup.recorder is None else setup.recorder.table
     table = recorded or Table(sim)  # shared by recorder and link

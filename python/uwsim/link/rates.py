@@ -56,7 +56,7 @@ def send_rates(
 ) -> dict[str, float]:
     """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
 
-    The most urgent come first: channels of one priority get what they want, but at most SHARE of the remainder. The
+    The most urgent come first: channels of one priority get their full rates, but at most SHARE of the remainder. The
     last ones to get anything also get what is unused. Pictures take turns, so each has the rate of all. sizes: of
     packed messages, bytes. times: how often each message is sent, by default once. taken: share of time used by the
     vehicle's instruments.

@@ -58,7 +58,7 @@ class GridWays:
     """
 
     def __init__(self, cost: Floats, sources: Cells, *, diagonal: bool = True) -> None:
-        from scipy.sparse.csgraph import dijkstra  # imported here, since it takes long and few missions need it
+        from scipy.sparse.csgraph import dijkstra  # here, since scipy is slow to import, and few missions need it
 
         costs, self._before, _ = dijkstra(
             _graph(cost, diagonal),

@@ -25,7 +25,7 @@ def new_navigator(
     vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
 ) -> Navigator:
     """Return a started Navigator of a vehicle in this water."""
-    from uwsim.navigation.estimation import Navigator  # imported here, since scipy takes long
+    from uwsim.navigation.estimation import Navigator  # here, since scipy is slow to import
 
     return Navigator(
         vehicle,
@@ -120,7 +120,7 @@ class OnboardNavigation:
 
 
 def _checked(text: str) -> str:
-    from uwsim.navigation.estimation.saved import NavigatorState  # imported here, since scipy takes long
+    from uwsim.navigation.estimation.saved import NavigatorState  # here, since scipy is slow to import
 
     NavigatorState.model_validate_json(text)
     return text

@@ -202,7 +202,7 @@ class Vehicle(CommandedVehicle):
         return self._navigation
 
     def _known_start(self) -> Start:
-        from uwsim.navigation.estimation import Start  # imported here, since scipy takes long
+        from uwsim.navigation.estimation import Start  # here, since scipy is slow to import
 
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s

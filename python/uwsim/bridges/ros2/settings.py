@@ -19,7 +19,7 @@ UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 # The largest packets that UDP carries: a picture in 16 of them costs a third of one in 70.
 LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
 # A reader's socket buffers 200 kB unless its host is configured otherwise, and a cloud overflows it while the host is
-# busy. The heartbeat tells the reader what it missed; with the usual 100 ms, one cloud in five would get through.
+# busy. The heartbeat informs the reader of missed samples; with the usual 100 ms, one cloud in five would get through.
 HEARTBEAT = '<HeartbeatInterval min="5ms" minsched="5ms" max="100ms">10ms</HeartbeatInterval>'
 # Announce ourselves every second, indefinitely. By default this happens every 30 s, and ends after 30 s: later nodes
 # that are not configured to look at this machine would not find us.

@@ -106,7 +106,7 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Release the cluster; end it if it was made here, at once if this process has been told to end."""
+        """Release the cluster; end it if it was made here, at once if this process has been asked to stop."""
         if kind is None or issubclass(kind, Exception):
             self._closers.close()
             return

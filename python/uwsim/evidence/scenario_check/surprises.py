@@ -24,7 +24,7 @@ RISING_SHARE = 0.03
 """Operators leave a vehicle slightly buoyant, up to this share."""
 FREE_M = 0.1
 LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
-"""Limits beyond which an obstacle may be in another unit: longer than so many terrains (a wall round one is its
+"""Limits beyond which an obstacle may be in another unit: longer than this many terrains (a wall round one is its
 diagonal), this high out of the water, or smaller than a fist."""
 
 

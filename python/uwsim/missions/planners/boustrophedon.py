@@ -54,7 +54,7 @@ def mow_area(
 
     overlap: share of the swath that neighbouring lanes both see, in [0, 0.9]. known: a map from an earlier visit;
     whatever it shows to be too high is left out before the flight. Ways stay within BEYOND_M of the polygon, except for
-    the one that leads in; patches not seen from the lanes are looked at in the end. See fly_lanes for its log entries;
+    the one that leads in; patches not seen from the lanes are visited at the end. See fly_lanes for its log entries;
     `shallow` is logged where the water is too shallow for the altitude. Raises ValueError, and StoppedError if no part
     of the area can be flown.
     """

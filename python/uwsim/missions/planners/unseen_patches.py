@@ -9,7 +9,7 @@ from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.steps import Steps
 
 MOST_PATCHES = 40
-TOO_NEAR, TOO_FAR = 1.1, 1.8  # in view distances: range from which a patch is looked at
+TOO_NEAR, TOO_FAR = 1.1, 1.8  # in view distances: range from which a patch is viewed
 
 
 def look_at_unseen(pilot: AreaPilot) -> Steps[int]:

@@ -85,7 +85,7 @@ class Arrivals:
         return png.getvalue(), to_plain(said[0]) if said else {}
 
     def _reader(self, name: str, channel: str) -> Any:
-        """Look for pictures while any page wants them, which lets the vehicle send them."""
+        """Read pictures while a page shows them, which makes the vehicle send them."""
 
         def read(sim: Simulator) -> Any:
             if self._is_due(name, sim.time_ns):
@@ -95,7 +95,7 @@ class Arrivals:
         return read
 
     def _is_due(self, name: str, time_ns: int) -> bool:
-        """Return whether another picture of a view is wanted."""
+        """Return whether a view needs another picture."""
         if self._node.is_wanted(f"station/view/{name}"):
             return True
         due_ns = self._small_due_ns.get(name, 0)

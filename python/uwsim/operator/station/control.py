@@ -1,4 +1,4 @@
-"""The pilot's actions on the simulation itself, by name: pause, step, restart, save, record and the like."""
+"""The pilot's actions on the simulation itself, by name, such as pause, step, restart, save and record."""
 
 from __future__ import annotations
 

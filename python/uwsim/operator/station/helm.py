@@ -47,7 +47,7 @@ class Helm:
 
     Every command is issued, even one that repeats the last: others may have commanded the vehicle since, its failsafe
     may wait for a sign of life, and over a link an earlier one may be lost. `beat` must be called at least twice a
-    second, and when it asks to be: it sets efforts to zero when commands have ceased.
+    second, and at the times that it returns: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(

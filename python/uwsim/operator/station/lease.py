@@ -8,7 +8,7 @@ NAME_MAX = 40
 class Lease:
     """The members of a station, by connection, and which of them is the pilot; pilot: "" for none.
 
-    asking: members who have asked for the controls, in order.
+    asking: members who have requested the controls, in order.
     """
 
     def __init__(self) -> None:

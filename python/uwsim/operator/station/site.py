@@ -32,7 +32,7 @@ PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
 class File(NamedTuple):
-    """The content of a response. name: under which a browser saves it, "" if it displays it."""
+    """The content of a response. name: the file name with which a browser saves it, "" if it displays it."""
 
     body: bytes
     type: str

@@ -111,7 +111,9 @@ class View:
 
 
 class Views:
-    """The views of one simulator. `beat` must be called when it asks to be, and after `stir`; it does not block.
+    """The views of one simulator.
+
+    `beat` must be called at the times that it returns, and after `stir`; it does not block.
 
     over_link: whether pictures of vehicles' cameras come over a link; those made here then have other topics, and exist
     only with the truth.
@@ -129,7 +131,7 @@ class Views:
     ) -> None:
         self._live, self._node, self._stir = live, node, stir
         self._pictures = table.pictures
-        self._small_s = 0.0  # when the last small picture was begun
+        self._small_s = 0.0  # start of the last small picture
         self.views = {view.name: view for view in _views(live.simulator, table)}
         self.aboard = {view.name for view in self.views.values() if over_link and view.vehicle}
         self._made = [view for view in self.views.values() if truth or view.name not in self.aboard]

@@ -21,7 +21,7 @@ class Canvas:
         self._styles = [""]
 
     def dot(self, across: NDArray[np.float64], down: NDArray[np.float64], style: str) -> None:
-        """Set dots; those outside are ignored. Later calls have the higher rank."""
+        """Set dots; those outside are ignored. Later calls take precedence."""
         self._styles.append(style)
         column, row = np.rint(across).astype(int), np.rint(down).astype(int)
         inside = (column >= 0) & (column < COLUMNS * self.width) & (row >= 0) & (row < ROWS * self.height)

@@ -1,7 +1,7 @@
 """The wire between the pilot's terminal and a vehicle: a plain rosbridge client of the published topics.
 
 One thread listens, another sends the present efforts, so that they end in time even if the screen hangs. They are sent
-repeatedly while the pilot has the helm, which tells the vehicle that the pilot is there.
+repeatedly while the pilot has the helm, which shows the vehicle that the pilot is present.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from uwsim.channels.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
 from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
 
-PERIOD_S = 0.05  # at which the hands are polled
+PERIOD_S = 0.05  # at which the pilot's controls are polled
 STOP_AGAIN_S = 1.0  # until an unanswered all stop is requested again
 REPEAT_S = 0.2  # at which unchanged efforts are sent again
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # between attempts to connect

@@ -37,7 +37,7 @@ def figures(readout: Readout) -> Text:
 
 
 def effort_bars(asked: dict[str, float], obeyed: tuple[float, ...]) -> Text:
-    """Return a bar for each axis: the efforts of the hands, next to those that the vehicle reports."""
+    """Return a bar for each axis: the pilot's efforts, next to those that the vehicle reports."""
     text = Text(no_wrap=True)
     for k, axis in enumerate(AXES):
         effort = asked[axis]

@@ -33,7 +33,7 @@ def resampled(
     pixel_at: converts coordinates to fractional columns and rows. It is called for one block at a time: all nodes of a
     large terrain at once would take a gigabyte.
     """
-    from scipy.ndimage import map_coordinates, spline_filter  # here, since it takes long to import
+    from scipy.ndimage import map_coordinates, spline_filter  # here, since scipy is slow to import
 
     order = 3 if interpolation == "cubic" and min(values.shape) > 3 else 1
     margin = SPLINE_MARGIN if order > 1 else 0

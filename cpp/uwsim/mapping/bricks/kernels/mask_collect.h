@@ -38,7 +38,7 @@ inline Collected collect_chunk(const CollectInput& in) {
       std::uint64_t* const hit = in.hit + 8 * brick;
       const bool has_hits = in.touched[brick] & 2;
       if (has_hits) {
-        for (int w = 0; w < 8; ++w) missed[w] &= ~hit[w];  // a hit beats a miss
+        for (int w = 0; w < 8; ++w) missed[w] &= ~hit[w];  // a hit takes precedence over a miss
       }
       entry.missed_words = Ops::move_nonzero(missed, in.masks + n.masks);
       n.masks += static_cast<std::size_t>(__builtin_popcount(entry.missed_words));
