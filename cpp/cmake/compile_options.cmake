@@ -4,15 +4,15 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
-# The same bytes on every build: no fused multiply-add (it changes OctoMap's trees), no -ffast-math (it changes the whole
+# For the same bytes on every build: no fused multiply-add (it changes OctoMap's trees), no -ffast-math (it changes the whole
 # process), no -march (it changes Eigen's layout under PCL).
 add_compile_options(-ffp-contract=off -fvisibility=hidden -Wall -Wextra)
 if(UWSIM_WERROR)
   add_compile_options(-Werror)
 endif()
 
-# Headers that are parsed once for all files: Eigen alone takes longer than most files of ours. Kernels, which have flags
-# of their own, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON shows an include that a file has forgotten.
+# Headers that are parsed once for all files: Eigen alone takes longer than most files of ours. Kernels, which have their
+# own flags, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON shows an include that a file has forgotten.
 set(UWSIM_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
   <optional> <span> <sstream> <stdexcept> <string> <string_view> <utility> <vector>)
 
@@ -28,7 +28,7 @@ if(UWSIM_SANITIZE)
   if(UWSIM_FUZZERS)
     list(APPEND sanitize -fsanitize=fuzzer-no-link -fno-sanitize=function)
   endif()
-  # Under AddressSanitizer Eigen would free by a function of its own what PCL's library has allocated by malloc.
+  # Under AddressSanitizer Eigen would free with its own function what PCL's library has allocated by malloc.
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
   add_compile_options(${sanitize} -O1 -g1 -D_GLIBCXX_ASSERTIONS)
   add_link_options(${sanitize})

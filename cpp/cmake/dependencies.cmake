@@ -8,14 +8,14 @@ find_package(embree 3 CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
 
-# Debian's archives: octomap's templates must be Debian's own code (see mapping/octomap_engine.cpp).
+# From Debian's archives: octomap's templates must be Debian's own code (see mapping/octomap_engine.cpp).
 find_package(octomap 1.9 CONFIG REQUIRED)
 add_library(uwsim_octomap INTERFACE)
 target_include_directories(uwsim_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
 target_link_libraries(uwsim_octomap INTERFACE octomap-static octomath-static)
 
 find_package(PCL 1.13 QUIET REQUIRED COMPONENTS common filters)
-# The registration is templates that we compile: without its library a wheel carries half a megabyte less.
+# The registration consists of templates that we compile: without its library a wheel is half a megabyte smaller.
 add_library(uwsim_pcl INTERFACE)
 target_include_directories(uwsim_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIRS})
 target_link_libraries(uwsim_pcl INTERFACE pcl_common pcl_filters pcl_sample_consensus pcl_search)
