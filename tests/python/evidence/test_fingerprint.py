@@ -73,6 +73,10 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
     assert {"samples", "samples in rough water", "poses in rough water", "ranges in rough water"} <= different
     assert first.whole != other.whole
     assert {"poses", "samples", "ranges", "pictures", "map"} <= first.parts.keys()
+    calls = []
+    monkeypatch.setattr(
+        "uwsim.evidence.fingerprint.fingerprint", lambda *given, **options: calls.append((given, options)) or seven
+    )
     printed = json.loads(uwsim("fingerprint", "pool", "--seed", "7", "--json").stdout)
     assert printed == {
         "scenario": "pool",
@@ -81,7 +85,7 @@ def test_a_seed_changes_what_is_random_and_the_command_prints_what_the_function_
         "parts": first.parts,
         "machine": first.machine,
     }
-    monkeypatch.setattr("uwsim.evidence.fingerprint.fingerprint", lambda *_, **__: seven)
+    assert [(*given, options["seed"]) for given, options in calls] == [("pool", 7)]
     assert uwsim("fingerprint", "pool", "--seed", "7").stdout.splitlines()[-1].split() == ["all", first.whole]
 
 

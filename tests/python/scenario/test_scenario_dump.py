@@ -3,6 +3,7 @@
 The same means equal, with the same keys set, and built to the same bits, since the presence of a key may matter.
 """
 
+import functools
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -126,6 +127,14 @@ def flown(scenario: Scenario) -> bytes:
     return sim.save_state()
 
 
+@functools.cache
+def pool_of(name: str) -> tuple[Scenario, bytes]:
+    """The pool with a packaged vehicle or with one of BLOCKS, and its flight, which several tests compare with."""
+    changed = pool_with(BLOCKS[name]) if name in BLOCKS else None
+    scenario = changed or load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
+    return scenario, flown(scenario)
+
+
 @both_ways
 @pytest.mark.parametrize("name", packaged_scenarios())
 def test_a_packaged_scenario(name: str, way: Way, tmp_path: Path) -> None:
@@ -135,19 +144,19 @@ def test_a_packaged_scenario(name: str, way: Way, tmp_path: Path) -> None:
 @both_ways
 @pytest.mark.parametrize("name", VEHICLES)
 def test_a_packaged_vehicle(name: str, way: Way, tmp_path: Path) -> None:
-    scenario = load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
+    scenario, flight = pool_of(name)
     read = way(scenario, tmp_path)
     require_same(read, scenario)
-    assert flown(read) == flown(scenario)
+    assert flown(read) == flight
 
 
 @both_ways
 @pytest.mark.parametrize("block", BLOCKS)
 def test_a_scenario_with_a_block(block: str, way: Way, tmp_path: Path) -> None:
-    scenario = pool_with(BLOCKS[block])
+    scenario, flight = pool_of(block)
     read = way(scenario, tmp_path)
     require_same(read, scenario)
-    assert flown(read) == flown(scenario)
+    assert flown(read) == flight
 
 
 @both_ways
@@ -286,14 +295,12 @@ OLD = ["lake", "pair", "remus100", *(block for block in BLOCKS if block != "a fi
 @pytest.mark.parametrize("name", OLD)
 def test_a_recording_that_holds_every_default_is_read(name: str, tmp_path: Path) -> None:
     """As recordings were written once, whether or not the scenario gave a key."""
-    if name in VEHICLES:
-        scenario = load("pool").with_changes(vehicle_model=load_vehicle(name))
-    else:
-        scenario = pool_with(BLOCKS[name]) if name in BLOCKS else load(name)
+    is_pool = name in VEHICLES or name in BLOCKS
+    scenario, flight = pool_of(name) if is_pool else (load(name), flown(load(name)))
     read = unpack(with_every_default(scenario), tmp_path)
     assert read == scenario
     assert scenario_fingerprint(read) == scenario_fingerprint(scenario)
-    assert flown(read) == flown(scenario)
+    assert flown(read) == flight
 
 
 def with_every_default(scenario: Scenario) -> dict[str, bytes]:
