@@ -74,5 +74,5 @@ def checked_threads(threads: int | None) -> int:
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a read-only copy, so that writing to it, which would not change the state, raises an error."""
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array

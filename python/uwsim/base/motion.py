@@ -12,13 +12,18 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)  # one in each step: a frozen class's own init is slow
 class Pose:
     """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 
     position_world_m: Vector
     orientation_xyzw: Vector
     world_from_body: Vector
+
+    def __init__(self, position_world_m: Vector, orientation_xyzw: Vector, world_from_body: Vector) -> None:
+        own = self.__dict__
+        own["position_world_m"], own["orientation_xyzw"] = position_world_m, orientation_xyzw
+        own["world_from_body"] = world_from_body
 
     @cached_property
     def yaw_rad(self) -> float:
@@ -36,12 +41,16 @@ class Pose:
         return f"Pose(({east:.3f}, {north:.3f}, {up:.3f}) m, yaw {yaw_deg:.1f} deg, orientation x y z w ({turn}))"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)  # as Pose
 class Velocity:
     """A vehicle's velocity over ground, in body axes: linear_body_m_s (3,), angular_body_rad_s (3,)."""
 
     linear_body_m_s: Vector
     angular_body_rad_s: Vector
+
+    def __init__(self, linear_body_m_s: Vector, angular_body_rad_s: Vector) -> None:
+        own = self.__dict__
+        own["linear_body_m_s"], own["angular_body_rad_s"] = linear_body_m_s, angular_body_rad_s
 
     def to_dict(self) -> dict[str, Vector]:
         """Return the arrays by name."""

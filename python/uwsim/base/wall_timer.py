@@ -55,14 +55,17 @@ class Measurement:
     def __init__(self, wall_s: dict[str, float], stage: str, inner: _Inner) -> None:
         self._wall_s, self._stage, self._inner = wall_s, stage, inner
         wall_s.setdefault(stage, 0.0)
+        self._took_s: list[float] | None = None
 
     def __enter__(self) -> None:
-        took_s = self._took_s = self._inner.took_s
+        if (took_s := self._took_s) is None:
+            took_s = self._took_s = self._inner.took_s  # once: each stage is timed by one thread
         self._before_s, took_s[0] = took_s[0], 0.0
         self._start_s = time.perf_counter()
 
     def __exit__(self, *_: object) -> None:
         took_s = time.perf_counter() - self._start_s
         inner_s = self._took_s
+        assert inner_s is not None
         self._wall_s[self._stage] += took_s - inner_s[0]
         inner_s[0] = self._before_s + took_s

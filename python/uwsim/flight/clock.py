@@ -24,7 +24,7 @@ class FlightClock:
         self, sim: Simulator, end_tick: int, end_because: str, on_pause: Callable[[], None], physics: Measurement,
         phase: tuple[int, float] | None = None,
     ) -> None:  # fmt: skip
-        self._sim, self._physics = sim, physics
+        self._sim, self._step_s, self._physics = sim, sim.step_s, physics
         self._end_tick, self.end_because = end_tick, end_because
         self._on_pause = on_pause
         self._start_tick, self._waited_s = phase or (sim.tick, 0.0)
@@ -43,7 +43,7 @@ class FlightClock:
         """Let simulated time pass. Raises FlightOverError."""
         sim, tick = self._sim, self._sim.tick
         self._waited_s += duration_s
-        wake_tick = max(self._start_tick + round(self._waited_s / sim.step_s), tick + 1)
+        wake_tick = max(self._start_tick + round(self._waited_s / self._step_s), tick + 1)
         with self._physics:
             sim.step(min(wake_tick, max(self._end_tick, tick)) - tick)
         if sim.tick >= self._end_tick:

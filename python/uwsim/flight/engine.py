@@ -122,7 +122,7 @@ class Flight:
             checkpoint.remove()
         return flown
 
-    def _flown(self, show: Show) -> FlightRecord:
+    def _flown(self, show: Show | None) -> FlightRecord:
         """Fly to the end, whatever its reason."""
         setup, sim = self._setup, self._sim
         warn_of_left_out(setup.lanes_left_out)
@@ -176,7 +176,7 @@ class Flight:
             lanes_left_out=setup.lanes_left_out,
         )
 
-    def _new_clock(self, show: Show) -> FlightClock:
+    def _new_clock(self, show: Show | None) -> FlightClock:
         """Return the mission's clock, which ends the flight at its time limit."""
         sim, limit_s = self._sim, self._setup.time_limit_s
         limit = BATTERY_EMPTY if limit_s is None else f"the time limit of {limit_s:g} s is over"
@@ -204,11 +204,11 @@ class Flight:
     def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
         self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
-    def _on_pause(self, show: Show) -> None:
+    def _on_pause(self, show: Show | None) -> None:
         """Show and save the flight if due, and end it on Ctrl-C."""
         begun, request = self._begun, self._setup.request
         stop = self._autosave.stop_requested()
-        if begun is not None:
+        if begun is not None and show is not None:
             show(begun.progress, self._sim.time_s)
         if self._repeating:
             self._repeating = not is_repeated(self._saved, self._sim)

@@ -107,5 +107,5 @@ def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> t
         for taken, warnings in recorded_pings(recording, NAME):
             ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # the part that the log reads
             points = chain.insert(ping.ranges_m, taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9)
-            log.add(ping, points, panel)
+            log.add(ping, points, panel, ping.world_from_sonar)
     return occupancy, log

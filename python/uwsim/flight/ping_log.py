@@ -16,7 +16,8 @@ from uwsim.scoring.polygon import inside_polygon
 PINGS_PER_CANDIDATE = 50  # one ping in this many is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
 """The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
-_LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
+lit = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
+"""Returns whether each of PANEL_WARNINGS is lit on a panel."""
 Array = NDArray[np.float64]
 
 
@@ -55,16 +56,18 @@ class PingLog:
         ping: _core.Ping,
         points_world_m: NDArray[np.float32],
         panel: _core.Telemetry,
+        world_from_sonar: Array,
         mapped_from_m: Array | None = None,
     ) -> None:
         """Log a ping's position, echoes and warnings; every few pings, store it as the sample if it is better.
 
-        mapped_from_m: (3,) the sonar's position used for the map, if different from the true one.
+        world_from_sonar: the ping's pose. mapped_from_m: (3,) the sonar's position used for the map, if different from
+        the true one.
         """
-        if True in (lit := _LIT(panel)):
-            for name, is_lit in zip(PANEL_WARNINGS, lit, strict=True):
+        if True in (are_lit := lit(panel)):
+            for name, is_lit in zip(PANEL_WARNINGS, are_lit, strict=True):
                 self.pings_with_warning[name] += is_lit
-        position = ping.world_from_sonar[:3, 3].tolist()
+        position = world_from_sonar[:3, 3].tolist()
         self.positions_m.append(position)
         self.mapped_m.append(position if mapped_from_m is None else mapped_from_m.tolist())
         self.echo_count += len(points_world_m)
@@ -106,8 +109,8 @@ class PingLog:
         """Continue from the result of `save`. Raises KeyError, ValueError."""
         self.positions_m = np.asarray(saved["path"], np.float64).reshape(-1, 3).tolist()
         self.mapped_m = np.asarray(saved["mapped"], np.float64).reshape(-1, 3).tolist()
-        self.echo_count, *lit = np.asarray(saved["counts"], np.int64).tolist()
-        self.pings_with_warning = dict(zip(PANEL_WARNINGS, lit, strict=True))
+        self.echo_count, *counts = np.asarray(saved["counts"], np.int64).tolist()
+        self.pings_with_warning = dict(zip(PANEL_WARNINGS, counts, strict=True))
         self.sample_score = float(saved["score"][0])
         sample = {name.partition(".")[2]: value for name, value in saved.items() if name.startswith("sample.")}
         self.sample = PingSample(**sample) if sample else None

@@ -99,15 +99,16 @@ class Pinger:
         with self._rays:
             ping = self._hull.sonar.ping()
         true_body, panel = self._hull.pose.world_from_body, self._hull.telemetry()
-        body, sonar, mapped_from_m = true_body, ping.world_from_sonar, None
+        true_sonar = ping.world_from_sonar  # once: each look makes an array
+        body, sonar, mapped_from_m = true_body, true_sonar, None
         if self._vehicle.estimate is not self._hull:
             body = np.asarray(self._vehicle.pose.world_from_body, np.float64)
-            sonar = body @ np.linalg.inv(true_body) @ sonar
+            sonar = body @ np.linalg.inv(true_body) @ true_sonar
             mapped_from_m = sonar[:3, 3]
         deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
         with self._conversion:
             points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
-        self.log.add(ping, points, panel, mapped_from_m)
+        self.log.add(ping, points, panel, true_sonar, mapped_from_m)
         for take in self._on_ping:
             take(ping, panel, body)
 

@@ -7,6 +7,7 @@ import io
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from uwsim.base.arguments import plain
 from uwsim.base.atomic_file import write_atomically
 from uwsim.base.axes import AXES
 from uwsim.base.wall_timer import Measurement
+from uwsim.flight.ping_log import PANEL_WARNINGS, lit
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PERIOD_S = 0.2
-WARNINGS = ("range", "proximity", "collision")
 COLUMNS = (
     "time_s", "x_m", "y_m", "z_m", "roll_rad", "pitch_rad", "yaw_rad",
     "estimated_x_m", "estimated_y_m", "estimated_z_m", "estimated_yaw_rad",
@@ -34,8 +35,9 @@ COLUMNS = (
 )  # fmt: skip
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that are not logged individually, like set_effort."""
+_FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
 AT = {name: k for k, name in enumerate(COLUMNS)}
-WARNING_AT = [(AT[f"{name}_warning"], f"{name}_warning") for name in WARNINGS]
+LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
 Hear = Callable[[str, str, dict[str, Any]], object]
 """Called with a vehicle's name, an event and its values."""
 
@@ -149,9 +151,11 @@ class Sampler:
         return found
 
     def _note_changes(self, name: str, before: list[float] | None, row: list[float]) -> None:
-        for k, warning in WARNING_AT:
-            if bool(row[k]) != bool(before and before[k]):
-                self._hear(name, warning, {"lit": bool(row[k])})
+        were_lit = [False] * len(PANEL_WARNINGS) if before is None else before[LIT_AT]
+        if row[LIT_AT] != were_lit:
+            for warning, is_lit, was_lit in zip(PANEL_WARNINGS, row[LIT_AT], were_lit, strict=True):
+                if is_lit != was_lit:
+                    self._hear(name, f"{warning}_warning", {"lit": bool(is_lit)})
         if before is None:
             return
         if (more := row[AT["collisions"]] - before[AT["collisions"]]) > 0:
@@ -161,26 +165,24 @@ class Sampler:
 
 
 def _row(time_s: float, vehicle: Vehicle, own: OwnVehicle, thrusters: tuple[str, ...]) -> list[float]:
-    pose, panel, estimate = vehicle.pose, vehicle.telemetry(), own.pose
+    pose, panel = vehicle.pose, vehicle.telemetry()
+    position, yaw = pose.position_world_m.tolist(), pose.yaw_rad
+    estimated, estimated_yaw = position, yaw
+    if own.estimate is not vehicle:
+        estimated, estimated_yaw = np.asarray(own.pose.position_world_m).tolist(), float(own.pose.yaw_rad)
     driven = [one.command for one in vehicle.thrusters.values()] if thrusters else vehicle.effort.tolist()
     upward_x, upward_y, upward_z, _ = pose.world_from_body[2].tolist()
     return [
         time_s,
-        *pose.position_world_m.tolist(),
+        *position,
         math.atan2(upward_y, upward_z),
         -math.asin(min(max(upward_x, -1.0), 1.0)),
-        pose.yaw_rad,
-        *np.asarray(estimate.position_world_m).tolist(),
-        float(estimate.yaw_rad),
-        panel.depth_m,
-        panel.distance_to_seabed_m,
-        panel.speed_m_s,
-        panel.battery_percent,
-        panel.distance_to_station_m,
+        yaw,
+        *estimated,
+        estimated_yaw,
+        *_FIGURES(panel),
         vehicle.released,
-        panel.range_warning,
-        panel.proximity_warning,
-        panel.collision_warning,
+        *lit(panel),
         vehicle.collisions,
         *driven,
     ]

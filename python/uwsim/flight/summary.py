@@ -10,8 +10,9 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from uwsim.flight.ping_log import PANEL_WARNINGS
 from uwsim.flight.record import FlightRecord
-from uwsim.flight.samples import PERIOD_S, WARNINGS, Samples
+from uwsim.flight.samples import PERIOD_S, Samples
 from uwsim.scoring.map_score import MapScore
 from uwsim.scoring.score_json import score_values
 from uwsim.scoring.score_text import coverage_text, distance_text, score_rows
@@ -115,7 +116,7 @@ def vehicle_values(samples: Samples) -> dict[str, Any]:
         "collisions": int(samples["collisions"][-1]) if len(samples) else 0,
         "command_mean": float(commands.mean()) if commands.size else 0.0,
         "command_mean_by_name": dict(zip(samples.command_names, commands.mean(axis=0).tolist(), strict=True)),
-        "warnings_lit_s": {name: samples.lit_s(name) for name in WARNINGS},
+        "warnings_lit_s": {name: samples.lit_s(name) for name in PANEL_WARNINGS},
         "estimate_rms_m": float(np.sqrt((errors**2).mean())) if len(errors) else 0.0,
         "estimate_max_m": float(errors.max(initial=0.0)),
     }

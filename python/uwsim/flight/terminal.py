@@ -36,9 +36,9 @@ class Silent:
         """Print text or a table on stdout."""
 
     @contextmanager
-    def flight(self, activity: str) -> Iterator[Show]:
-        """Show progress while the block runs."""
-        yield lambda share, time_s: None
+    def flight(self, activity: str) -> Iterator[Show | None]:
+        """Show progress while the block runs, by the function that it yields; None: nothing is shown."""
+        yield None
 
 
 class Terminal(Silent):

@@ -45,6 +45,7 @@ class PingToMap(Sealed):
         self.hull = hull
         self.filler = filler
         self._carried = wire or depth_string(self.model)
+        self._scan_of = ranging.to_laser_scan if wire else ranging.scan_of_decoded  # the latter's ranges are checked
         self._outlier_filter = outlier_filter
         self._max_uncertainty_m = max_uncertainty_m
 
@@ -62,7 +63,7 @@ class PingToMap(Sealed):
         """
         certain_m = self._certain(ranges_m, deviation_m)
         arrived_m = self._carried(certain_m)
-        scan = ranging.to_laser_scan(arrived_m, self.model, stamp_s)
+        scan = self._scan_of(arrived_m, self.model, stamp_s)
         agreeing = self._agreeing(scan)
         cloud_m = ranging.to_point_cloud(agreeing)
         in_range_m = ranging.filter_range(cloud_m, scan.range_min, scan.range_max)

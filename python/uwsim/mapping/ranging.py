@@ -41,8 +41,7 @@ REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
 """Settings of `reject_outliers`, assumed: in the valley they keep 99.7 % of a gate's echoes in physics mode."""
 
 
-def _no_intensities() -> NDArray[np.float32]:
-    return np.empty(0, dtype=np.float32)
+NO_INTENSITIES = np.empty(0, dtype=np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +62,7 @@ class LaserScan:
     range_min: float
     range_max: float
     ranges: NDArray[np.float32]
-    intensities: NDArray[np.float32] = field(default_factory=_no_intensities)
+    intensities: NDArray[np.float32] = field(default_factory=lambda: NO_INTENSITIES)
 
 
 def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel = 2) -> str:
@@ -100,17 +99,25 @@ def to_laser_scan(
         raise ValueError(f"scan.stamp_s = {stamp_s} s: must be finite")
     if not (math.isfinite(ping_interval_s) and ping_interval_s > 0.0):
         raise ValueError(f"scan.ping_interval_s = {ping_interval_s} s: must be positive")
+    return scan_of_decoded(ranges, variant, stamp_s, ping_interval_s)
+
+
+def scan_of_decoded(
+    ranges_m: NDArray[np.float32], model: _core.MultibeamModel, stamp_s: float, ping_interval_s: float = 0.1
+) -> LaserScan:
+    """Return the LaserScan of a ping as `to_laser_scan` does, of ranges as decode_depth_string returns them."""
+    first_rad = model.angle_min_rad
     return LaserScan(
         frame_id="base_scan",
         stamp_s=stamp_s,
-        angle_min=variant.angle_min_rad,
-        angle_max=-variant.angle_min_rad,
-        angle_increment=variant.angle_increment_rad,
+        angle_min=first_rad,
+        angle_max=-first_rad,
+        angle_increment=model.angle_increment_rad,
         time_increment=0.0,
         scan_time=ping_interval_s,
         range_min=0.0,
-        range_max=variant.range_limit_m,
-        ranges=ranges,
+        range_max=model.range_limit_m,
+        ranges=ranges_m,
     )
 
 
@@ -202,7 +209,7 @@ def _ranges(ranges_m: ArrayLike, variant: _core.MultibeamModel) -> NDArray[np.fl
         raise ValueError(
             f"ranges_m.shape = {ranges.shape}: must be ({variant.beams},) for model {variant.number or variant.name}"
         )
-    (too_far,) = ((ranges > variant.range_max_m) & (ranges < np.inf)).nonzero()
+    (too_far,) = (np.isfinite(ranges) & (ranges > variant.range_max_m)).nonzero()
     if len(too_far):
         beam = int(too_far[0])
         rule = f"must be in [0, {variant.range_max_m:g}] m, or inf for a beam without echo"

@@ -306,7 +306,7 @@ class AdaptiveLawnMower(Sealed):
             yield from self.lookout.head_for(aim, speed_m_s, heading_rad if straight else None)
 
     def _position(self) -> NDArray[np.float64]:
-        return np.asarray(self.vehicle.pose.position_world_m, np.float64)
+        return self.vehicle.pose.position_world_m
 
 
 def _clip(value: float, low: float, high: float) -> float:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from uwsim.base.sealed import Sealed
 from uwsim.missions.moves import CLIMB_M, steer
 from uwsim.missions.obstacle_memory import ObstacleMemory
@@ -87,7 +85,7 @@ class Lookout(Sealed):
     def look(self) -> PingLike:
         """Ping, and record what is ahead; part of `steer`."""
         ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
-        self.obstacles.add(ping, np.asarray(pose.position_world_m, np.float64), pose.yaw_rad)
+        self.obstacles.add(ping, pose.position_world_m, pose.yaw_rad)
         self.shoals.add(ping)
         return ping
 

@@ -166,7 +166,7 @@ class OwnVehicle(Sealed, Commandable):
             method = self._methods[name] = self._method(name)
         result = method(**arguments)
         if name == "set_effort":
-            self._efforts = arguments
+            self.__dict__["_efforts"] = arguments  # faster than by __setattr__, which checks names
         return result
 
     def _method(self, name: str) -> Callable[..., Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import NoReturn, Self, Unpack
@@ -101,7 +102,7 @@ class Simulator(Sealed):
         self._fixed_world = _core.FixedWorld(self._world)
         self.scene = _core.RayScene(self._world)
         self._core = _core.Simulation(self._world, self.scene, simulation_spec(self.scenario))
-        self.agenda = Agenda(lambda: self._core.tick)
+        self.agenda = Agenda(partial(getattr, self._core, "tick"))
         self.journal = Journal(self.agenda)
         self._specs: list[_core.VehicleSpec] = []
         self._shared_scene = SharedScene(self.scenario, self._world, self.scene, self._core, self.threads, self.journal)
@@ -249,7 +250,7 @@ class Simulator(Sealed):
     @property
     def time_s(self) -> float:
         """Simulated time since the start, seconds."""
-        return self.time_ns * 1e-9
+        return self._core.time_ns * 1e-9
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""

@@ -85,6 +85,7 @@ class Vehicle(CommandedVehicle):
         sonars = {s.name: Sonar(simulation, index, k, s, journal, spec.name) for k, s in enumerate(spec.sonars)}
         self.sensors = Sensors(sensors, f"{spec.name}.sensors")
         self.sonars = Named(sonars, f"{spec.name}.sonars")
+        self._sonar = next(iter(sonars.values()), None)
         self.cameras = Named(cameras, f"{spec.name}.cameras")
         self.lamps = Named(lamps, f"{spec.name}.lamps")
         self.imaging_sonars = Named(imaging_sonars, f"{spec.name}.imaging_sonars")
@@ -119,9 +120,9 @@ class Vehicle(CommandedVehicle):
     @property
     def sonar(self) -> Sonar:
         """The first of the sonars. Raises ValueError if there is none."""
-        if not self.sonars:
+        if self._sonar is None:
             raise ValueError(f"vehicle '{self.name}': carries no sonar")
-        return next(iter(self.sonars.values()))
+        return self._sonar
 
     @property
     def authority(self) -> Vector:

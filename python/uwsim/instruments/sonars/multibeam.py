@@ -86,9 +86,10 @@ class Sonar(Sealed):
         result is a _core.PhysicsPing, which has the same arrays and more.
         """
         version = self._simulation.version
-        if self._last is None or self._last[0] != version:
-            self._last = version, self._new_ping()
-        return self._last[1]
+        last = self._last
+        if last is None or last[0] != version:
+            self.__dict__["_last"] = last = version, self._new_ping()  # faster than by __setattr__, which checks names
+        return last[1]
 
     def _new_ping(self) -> _core.Ping:
         if self.mode == "physics":
