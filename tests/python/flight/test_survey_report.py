@@ -107,7 +107,7 @@ def survey(world, record, folder, voxels=None):
 
 @pytest.fixture(scope="module")
 def surveyed(world, record, tmp_path_factory):
-    """What survey() returns, and its folder."""
+    """Return the record scored, its figures, the page and the folder."""
     folder = tmp_path_factory.mktemp("surveyed")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(truth_and_map, "PANEL_PIXELS", 160)

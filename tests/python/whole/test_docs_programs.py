@@ -39,7 +39,7 @@ def test_the_programs_of_a_page_run(
     with left_as_found(), contextlib.chdir(tmp_path):
         exec(compile(programs, page, "exec"), {"__name__": "__main__"})
     assert capfd.readouterr().err == ""
-    assert [str(told.message) for told in recwarn if not issubclass(told.category, HIDDEN)] == []
+    assert [str(each.message) for each in recwarn if not issubclass(each.category, HIDDEN)] == []
 
 
 def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
