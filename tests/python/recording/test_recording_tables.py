@@ -114,10 +114,11 @@ seed: 2
 terrain: {source: noise, size_m: [160, 160], spacing_m: 1, bed_depth_m: 18, hill_height_m: 2, hill_wavelength_m: 60}
 station: {position_m: [-30, -10, 0]}
 vehicles: [{name: rov, model: rov, start: station, sonar: {model: 2, tilt_deg: 30}}]
-survey: {area_m: [[-8, -6], [8, -6], [8, 6], [-8, 6]], altitude_m: 8, line_spacing_m: 12, speed_m_s: 1.0, voxel_m: 0.4}
+survey: {area_m: [[-4, -3], [4, -3], [4, 3], [-4, 3]], altitude_m: 8, line_spacing_m: 12, speed_m_s: 1.0, voxel_m: 0.4}
 """
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_survey_s_map_and_report_come_from_its_recording_and_it_replays(tmp_path: Path) -> None:
     (tmp_path / "small.yaml").write_text(SURVEY)
     run = tmp_path / "run.mcap"
