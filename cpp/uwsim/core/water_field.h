@@ -9,9 +9,10 @@ namespace uwsim {
 /// Motion of the water at a place and time, in the world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< current and waves combined
-  /// acceleration of particles; its force is in wave_load
+  /// acceleration of the water's particles; wave_load includes its force
   Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();  ///< local acceleration; its force is not
+  /// local acceleration; wave_load does not include its force
+  Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();
 };
 
 /// A layer in which density is linear in height: rho(z) = density_kg_m3 + gradient_kg_m4 (z - reference_m).

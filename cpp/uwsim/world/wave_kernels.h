@@ -25,7 +25,7 @@ using WavePolynomial = std::array<double, 220>;
 struct WavePatch {
   double centre_x_m, centre_y_m, centre_z_m;  ///< z: where linear theory is evaluated for the centre
   double stretched_m, troughs, depth_m;       ///< of the stretched layer: see Waves
-  WavePolynomial surface;                     ///< its height; of x and y alone, the terms with c = 0
+  WavePolynomial surface;                     ///< its height; only terms with c = 0, in x and y
   WavePolynomial below;                       ///< the waves' pressure head
 };
 

@@ -25,7 +25,7 @@ from uwsim.mapping import OccupancyMap
 
 MAX_PIXELS = 1200
 FEW = 150
-"""Up to this many tiles, each has room for a text."""
+"""With up to this many tiles, each has room for a label."""
 
 
 def draw_fleet(

@@ -66,7 +66,7 @@ struct WalkInput {
 struct SlabRays {
   std::uint8_t* heading;                              ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
   std::uint32_t *slabs, *flags;                       ///< faces across a that the ray crosses; SlabFlag
-  std::uint32_t *slope, *fraction;                    ///< faces across b: crossed per slab, crossed so far
+  std::uint32_t *slope, *fraction;                    ///< faces across b that it crosses: per slab, so far
   std::uint32_t *minor_slab, *minor_fraction;         ///< slab in which the ray crosses the next face across z
   std::uint32_t *minor_slabs, *minor_slabs_fraction;  ///< number of slabs from that crossing to the next
   std::uint32_t *minor_middle, *minor_middles;  ///< position along b at that crossing, modulo 2; change until the next
