@@ -44,7 +44,7 @@ double wave_number_rad_m(double angular_frequency_rad_s, double depth_m, double 
 /// Motion of the water due to the waves alone, world frame.
 struct WaveMotion {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d local_m_s2 = Eigen::Vector3d::Zero();       ///< du/dt of linear theory, which its pressure drives
+  Eigen::Vector3d local_m_s2 = Eigen::Vector3d::Zero();       ///< du/dt of linear theory, due to its pressure
   Eigen::Vector3d convective_m_s2 = Eigen::Vector3d::Zero();  ///< the rest of the acceleration of a particle
   double fade = 0;                                            ///< 0 at the surface, 1 where nothing is stretched
 };

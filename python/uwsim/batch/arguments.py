@@ -47,7 +47,7 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
 
 
 def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
-    """Return the faults of the chosen ones of n members; a single list is for all. Raises ValueError."""
+    """Return the faults of the chosen members out of n; a single list applies to all. Raises ValueError."""
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
         raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
     if all(isinstance(one, Mapping) for one in given):

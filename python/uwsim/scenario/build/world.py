@@ -25,7 +25,7 @@ FRESH_KG_M3 = 1000.0
 def build_world(scenario: Scenario) -> _core.World:
     """Return a world of terrain, obstacles, the station (named "station") and the water.
 
-    Raises ScenarioError, all mistakes.
+    Raises ScenarioError, which lists all mistakes.
     """
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
