@@ -1,1 +1,1 @@
-"""Shared by all rooms, without dependence on a simulator: checks of values, files, locks, signals, the agenda."""
+"""Code that all packages share and that needs no simulator: value checks, files, locks, signals, the agenda."""

@@ -1,6 +1,6 @@
-"""Agenda: what is due in simulated time, and in which order.
+"""Agenda: schedules everything that acts in simulated time, in a fixed order.
 
-This is the order at tick T. "Same in, same out" rests on it, so it is written here once, and held by
+The order at tick T is as follows. Reproducibility depends on it, so it is defined here only, and checked by
 tests/python/base/test_agenda.py.
 
 | when           | rank       | what acts                                              | among themselves     |
@@ -13,8 +13,8 @@ tests/python/base/test_agenda.py.
 |                | `FAILSAFE` | failsafes look and steer                               | as their vehicles    |
 |                |            | one native step to T + 1 (`Simulation::step_once`, C++)|                      |
 
-Hence observers never see a command of their own tick, a failsafe sees all of them, and nothing depends on how many
-steps are made at once.
+Hence observers never see a command issued at their own tick, failsafes see all of them, and nothing depends on how many
+steps a call makes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NEVER = 2**62  # a tick that never comes
 
 
 class Rank(IntEnum):
-    """The order of what is due at one tick."""
+    """The order in which items act that are due at the same tick."""
 
     OBSERVER = 0
     READING = 1
@@ -42,11 +42,11 @@ LEFT = (Rank.FAULT, Rank.FAILSAFE)
 
 
 class Due(Protocol):
-    """Something that acts at ticks of its own choosing."""
+    """An item that decides at which ticks it acts."""
 
     @property
     def due_tick(self) -> int:
-        """The tick at which it acts next; later, once it has acted."""
+        """The tick at which it acts next; must increase each time it acts."""
 
 
 class _Entry(NamedTuple):
@@ -60,13 +60,13 @@ class Agenda:
     """The agenda of one simulation. Any thread may add and remove items; the stepping thread does the rest."""
 
     def __init__(self, tick: Callable[[], int]) -> None:
-        """tick: returns the simulation's present tick."""
+        """tick: returns the simulation's current tick."""
         self._tick = tick
         self._lock = threading.Lock()
         self._keep(())
 
     def _keep(self, entries: Iterable[_Entry]) -> None:
-        self._entries = tuple(sorted(entries, key=lambda one: one.rank))  # stable: as added within a rank
+        self._entries = tuple(sorted(entries, key=lambda one: one.rank))  # stable: in order of addition within a rank
         self._reached = tuple(one for one in self._entries if one.rank in REACHED)
         self._left = tuple(one for one in self._entries if one.rank in LEFT)
         self.is_empty = not self._entries
@@ -87,12 +87,12 @@ class Agenda:
             self._keep((*self._entries, _Entry(rank, item, act, jump)))
 
     def remove(self, item: object) -> None:
-        """Forget an item, if it is there."""
+        """Remove an item, if present."""
         with self._lock:
             self._keep(one for one in self._entries if one.item is not item)
 
     def clear(self, *ranks: Rank) -> None:
-        """Forget all items of some ranks."""
+        """Remove all items of these ranks."""
         with self._lock:
             self._keep(one for one in self._entries if one.rank not in ranks)
 
@@ -100,12 +100,12 @@ class Agenda:
         return any(one.item is item for one in self._entries)
 
     def of(self, *ranks: Rank) -> tuple[_Entry, ...]:
-        """Return the entries of some ranks, in their order."""
+        """Return the entries of these ranks, in order."""
         return tuple(one for one in self._entries if one.rank in ranks)
 
     @property
     def tick(self) -> int:
-        """The present tick."""
+        """The current tick."""
         return self._tick()
 
     @property
@@ -114,10 +114,10 @@ class Agenda:
         return due_tick(self._entries)
 
     def parts(self, steps: int) -> Iterator[int]:
-        """Yield the number of steps from each tick at which something acts to the next, and let it act.
+        """Split `steps` at ticks where items act: let them act, and yield the number of steps to the next such tick.
 
-        Ends early if the time is not what it should be after the steps: they failed, or an item reset or restored the
-        simulation.
+        Ends early if the simulation is not at the expected tick after a part: its steps failed, or an item reset or
+        restored the simulation.
         """
         tick = self._tick()
         end = tick + steps
@@ -137,7 +137,7 @@ class Agenda:
 
 
 def due_tick(entries: Iterable[_Entry]) -> int:
-    """Return the next tick at which one of these is due."""
+    """Return the next tick at which any of the entries is due."""
     soonest = NEVER
     for one in entries:
         if (tick := one.item.due_tick) < soonest:
@@ -146,7 +146,7 @@ def due_tick(entries: Iterable[_Entry]) -> int:
 
 
 def act(entries: Iterable[_Entry], tick: int) -> bool:
-    """Let the due entries act, in order; return whether there was one."""
+    """Let the due entries act, in order; return whether any did."""
     acted = False
     for one in entries:
         if one.item.due_tick <= tick:
@@ -156,6 +156,6 @@ def act(entries: Iterable[_Entry], tick: int) -> bool:
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:
-    """Return the first tick after `tick` that is at or after a multiple of a period."""
+    """Return the first tick at or after the next multiple of a period, which lies after `tick`."""
     periods = tick * step_ns // period_ns + 1
     return -(-periods * period_ns // step_ns)

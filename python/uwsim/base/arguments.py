@@ -1,4 +1,4 @@
-"""Checks of the values that callers pass."""
+"""Checks for values that callers pass."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ UNITS = {"_m_s": "m/s", "_m": "m", "_s": "s", "_rad": "rad"}
 
 
 def number(value: Any, name: str, unit: str = "") -> float:
-    """Return a real number, NumPy's included, as float. Raises ValueError for text, booleans and anything else."""
+    """Convert a real number, including NumPy's, to float. Raises ValueError for text, booleans and anything else."""
     if not isinstance(value, bool | np.bool_ | str | bytes):
         try:
             return float(value)
@@ -29,7 +29,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values, whose names end in their units, are positive and finite.
 
-    step: the function that received them, if that is not obvious.
+    step: the function that received them, named in the message.
     """
     for name, value in values.items():
         if not 0.0 < value < math.inf:
@@ -38,7 +38,7 @@ def require_positive(step: str = "", /, **values: float) -> None:
 
 
 def plain(value: Any, path: str) -> Any:
-    """Return a copy that shares nothing with value: JSON types and bytes only. Raises ValueError for other types."""
+    """Return a deep copy that contains only JSON types and bytes. Raises ValueError for other types."""
     if value is None or isinstance(value, bool | int | float | str | bytes):
         return value
     if isinstance(value, np.generic | np.ndarray):
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a read-only copy, so that writing to it, which would not change the state, raises an error."""
+    """Make an array read-only and return it: writing to it would not change the state, so it raises an error."""
     array.setflags(write=False)
     return array

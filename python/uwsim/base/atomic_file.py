@@ -11,7 +11,7 @@ _unfinished: set[str] = set()
 
 
 def remove_unfinished() -> None:
-    """Remove the temporary files that are being written, before a process exits at once."""
+    """Remove temporary files that are still being written, before the process exits immediately."""
     for name in _unfinished.copy():
         with contextlib.suppress(OSError):
             Path(name).unlink()
@@ -20,7 +20,7 @@ def remove_unfinished() -> None:
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a temporary file beside the target, flush it to disk and rename it.
 
-    Raises OSError, which names the target, on failure; no temporary file is left behind.
+    On failure, raises OSError that names the target, and leaves no temporary file behind.
     """
     if path.exists() and not path.is_file() and not path.is_dir():  # a rename would replace a device
         raise OSError(f"'{path}': cannot be written: it is not a regular file")

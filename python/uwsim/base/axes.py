@@ -1,4 +1,4 @@
-"""The six axes of a body, in the order of every (6,) array of efforts, velocities and wrenches."""
+"""The six axes of a body, in the order used by every (6,) array of efforts, velocities or wrenches."""
 
 from typing import Literal, get_args
 

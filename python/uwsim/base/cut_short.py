@@ -1,4 +1,4 @@
-"""Text files that may be cut short: the last number of "-12.5" without its end may have been -12.53."""
+"""A warning for truncated text files: a file that ends in "-12.5" may have ended in "-12.53"."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import warnings
 
 
 def warn_if_cut_short(name: str, content: bytes) -> None:
-    """Warn if a text file's last line has no line break, as after a broken download. name: the file, in messages."""
+    """Warn if a text file does not end in a line break, as after an aborted download. name: its name in the message."""
     if content and not content.endswith((b"\n", b"\r")):
         end = content.rstrip()[-20:].decode("utf-8", errors="replace").split("\n")[-1]
         warnings.warn(

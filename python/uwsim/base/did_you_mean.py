@@ -5,10 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-MIN_SIMILARITY = 0.6  # difflib's ratio: 0 for nothing in common, 1 for equal
+MIN_SIMILARITY = 0.6  # difflib's ratio: from 0 (nothing in common) to 1 (equal)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return `; did you mean 'sonar'?` if a known name is similar, else nothing."""
+    """Return `; did you mean 'sonar'?` if a known name is similar, else ""."""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=MIN_SIMILARITY)
     return f"; did you mean '{near[0]}'?" if near else ""

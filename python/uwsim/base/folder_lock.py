@@ -1,4 +1,4 @@
-"""One run at a time in an output folder: two would replace each other's files, and neither could be resumed."""
+"""A lock on an output folder: two runs would overwrite each other's files, and neither could be resumed."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 LOCK = ".uwsim.lock"
-"""The lock file, which names the process that holds it. The kernel frees the lock when that process ends."""
+"""The lock file, which names the process that holds it. The kernel releases the lock when that process ends."""
 
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder during the block. Raises OSError if another run is in it or locking fails."""
+    """Lock a folder during the block. Raises OSError if another run has locked it or locking fails."""
     path = folder / LOCK
     descriptor = _locked(path)
-    with suppress(OSError):  # a full disk: the lock holds, but does not name its holder
+    with suppress(OSError):  # disk full: the lock still works, but does not name its holder
         os.ftruncate(descriptor, 0)
         os.write(descriptor, f"process {os.getpid()}: {shlex.join(sys.argv)[:200]}\n".encode(errors="replace"))
     try:
         yield
     finally:
         with suppress(OSError):  # the folder has vanished
-            path.unlink()  # before it is freed, so that a process that waits for it notices
+            path.unlink()  # before it is released, so that a process waiting for it notices
         os.close(descriptor)
 
 
 def require_free(folder: Path) -> None:
-    """Raise OSError if the path is not a folder or another run is in it: checked before a world is built."""
+    """Raise OSError if the path is not a folder or another run has locked it; called early, before a world is built."""
     if os.path.lexists(folder) and not folder.is_dir():
         raise OSError(f"--out {folder}: is not a folder")
     if (folder / LOCK).exists():
@@ -40,7 +40,7 @@ def require_free(folder: Path) -> None:
 
 
 def _locked(path: Path) -> int:
-    """Return the descriptor of the lock file, once it is locked and still has its name in the folder."""
+    """Lock the file and return its descriptor, once it is certain that the file was not unlinked meanwhile."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

@@ -1,4 +1,4 @@
-"""The journal of a simulator: reports each command, as it takes effect, to its observers."""
+"""The journal of a simulator: reports each command to observers as it takes effect."""
 
 from __future__ import annotations
 
@@ -7,37 +7,37 @@ from typing import Any, Protocol, runtime_checkable
 from uwsim.base.agenda import Agenda, Due, Rank
 
 JUMPS = ("reset", "restore_state")
-"""Commands that change the time."""
+"""Commands that set the simulated time."""
 EFFORT = "set_effort"
 """The command that steers in each control period."""
 
 
 @runtime_checkable
 class CommandObserver(Protocol):
-    """Is notified of commands, on the thread that issues them."""
+    """An object that is notified of commands, on the thread that issues them."""
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Handle a command that has just taken effect: a name of uwsim.live.COMMANDS, restore_state or reset."""
+        """Handle a command that has just taken effect: any of uwsim.live.COMMANDS, restore_state or reset."""
 
 
 class Observer(Due, Protocol):
-    """Observes the simulator when due, before any command of that tick; must change nothing."""
+    """Observes the simulator when due, before any command of that tick; must not change it."""
 
     def observe(self) -> None:
-        """Observe the present state; due_tick is later afterwards."""
+        """Observe the current state, and advance due_tick."""
 
 
 class Journal:
     """The log of commands. Without observers, a command only costs a check of an empty tuple."""
 
     def __init__(self, agenda: Agenda) -> None:
-        """agenda: on which observers are scheduled."""
+        """agenda: schedules the observers."""
         self._agenda = agenda
         self.observers: tuple[CommandObserver, ...] = ()
         self.of_efforts: tuple[CommandObserver, ...] = ()
 
     def listen(self, observer: CommandObserver, *, efforts: bool = True) -> None:
-        """Start passing commands to an observer. efforts: including set_effort, which is issued very often."""
+        """Start passing commands to an observer. efforts: whether to include set_effort, which is very frequent."""
         self.observers = (*self.observers, observer)
         if efforts:
             self.of_efforts = (*self.of_efforts, observer)
@@ -49,12 +49,12 @@ class Journal:
         self._agenda.add(observer, Rank.OBSERVER, lambda tick: observer.observe())
 
     def detach(self, observer: CommandObserver | Observer) -> None:
-        """End the effect of `listen` or `attach`."""
+        """Undo `listen` or `attach`."""
         self.observers = tuple(other for other in self.observers if other is not observer)
         self.of_efforts = tuple(other for other in self.of_efforts if other is not observer)
         self._agenda.remove(observer)
 
     def note(self, name: str, /, **arguments: Any) -> None:
-        """Pass on a command that has just taken effect."""
+        """Report a command that has just taken effect."""
         for observer in self.of_efforts if name == EFFORT else self.observers:
             observer.commanded(name, arguments)

@@ -1,4 +1,4 @@
-"""Pose and velocity of a vehicle, true or estimated."""
+"""A vehicle's pose and velocity, true or estimated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Items by name, such as a vehicle's sensors."""
+"""Read-only collections of items by name, such as a vehicle's sensors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 class UnknownNameError(KeyError, ValueError):
-    """Unknown name of a sensor, camera or vehicle. The message lists the known names and suggests the nearest."""
+    """Unknown name of a sensor, camera or vehicle. The message lists the known names and suggests the closest match."""
 
     def __str__(self) -> str:
         return str(self.args[0])  # KeyError would show its repr
@@ -20,7 +20,7 @@ class UnknownNameError(KeyError, ValueError):
 class Named(dict[str, T]):
     """A read-only dict whose lookups of unknown names raise UnknownNameError.
 
-    what: the collection's name in messages, such as `rov.sensors`. changed_by: the method to use instead of assignment.
+    what: the collection's name in messages, such as `rov.sensors`. changed_by: the method to call instead of assigning.
     """
 
     def __init__(self, items: Mapping[str, T], what: str, changed_by: str = "") -> None:
@@ -43,7 +43,7 @@ class Named(dict[str, T]):
 
 
 def require_names(what: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raise ValueError unless names and known hold the same names, in any order."""
+    """Raise ValueError unless `names` and `known` contain the same names, in any order."""
     told, expected = sorted(names), sorted(known)
     if told != expected:
         rule = f"must have {', '.join(expected) or 'none'}"

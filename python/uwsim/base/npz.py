@@ -1,4 +1,4 @@
-"""Reader for untrusted NumPy archives."""
+"""A reader for untrusted NumPy archives."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_BYTES = 1_000_000_000
-"""The largest unpacked size: an archive of a few kilobytes can expand to fill all memory."""
+"""The largest unpacked size accepted: an archive of a few kilobytes can expand to fill all memory."""
 
-_READING = threading.Lock()  # NumPy parses headers with ast, not thread-safe in Python 3.11 (CPython issue 106905)
+_READING = threading.Lock()  # NumPy parses headers with ast: not thread-safe in Python 3.11 (CPython issue 106905)
 
 
 def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file, or of its bytes, by name. Raises ValueError if it is not one, OSError."""
+    """Return the arrays of an .npz file (a path or the content) by name. Raises ValueError if invalid, OSError."""
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:

@@ -1,6 +1,7 @@
-"""Single rotations as quaternions x, y, z, w.
+"""Single rotations as quaternions (x, y, z, w).
 
-SciPy's Rotation takes 20 us where these take one, and importing it takes longer than making a simulator.
+For single rotations, SciPy's Rotation takes 20 us and this module 1 us; importing SciPy takes longer than creating a
+simulator.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Saved states: each part of a simulator saves its own, and gets it back validated by its own model.
+"""Saved states: each part of a simulator saves its state, and restores it after validation by its model.
 
-A saved state consists of the native simulation's state and one JSON object with the state of each Python part, by name.
-It may come from an untrusted source, so nothing in it is used before all of it has been checked.
+A saved state consists of the native simulation's state and a JSON object with the state of each Python part, by name.
+It may come from an untrusted source, so none of it is used before all of it has been checked.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 class State(BaseModel):
-    """The model of a part's state: every key of it and no other, and no conversions."""
+    """Base model of a part's state: all keys are required, others are forbidden, and types are not converted."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -33,7 +33,7 @@ Nanoseconds = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Part(Protocol):
-    """A part of a simulator on which its future depends. STATE: the type of its state, which pydantic validates."""
+    """A stateful part of a simulator. STATE: the type of its state, validated by pydantic."""
 
     STATE: ClassVar[Any]
 
@@ -41,11 +41,11 @@ class Part(Protocol):
         """Return the state, as JSON values."""
 
     def restore(self, state: Any) -> None:
-        """Continue from a state of the type STATE. Raises ValueError if it belongs to another simulator."""
+        """Continue from a state of type STATE. Raises ValueError if it belongs to another simulator."""
 
 
 class SavedState:
-    """Saves and restores a simulator."""
+    """Saves and restores the complete state of a simulator."""
 
     def __init__(
         self,
@@ -62,11 +62,11 @@ class SavedState:
         self._parts = {**before, **after}
 
     def save(self, origin: Origin) -> bytes:
-        """Return the state of everything."""
+        """Return the state of the native simulation and of all parts."""
         return self._core.save_state(*origin, json.dumps({key: self._parts[key].save() for key in KEYS}))
 
     def restore(self, state: bytes, origin: Origin) -> None:
-        """Continue from the result of `save`. Raises ValueError, changing nothing."""
+        """Continue from a result of `save`. Raises ValueError without changing anything."""
         before, states = self.save(origin), self._read(state, origin)
         try:
             self._put(state, origin, states)
@@ -94,7 +94,7 @@ def _model(types: tuple[tuple[str, Any], ...]) -> type[State]:
 
 
 def checked(model: type[M], text: str) -> M:
-    """Return a state that was saved as JSON. Raises ValueError with the first invalid value."""
+    """Validate a state saved as JSON. Raises ValueError for the first invalid value."""
     try:
         return model.model_validate_json(text)
     except ValidationError as error:

@@ -9,10 +9,10 @@ from uwsim.base.did_you_mean import did_you_mean
 
 
 class Sealed:
-    """Base of classes whose public attributes cannot change once the object is made.
+    """Base of classes whose public attributes cannot change once the object has been created.
 
-    A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter may be assigned. Any
-    other assignment raises AttributeError, which names the nearest attribute or the method that changes the value.
+    A subclass declares its attributes (`name: str`) and sets each once. Properties with a setter can be assigned. Any
+    other assignment raises AttributeError, which names the closest attribute or the method that changes the value.
     """
 
     _fixed_when: ClassVar[str] = "the simulator is made"

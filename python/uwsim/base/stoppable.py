@@ -1,4 +1,4 @@
-"""Stoppable: long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM skips work that can be done later."""
+"""Long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM also skips work that can be done later."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 GRACE_S = 1.0
-"""Wall time after SIGTERM within which a pause must come, since a service manager kills the process soon afterwards."""
+"""Wall time within which a pause must follow SIGTERM, since a service manager soon kills the process."""
 
 
 class Stoppable:
@@ -19,26 +19,26 @@ class Stoppable:
 
     in_haste = False
     heard = False
-    """Whether the run has noticed the request: it will end by itself."""
+    """Whether the run has noticed the request, and will thus end by itself."""
     _stop_requested = False
 
     def stop(self, *, in_haste: bool = False) -> None:
-        """End at the next pause. May be called by a signal handler."""
+        """End the run at its next pause. May be called from a signal handler."""
         self._stop_requested = True
         self.in_haste = self.in_haste or in_haste
 
     def stop_requested(self) -> bool:
-        """Whether stop was called."""
+        """Return whether `stop` was called."""
         self.heard = self.heard or self._stop_requested
         return self._stop_requested
 
 
 @contextmanager
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
-    """During the block, the first Ctrl-C or SIGTERM ends the flight at its next pause, the second at once.
+    """During the block, the first Ctrl-C or SIGTERM ends the flight at its next pause, the second immediately.
 
-    After SIGTERM it ends in haste. If no pause comes within GRACE_S, as in a mission that computes for long, it is
-    ended by KeyboardInterrupt. Only the main thread receives signals: elsewhere this does nothing.
+    After SIGTERM it ends in haste, and KeyboardInterrupt is raised if no pause comes within GRACE_S, for example
+    because a mission computes for long. Only the main thread receives signals: in other threads this does nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Wall time by stage. Blocks may be nested: each second counts once, for the innermost block."""
+"""Wall time by stage. Blocks may be nested: each second is counted once, for the innermost block."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Adds up wall seconds by stage, starting from those of an earlier flight. Each stage is timed by one thread."""
+    """Adds wall seconds by stage to those of an earlier flight, if any. Each stage is timed by one thread only."""
 
     def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
@@ -20,14 +20,14 @@ class WallTimer:
         self._inner = _Inner()
 
     def measure(self, stage: str) -> Measurement:
-        """Add the wall time of a `with` block to a stage. Blocks of one stage are not nested."""
+        """Return a context manager that adds its block's wall time to a stage. Do not nest blocks of the same stage."""
         measurement = self._measurements.get(stage)
         if measurement is None:
             measurement = self._measurements[stage] = Measurement(self.wall_s, stage, self._inner)
         return measurement
 
     def timed(self, stage: str, function: Callable[P, T]) -> Callable[P, T]:
-        """Return a function whose calls are added to a stage."""
+        """Return the function, wrapped so that the time of its calls is added to a stage."""
         measurement = self.measure(stage)
 
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
@@ -38,16 +38,16 @@ class WallTimer:
 
 
 class _Inner(threading.local):
-    """took_s: in a list, the seconds of the blocks that have ended within this thread's present block."""
+    """took_s: a list with the total seconds of the finished blocks inside this thread's current block."""
 
     def __init__(self) -> None:
         self.took_s = [0.0]
 
 
 class Measurement:
-    """Adds the time of a `with` block, without nested blocks, to a stage.
+    """Adds the time of a `with` block, excluding nested blocks, to a stage.
 
-    Faster than a generator-based context manager, since there are several in each ping.
+    A class, since a generator-based context manager would be slower and each ping uses several.
     """
 
     __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_took_s", "_wall_s")
