@@ -1,7 +1,7 @@
-"""Every command of a simulator and its vehicles, in one table; it imports neither.
+"""One table with every command of a simulator and its vehicles; it imports neither.
 
-Live simulators, logs, replays, links, services, remote vehicles and the station's page are made from COMMANDS. A new
-command is one entry in `table.py`; if callers need a method for it, that is one of `Commandable`.
+Live simulators, logs, replays, links, services, remote vehicles and the station's page are all built from COMMANDS. A
+new command is one entry in `table.py`; if callers need a method for it, add the method to `Commandable`.
 """
 
 from uwsim.commands.command import SET_BOOL, TRIGGER, Argument, Command

@@ -1,4 +1,4 @@
-"""Command: an entry of the table. Argument: one of its values, with unit and bounds."""
+"""Command: an entry of the table. Argument: one of its parameters, with unit and bounds."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
 class Argument:
     """A value that a command takes.
 
-    low, high: inclusive bounds of each number. length: of "numbers". default: used if the argument is missing; REQUIRED
-    if it must be given. An argument whose default is None may be None.
+    low, high: inclusive bounds of each number. length: the number of values, for "numbers". default: used if the
+    argument is missing; REQUIRED if it may not be. An argument whose default is None may be None.
     """
 
     name: str
@@ -35,11 +35,11 @@ class Argument:
 
     @property
     def is_required(self) -> bool:
-        """Whether it must be given."""
+        """Whether callers must pass the argument."""
         return self.default is REQUIRED
 
     def check(self, value: Any, path: str) -> None:
-        """Raise ValueError, which names the path, the value, the unit and the rule, unless the value is allowed."""
+        """Raise ValueError, naming the path, value, unit and rule, unless the value is allowed."""
         if value is None and self.default is None:
             return
         if self.type == "number":
@@ -77,17 +77,17 @@ VEHICLE, ANY_VEHICLE = Argument("vehicle", "text"), Argument("vehicle", "text", 
 
 @dataclass(frozen=True)
 class Command:
-    """A command.
+    """A command that can be issued to a vehicle or the simulator.
 
-    name: in Python, in logs and recordings, and on every wire. of: its target: a vehicle, the simulator, or either,
-    depending on whether the argument `vehicle` names one. apply: changes the target; called with it and with the
-    arguments by name; raises ValueError, changing nothing. None: the vehicle's method of this name. notes_itself:
-    whether `apply` reports to the simulator's journal, as methods do. takes_more: whether arguments that are not listed
-    are passed on. crosses_link: whether it goes over the link to its vehicle. replaces: whether it replaces an older
-    one that is still waiting to be sent. is_vital: whether it is accepted however many are waiting, and sent repeatedly
-    so that it arrives. steers: whether it drives the vehicle, and thus ends any earlier steering command. service: the
-    ROS type of the vehicle's service of this name; "" for none. is_piloted: whether the station's pilot may issue it by
-    name.
+    name: used in Python, in logs and recordings, and in every protocol. of: the kind of target: a vehicle, the
+    simulator, or either, depending on whether the argument `vehicle` names one. apply: changes the target; called with
+    the target, plus the arguments as keywords; raises ValueError without changing anything; if None, the vehicle's
+    method with the same name is called. notes_itself: whether `apply` reports to the simulator's journal, as methods
+    do. takes_more: whether arguments that are not listed are passed on. crosses_link: whether the command travels over
+    the link to its vehicle. replaces: whether it replaces an older command of the same name that is still waiting to be
+    sent. is_vital: whether it is accepted even if the queue is full, and sent repeatedly to make sure that it arrives.
+    steers: whether it drives the vehicle, and thus ends any earlier steering command. service: the ROS type of the
+    vehicle's service with this name; "" for none. is_piloted: whether the station's pilot may issue it by name.
     """
 
     name: str
@@ -106,12 +106,12 @@ class Command:
 
     @property
     def all_arguments(self) -> tuple[Argument, ...]:
-        """The arguments as in logs, including the vehicle's name."""
+        """All arguments, including the vehicle's name, as they appear in logs."""
         vehicle = {"vehicle": (VEHICLE,), "simulator": (), "either": (ANY_VEHICLE,)}[self.of]
         return (*vehicle, *self.arguments)
 
     def argument(self, name: str) -> Argument:
-        """Return an argument by its name."""
+        """Return the argument with a name."""
         return next(argument for argument in self.all_arguments if argument.name == name)
 
     def check(self, arguments: Mapping[str, Any]) -> None:
@@ -128,7 +128,7 @@ class Command:
                 raise ValueError(f"command '{self.name}': {name}: must be given")
 
     def bound(self, arguments: Mapping[str, Any]) -> Callable[[Any], Any]:
-        """Return the command with its arguments as a function of the simulator. Raises ValueError; see `check`."""
+        """Return a function that applies the command, with these arguments, to a simulator. Raises ValueError."""
         self.check(arguments)
 
         def give(sim: Any) -> Any:
@@ -138,9 +138,9 @@ class Command:
         return give
 
     def named(self, vehicle: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the arguments with a vehicle's name, checked.
+        """Return the arguments plus the vehicle's name, after checking them.
 
-        Raises ValueError, also for a command of the simulator.
+        Raises ValueError, also for a command that targets the simulator.
         """
         if self.of == "simulator":
             raise ValueError(f"command '{self.name}': is given to the simulator, not to vehicle '{vehicle}'")
@@ -149,11 +149,11 @@ class Command:
         return given
 
     def __call__(self, sim: Any, /, **arguments: Any) -> Any:
-        """Apply it to a simulator. Raises ValueError, changing nothing."""
+        """Apply the command to a simulator. Raises ValueError without changing anything."""
         return self.bound(arguments)(sim)
 
     def give(self, target: Any, journal: Any, arguments: Mapping[str, Any]) -> Any:
-        """Apply it to its vehicle or simulator, with arguments accepted by `check`, and report it to the journal."""
+        """Apply the command to its target, with arguments that `check` accepted, and report it to the journal."""
         values = {name: value for name, value in arguments.items() if name != "vehicle" or self.of == "simulator"}
         if self.apply is None:
             return getattr(target, self.name)(**values)
@@ -164,7 +164,7 @@ class Command:
 
 
 def item(items: Mapping[str, Any], name: Any, what: str) -> Any:
-    """Return an item by its name. Raises ValueError that lists the names."""
+    """Return the item with a name. Raises ValueError, listing the known names."""
     if not isinstance(name, str) or name not in items:
         raise ValueError(f"{what} = {name!r}: must be one of {', '.join(items)}")
     return items[name]

@@ -1,7 +1,7 @@
-"""The commands that a vehicle has as methods: written once, for simulated, live and remote vehicles and missions.
+"""The commands that a vehicle has as methods, defined once for simulated, live and remote vehicles and for missions.
 
-They are protocols with bodies: a class that inherits one gets its methods, which call its own `command`; a class that
-has the methods itself, such as the simulated vehicle, conforms without inheriting.
+These protocols have method bodies: a class that inherits from one gets its methods, which call the class's `command`; a
+class that implements the methods itself, such as the simulated vehicle, conforms without inheriting.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ class Steerable(Protocol):
         pitch: float = 0.0,
         yaw: float = 0.0,
     ) -> None:
-        """Command efforts in [-1, 1] along and about the body axes (REP 103), held until the next. ValueError."""
-        # `command` is no part of this protocol, since a controller needs no more than `set_effort`.
+        """Command efforts in [-1, 1] along and about the body axes (REP 103), held until the next command."""
+        # `command` is not part of this protocol, since a controller needs only `set_effort`.
         self.command(  # type: ignore[attr-defined]
             "set_effort", surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw
         )
 
 
 class Commandable(Steerable, Protocol):
-    """A vehicle that accepts every command that a real one could. All raise ValueError, changing nothing."""
+    """A vehicle that accepts every command a real one could. All raise ValueError without changing anything."""
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.commands by name."""
+        """Issue a command by its name in uwsim.commands."""
 
     def release(self) -> None:
         """Leave the station; the mission time starts."""
         self.command("release")
 
     def undock(self) -> None:
-        """Leave the station for free water."""
+        """Leave the station for open water."""
         self.command("undock")
 
     def dock(self) -> None:
@@ -57,13 +57,13 @@ class Commandable(Steerable, Protocol):
         self.command("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
-        """Stop the vehicle against all other commands until False releases it."""
+        """Stop the vehicle, overriding all other commands, until called with False."""
         self.command("all_stop", on=on)
 
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
     ) -> None:
-        """Command the thrusters' force (3,) and torque (3,) in still water, body axes, about the origin."""
+        """Command the force (3,) and torque (3,) of the thrusters in still water, in body axes about the origin."""
         self.command("set_wrench", force_body_n=force_body_n, torque_body_nm=torque_body_nm)
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
@@ -71,7 +71,7 @@ class Commandable(Steerable, Protocol):
         self.command("set_thrusters", commands=commands)
 
     def set_fins(self, angles_rad: Mapping[str, float]) -> None:
-        """Command fins by name; unnamed fins return to 0."""
+        """Command fin deflections by name; unnamed fins return to 0."""
         self.command("set_fins", angles_rad=angles_rad)
 
 
@@ -84,7 +84,7 @@ class Placeable(Commandable, Protocol):
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Place the vehicle at a pose instantly, at rest unless velocity_body (6,) is given."""
+        """Move the vehicle to a pose instantly, at rest unless velocity_body (6,) is passed."""
         self.command(
             "place",
             position_world_m=position_world_m,

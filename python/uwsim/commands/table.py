@@ -1,4 +1,4 @@
-"""The table of commands. A new one is one entry here."""
+"""The table of commands; a new command is one entry here."""
 
 from __future__ import annotations
 
@@ -163,16 +163,16 @@ LINK = [
 COMMANDS: dict[str, Command] = {
     command.name: command for command in (*DOCKING, *SAFETY, *STEERING, *INSTRUMENTS, *PARAMETERS, *LINK)
 }
-"""Every command by its name, except `reset` and `restore_state`, which belong to the simulator itself."""
+"""All commands by name, except `reset` and `restore_state`, which belong to the simulator itself."""
 
 
 def command_named(name: str) -> Command:
-    """Return a command by its name. Raises ValueError that lists the names."""
+    """Return the command with a name. Raises ValueError, listing the known names."""
     if name not in COMMANDS:
         raise ValueError(f"command = {name!r}: must be one of {', '.join(COMMANDS)}")
     return COMMANDS[name]
 
 
 def bound_command(name: str, arguments: Mapping[str, Any]) -> Callable[[Any], Any]:
-    """Return a command with its arguments as a function of the simulator. Raises ValueError if they are not allowed."""
+    """Return a function that applies a command, with these arguments, to a simulator. Raises ValueError."""
     return command_named(name).bound(arguments)
