@@ -1,4 +1,4 @@
-"""Programs aboard one member of a batch: its faults and the failsafes of its vehicles, as in a Simulator."""
+"""Programs aboard one member of a batch: its faults and its vehicles' failsafes, as in a Simulator."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class MemberAboard:
-    """The programs aboard a member, until it is reset.
+    """The programs aboard a member; valid until it is reset.
 
-    events: faults, alarms and failsafes so far. faults: to `inject` and `end` them. failsafes: by vehicle; see
-    uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda: when they act.
+    events: the log of faults, alarms and failsafes so far. faults: injects and ends faults. failsafes: the failsafe of
+    each vehicle by name; see uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda:
+    schedules these programs.
     """
 
     agenda: Agenda
@@ -45,9 +46,9 @@ class MemberAboard:
         member: Member,
         control: Sequence[ControlSettings],
     ) -> None:
-        """core: the newly made member. control: of each vehicle. Does not change the member.
+        """core: the newly created member, which is not changed. control: the control settings of each vehicle.
 
-        Raises ValueError for faults of parts that it does not have.
+        Raises ValueError for faults of parts that the member does not have.
         """
         scenario = member.original
         self._core, self._world, self._water = core, world, member.water
@@ -97,11 +98,11 @@ class MemberAboard:
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:
-        """Whether something is due before this many steps have been made."""
+        """Return whether anything is due before this many steps have been made."""
         return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
-        """Handle an effort (6,) that has been set: it ends a silence, or is overridden by a failsafe that steers."""
+        """Handle an effort (6,) that was set: it ends the vehicle's silence, or a steering failsafe overrides it."""
         if vehicle in self.failsafes:
             self._vehicles[vehicle].set_effort(*effort.tolist())
 
@@ -110,7 +111,7 @@ class MemberAboard:
     ) -> None:
         """Convert a sample to the sensor's reading, like Sensor.read.
 
-        Values (width,) and valid (1,) change in place.
+        `values` (width,) and `valid` (1,) are changed in place.
         """
         instrument = self._sensors[vehicle][sensor]
         if not instrument.on:
@@ -120,16 +121,16 @@ class MemberAboard:
             values[...] = instrument.distortion.of_rows(values[None], fields)[0]
 
     def camera_is_on(self, vehicle: str, camera: str) -> bool:
-        """Return whether a camera in the vehicle's file gives pictures that are not black."""
+        """Return whether a camera of the vehicle's file is on; if not, its pictures are black."""
         entry = next(entry for entry in self._parameters.scenario.vehicles if entry.name == vehicle)
         return camera not in entry.model.cameras or entry.model.cameras[camera].on
 
     def save(self) -> dict[str, Any]:
-        """Return its part of a saved state."""
+        """Return these programs' part of a saved state."""
         return {"programs": self._programs.save(), "events": self.events.save()}
 
     def _change(self, scenario: Scenario) -> None:
-        """Apply a scenario that differs from the member's only in parameters. Raises ValueError."""
+        """Apply a scenario that differs from the current one only in parameters. Raises ValueError."""
         before = self._parameters.scenario
         other_water = scenario.water != before.water
         water = scenario_water(scenario, self._world) if other_water else self._water

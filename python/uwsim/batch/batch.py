@@ -42,17 +42,17 @@ MEMBERS_MAX = 1_000_000
 class Batch(Sealed):
     """n independent simulations of one scenario.
 
-    Member k is Simulator(scenario, seed=seeds[k]) with parameters[k] set, to the last bit, whatever `threads` is; they
-    share terrain, obstacles and the trees that rays and contacts search.
+    Member k equals Simulator(scenario, seed=seeds[k]) with parameters[k] set, to the last bit, for any number of
+    threads. The members share terrain, obstacles and the acceleration structures for rays and contacts.
 
     scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default the
-    scenario's and the following ones. parameters: of each member, by the names of Simulator.parameters; a single
-    mapping is for all. faults: instead of the scenario's, with the same keys; one list for all, or n lists. threads: by
-    default all.
+    scenario's seed and the numbers that follow it. parameters: values by the names of Simulator.parameters, as one
+    mapping per member or a single mapping for all. faults: replace the scenario's faults, with the same keys; n lists,
+    or one list for all. threads: the number of threads; by default one per core.
 
     Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch: the
     next such call overwrites them, so copy what you keep. Only one thread at a time may use a batch. Raises ValueError;
-    errors of one member begin with its place, such as batch[3].
+    errors of one member begin with its index, such as batch[3].
     """
 
     scenario: Scenario
@@ -107,7 +107,7 @@ class Batch(Sealed):
 
     @property
     def parameters(self) -> tuple[Changes, ...]:
-        """The parameters set for each member."""
+        """The parameters of each member."""
         return tuple(MappingProxyType(changes) for changes in self._changes.values())
 
     @property
@@ -117,15 +117,16 @@ class Batch(Sealed):
 
     @property
     def world(self) -> _core.FixedWorld:
-        """Terrain and obstacles, which all members share. Its water is the scenario's, not that of any member."""
+        """Terrain and obstacles, shared by all members. Its water is the scenario's, not any member's."""
         return self._fixed_world
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
-        """Advance every member by n fixed steps, after setting efforts if they are given; they are held.
+        """Set efforts, if passed, and advance every member by n fixed steps; efforts are held until replaced.
 
-        efforts: (n, 6) in [-1, 1], surge to yaw, of each member's first vehicle, or a dict of such arrays by vehicle;
-        float64 in C order is not copied. Raises ValueError for invalid efforts, before any step, and if a member's
-        motion diverges, after all others have made their steps: that one stays where it was and must be reset.
+        efforts: (n, 6) in [-1, 1], surge to yaw, for each member's first vehicle, or a dict of such arrays by vehicle;
+        float64 in C order is not copied. Raises ValueError for invalid efforts, before any step. Also raises ValueError
+        if a member's motion diverges, after all others have made their steps: that member stays where it was and must
+        be reset.
         """
         steps = whole(n, "n", 0, 2**63 - 1)
         if efforts is not None:
@@ -142,14 +143,14 @@ class Batch(Sealed):
         self._programs.step(steps)
 
     def observe(self, vehicle: str | None = None) -> BatchMotion:
-        """Return the true motion of a vehicle of each member, by default the first."""
+        """Return the true motion of a vehicle, by default the first, in each member."""
         index = self._vehicle(vehicle)
         motion = self._motion[index]
         self._core.motion(index, *motion.writable)
         return motion.shown
 
     def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
-        """Return the newest sample of a sensor of each member, like Sensor.read."""
+        """Return the latest sample of a sensor in each member, like Sensor.read."""
         index = self._vehicle(vehicle)
         sensors = self._members.vehicles[index].sensors
         names = [spec.name for spec in sensors]
@@ -165,7 +166,7 @@ class Batch(Sealed):
         return samples.shown
 
     def ping(self, vehicle: str | None = None) -> BatchPings:
-        """Ping with the first sonar of a vehicle of each member; in physics mode these are BatchPhysicsPings.
+        """Ping with the first sonar of a vehicle in each member; in physics mode, BatchPhysicsPings are returned.
 
         All members' sonars must have the same number of beams and the same mode. Raises ValueError.
         """
@@ -193,11 +194,11 @@ class Batch(Sealed):
         mask: ArrayLike | None = None,
         vehicle: str | None = None,
     ) -> None:
-        """Place a vehicle of each member at a pose at once, like Vehicle.place; a docked one is released.
+        """Move a vehicle to a pose instantly in each member, like Vehicle.place; a docked vehicle is released.
 
-        position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): or one row for all. mask (n,) bool: of
-        the members to place; the others' rows are ignored. Raises ValueError for a place that is not free, after the
-        others have been placed.
+        position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): one row per member, or a single row for
+        all. mask (n,) bool: selects members; the others' rows are ignored. Raises ValueError for a pose that is not
+        free, after the other members' vehicles have been placed.
         """
         members = arguments.members(mask, self.n)
         positions = arguments.rows(position_world_m, "position_world_m", self.n, 3)
@@ -207,7 +208,7 @@ class Batch(Sealed):
         self._core.set_states(self._vehicle(vehicle), members, states)
 
     def release(self, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
-        """Release a vehicle from the station, of all members or those selected by a mask (n,) bool.
+        """Release a vehicle from the station, in all members or those selected by a mask (n,) bool.
 
         See Vehicle.release.
         """
@@ -221,10 +222,10 @@ class Batch(Sealed):
         parameters: Changes | Sequence[Changes] | None = None,
         faults: FaultList | Sequence[FaultList] | None = None,
     ) -> None:
-        """Restart members as they were made: all, or those selected by a mask (n,) bool.
+        """Restart members in their initial state: all, or those selected by a mask (n,) bool.
 
-        seeds, parameters, faults: new ones from now on, n of them, of which those selected by the mask are used. Raises
-        ValueError, changing nothing.
+        seeds, parameters, faults: replace the previous ones from now on; as in the constructor, but only those of the
+        selected members are used. Raises ValueError without changing anything.
         """
         chosen = arguments.members(mask, self.n)
         if seeds is None and parameters is None and faults is None:
@@ -243,7 +244,7 @@ class Batch(Sealed):
             self._programs.begin(k, member)
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return the programs aboard a member, until it is reset: its faults, failsafes and events.
+        """Return the programs aboard a member (faults, failsafes and events), valid until it is reset.
 
         Raises ValueError.
         """
@@ -254,7 +255,7 @@ class Batch(Sealed):
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
 
     def simulator(self, member: int) -> Simulator:
-        """Return a Simulator in the present state of a member, for a closer look. It is independent from then on."""
+        """Return a Simulator in a member's current state, for a closer look; it is independent of the batch."""
         k = whole(member, "member", 0, self.n - 1)
         scenario = self.scenario.with_changes(seed=self._seeds[k])
         if self._faults[k] != scenario.faults:

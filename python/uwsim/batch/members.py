@@ -1,4 +1,4 @@
-"""The parts from which each member of a batch is built."""
+"""Definitions from which the members of a batch are built."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from uwsim.simulator.parameters.tree import Place
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """The definition of a member. original: the scenario with its seed and faults.
+    """The definition of a member.
 
-    scenario: also with its parameters.
+    original: the scenario with the member's seed and faults. scenario: `original` with the member's parameters applied.
     """
 
     original: Scenario
@@ -36,7 +36,7 @@ class Member:
 
     @property
     def off(self) -> list[tuple[int, int]]:
-        """The sensors that are off: places of vehicle and sensor."""
+        """The sensors that are off, as pairs of vehicle index and sensor index."""
         return [
             (index, place)
             for index, entry in enumerate(self.scenario.vehicles)
@@ -46,15 +46,15 @@ class Member:
 
     @property
     def has_programs(self) -> bool:
-        """Whether it has programs: faults, or the failsafe of a vehicle."""
+        """Whether the member has programs: faults, or a vehicle with a failsafe."""
         failsafes = (entry.failsafe or entry.model.failsafe for entry in self.scenario.vehicles)
         return bool(self.scenario.faults) or any(failsafes)
 
 
 class Members:
-    """Makes the specs of members of one scenario and world, which share identical vehicles.
+    """Builds the specs of members of one scenario and world; identical vehicles share their specs.
 
-    vehicles: the scenario's own, without a member's parameters.
+    vehicles: the specs of the scenario's vehicles, without any member's parameters.
     """
 
     def __init__(self, scenario: Scenario, world: _core.World) -> None:
@@ -66,7 +66,7 @@ class Members:
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
         """Return the definition of the member with this index, seed, parameters and faults.
 
-        ValueError that names it.
+        Raises ValueError that names the member.
         """
         try:
             original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
@@ -81,15 +81,15 @@ class Members:
 
     @cached_property
     def control(self) -> list[ControlSettings]:
-        """The control settings of the vehicles, which parameters do not change."""
+        """The control settings of each vehicle, which no parameter changes."""
         entries = zip(self._scenario.vehicles, self.vehicles, strict=True)
         return [vehicle_control(self._scenario, entry.model, spec) for entry, spec in entries]
 
     def _changed(self, original: Scenario, changes: Changes) -> Scenario:
-        """Return a scenario with parameters.
+        """Return a copy of a scenario with the given parameter values.
 
-        Finding the places of parameters takes most of the time, so they are cached once numbers for these names have
-        been accepted: which parameters have an effect does not depend on the numbers.
+        Locating the parameters takes most of the time, so their locations are cached once the first numbers for these
+        names have been accepted: which parameters have an effect does not depend on the numbers.
         """
         names = tuple(changes)
         if not names:

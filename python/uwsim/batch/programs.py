@@ -1,4 +1,4 @@
-"""The members of a batch that have programs, and how they are stepped: each in its own parts."""
+"""Programs of a batch's members, and the stepping of members that have any: each in parts, between its events."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from uwsim.batch.results import BatchSamples, Buffers
 class Programs:
     """Faults and failsafes of the members that have any, and which sensors are off. Other members cost nothing.
 
-    Each member has its own agenda (`base/agenda.py`): between two ticks at which something acts, in Python, it is
-    stepped like any other. Members need not be at the same tick meanwhile, so that a round of parts keeps all threads
-    busy.
+    Each member has its own agenda (`base/agenda.py`): between two ticks at which its Python items act, it is stepped
+    like any other member. The members may be at different ticks meanwhile, so that every round of parts keeps all
+    threads busy.
     """
 
     def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
@@ -28,12 +28,12 @@ class Programs:
         self._off: dict[int, list[tuple[int, int]]] = {}
 
     def check(self, k: int, member: Member) -> None:
-        """Raise ValueError for programs that a member cannot have."""
+        """Raise ValueError if a member cannot have its programs."""
         if member.has_programs:
             self._new(k, member)
 
     def begin(self, k: int, member: Member) -> None:
-        """Start the programs of a member that has just been made."""
+        """Start the programs of a member that has just been created."""
         self._aboard.pop(k, None)
         self._made.pop(k, None)
         self._off.pop(k, None)
@@ -51,11 +51,11 @@ class Programs:
                 self._aboard[k] = self._new(k, self._made[k])
 
     def has(self, k: int) -> bool:
-        """Whether a member has any."""
+        """Return whether a member has programs."""
         return k in self._aboard
 
     def aboard(self, k: int, made: Callable[[], Member]) -> MemberAboard:
-        """Return the programs aboard a member; creates them if there were none so far."""
+        """Return the programs aboard a member, creating them if there are none yet."""
         if k not in self._aboard:
             self._aboard[k] = self._new(k, made())
         return self._aboard[k]
@@ -67,12 +67,12 @@ class Programs:
             raise ValueError(f"batch[{k}]: {error}") from None
 
     def hear_efforts(self, vehicle: str, efforts: NDArray[np.float64]) -> None:
-        """Notify the failsafes of efforts (n, 6) that have been set."""
+        """Notify the failsafes of efforts (n, 6) that were set."""
         for k, aboard in self._aboard.items():
             aboard.hear_effort(vehicle, efforts[k])
 
     def step(self, steps: int) -> None:
-        """Step all members. Raises ValueError if one cannot continue, after the others have made their steps."""
+        """Step all members. Raises ValueError if a member cannot continue, after the others have made their steps."""
         if not self._aboard:
             self._core.step(steps)
             return
@@ -98,7 +98,7 @@ class Programs:
             raise ValueError(mistakes[0])
 
     def tell(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
-        """Convert samples to the readings of sensors that are off or have failed."""
+        """Change samples in place where a member's sensor is off or has failed."""
         values, _, valid = samples.writable
         for k, off in self._off.items():
             if k not in self._aboard and (vehicle, sensor) in off:

@@ -1,4 +1,4 @@
-"""The results of a batch: arrays with one row per member, made once and overwritten by each call."""
+"""Results of a batch: arrays with one row per member, allocated once and overwritten by each call."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, eq=False)
 class BatchMotion:
-    """Position and motion of one vehicle of each member. Read-only arrays that belong to the batch.
+    """Pose and velocity of one vehicle in each member. The arrays are read-only and belong to the batch.
 
-    time_ns (n,) uint64, since each member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n,
-    6) [m/s, rad/s]: float64. collisions (n,) uint64: how often it has started to touch something. released (n,) bool.
+    time_ns (n,) uint64: time since the member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body
+    (n, 6) [m/s, rad/s]: float64. collisions (n,) uint64: the number of contacts that have begun. released (n,) bool.
     """
 
     time_ns: NDArray[np.uint64]
@@ -33,10 +33,10 @@ class BatchMotion:
 
 @dataclass(frozen=True, eq=False)
 class BatchSamples:
-    """The newest sample of one sensor of each member; see Sensor.read. Read-only arrays that belong to the batch.
+    """The latest sample of one sensor in each member; see Sensor.read. The batch owns the arrays; they are read-only.
 
-    values (n, width) float64: the fields one after the other. fields: one view per field, (n,) or (n, width). stamp_ns
-    (n,) uint64: the time of the measurement. valid (n,) bool.
+    values (n, width) float64: all fields, concatenated. fields: one view per field, (n,) or (n, width). stamp_ns (n,)
+    uint64: the time of the measurement. valid (n,) bool.
     """
 
     values: Floats
@@ -47,7 +47,7 @@ class BatchSamples:
 
 @dataclass(frozen=True, eq=False)
 class BatchPings:
-    """A ping of one sonar of each member; see Ping. Read-only arrays that belong to the batch.
+    """A ping of one sonar in each member; see Ping. The arrays are read-only and belong to the batch.
 
     (n, beams): ranges_m, incidence_rad, intensity_db float32, labels uint16, valid bool; points_sonar_m (n, beams, 3)
     float32; world_from_sonar (n, 4, 4) float64.
@@ -64,7 +64,7 @@ class BatchPings:
 
 @dataclass(frozen=True, eq=False)
 class BatchPhysicsPings(BatchPings):
-    """A ping of one sonar of each member in physics mode, with the additional arrays of _core.PhysicsPing.
+    """A ping in physics mode of one sonar in each member, with the additional arrays of _core.PhysicsPing.
 
     (n, beams): snr_db, travel_time_s, deviation_m float32, detections uint8.
     """
@@ -77,21 +77,21 @@ class BatchPhysicsPings(BatchPings):
 
 @dataclass(frozen=True, eq=False)
 class Buffers(Generic[R]):
-    """Arrays that the core writes to, in its order, and their read-only presentation."""
+    """The arrays that the core fills, in its order, and the read-only result that shows them."""
 
     writable: tuple[NDArray[Any], ...]
     shown: R
 
 
 def motion_buffers(n: int) -> Buffers[BatchMotion]:
-    """Make the arrays for the motion of n members."""
+    """Allocate the arrays for the motion of n members."""
     shapes = ((n,), np.uint64), ((n, 3), float), ((n, 4), float), ((n, 6), float), ((n,), np.uint64), ((n,), np.bool_)
     writable = _arrays(*shapes)
     return Buffers(writable, BatchMotion(*map(_read_only, writable)))
 
 
 def sample_buffers(n: int, fields: Mapping[str, tuple[int, str]]) -> Buffers[BatchSamples]:
-    """Make the arrays for samples of n members. fields: (width, unit) by name."""
+    """Allocate the arrays for samples of n members. fields: (width, unit) by name."""
     writable = _arrays(((n, sum(width for width, _ in fields.values())), float), ((n,), np.uint64), ((n,), np.bool_))
     values, stamps, valid = map(_read_only, writable)
     views: dict[str, Floats] = {}
@@ -103,7 +103,7 @@ def sample_buffers(n: int, fields: Mapping[str, tuple[int, str]]) -> Buffers[Bat
 
 
 def ping_buffers(n: int, beams: int, in_physics_mode: bool) -> Buffers[BatchPings]:
-    """Make the arrays for pings of n members."""
+    """Allocate the arrays for pings of n members."""
     fan, floats = (n, beams), np.float32
     echoes = _arrays(
         (fan, floats), ((*fan, 3), floats), (fan, floats), (fan, floats), (fan, np.uint16), (fan, np.bool_)
