@@ -1,4 +1,4 @@
-"""Datasets: labelled pictures of cameras and sonars, at drawn poses or along a track, in common formats."""
+"""Datasets: labelled camera and sonar images, at random poses or along a track, in common formats."""
 
 from uwsim.campaigns.datasets.make import Dataset, make_dataset
 from uwsim.campaigns.datasets.spec import PRODUCTS

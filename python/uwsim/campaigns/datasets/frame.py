@@ -1,4 +1,4 @@
-"""One frame of a dataset, made by a worker: its pose, pictures and files, and its record for the dataset's tables."""
+"""One frame of a dataset, rendered by a worker: its pose, pictures and files, and its record for the tables."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ JPEG_QUALITY = 95
 
 @dataclass(frozen=True)
 class FrameJob:
-    """A frame to make. pose: time [s], position [m], orientation x, y, z, w on a track; None: to be drawn.
+    """A frame to render.
 
-    digest: of the scenario (studio.digest_of).
+    pose: time [s], position [m] and orientation x, y, z, w on a track; None for a random pose. digest: the scenario's
+    fingerprint (studio.digest_of).
     """
 
     spec: DatasetSpec
@@ -42,9 +43,9 @@ class FrameJob:
 
 
 def folders(spec: DatasetSpec) -> dict[str, str]:
-    """Return the folder of each kind of file in a frame, with the files' suffix."""
+    """Return the folder and suffix, such as depth/.png, of each kind of file that a frame has."""
     suffixes = {"rgb": f"images/.{spec.pictures}", "arrays": "arrays/.npz", "multibeam": "multibeam/.npz"}
-    suffixes["yolo"] = "labels/.txt"  # where its loaders search: "images" in a path replaced by "labels"
+    suffixes["yolo"] = "labels/.txt"  # YOLO's loaders replace "images" in a picture's path by "labels"
     found: dict[str, str] = {
         name: suffixes.get(name, f"{name}/.png") for name in spec.write if name not in ("boxes", "sonar")
     }
@@ -62,7 +63,7 @@ def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
 
 
 def make_frame(job: FrameJob) -> dict[str, Any]:
-    """Make a frame and write its files; return its record. Raises ValueError if no pose can be found, OSError."""
+    """Render a frame, write its files and return its record. Raises ValueError if no pose can be found, OSError."""
     studio, spec, number = studio_of(job.spec, job.threads, job.digest), job.spec, job.number
     values = studio.vary(number)
     if job.pose is None:
@@ -126,7 +127,7 @@ def _add_picture(studio: Studio, frame: Frame, record: dict[str, Any], files: di
 
 
 def _add_sonar(studio: Studio, image: SonarImage, record: dict[str, Any], files: dict[str, bytes]) -> None:
-    """Add a picture in an operator's layout: the farthest range in the first row, port in the first column."""
+    """Add the sonar image as operators view it: the farthest range in the first row, port in the first column."""
     assert image.labels is not None
     limits_db = shown_range(image.level_db, image.noise_db[:, None])
     labels = np.ascontiguousarray(image.labels[::-1, ::-1])
@@ -158,7 +159,7 @@ def _add_multibeam(studio: Studio, record: dict[str, Any], files: dict[str, byte
 
 
 def _archive(**arrays: NDArray[Any]) -> bytes:
-    """Return an .npz file; the same arrays give the same bytes."""
+    """Return the content of an .npz file; the same arrays give the same bytes."""
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)  # type: ignore[arg-type]
     return stream.getvalue()

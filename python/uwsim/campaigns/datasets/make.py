@@ -1,4 +1,4 @@
-"""make_dataset: draws poses or takes them from a track, and writes labelled pictures. The job of `uwsim dataset`."""
+"""make_dataset: writes labelled pictures at random poses or along a track; `uwsim dataset` calls it."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from uwsim.scenario.read.validated import validated
 RETRIES = 2
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of frames finished, failed (always 0) and in all."""
+"""Called with the number of finished frames, failed frames (always 0) and frames in total."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
     """A dataset that is complete or in progress.
 
-    finished: number of its n frames. files: those that cover all frames, once all are there. made: number of frames
-    made by this call, in wall_s seconds.
+    finished: the number of frames that exist, of n. files: the tables that cover all frames, written once all exist.
+    made: the number of frames rendered by this call, in wall_s seconds.
     """
 
     spec: DatasetSpec
@@ -46,12 +46,12 @@ class Dataset:
 
     @property
     def interrupted(self) -> bool:
-        """Whether frames are missing; `resume=True` makes them."""
+        """Whether frames are missing; `resume=True` renders them."""
         return self.finished < self.spec.n
 
     @property
     def frames_per_s(self) -> float:
-        """The number of frames made per second of wall time."""
+        """The number of frames rendered per second of wall time."""
         return self.made / self.wall_s if self.wall_s > 0.0 else 0.0
 
 
@@ -74,14 +74,14 @@ def make_dataset(
 
         uwsim.make_dataset("lake", "data", 1000, size=(320, 240), look_at=("gate", "pipeline"), workers=2)
 
-    Poses are drawn, or evenly spaced on a track: `along`, a file (datasets.track.read_track), or the track of a
-    `mission`'s file, which is flown first. workers: processes on this machine, by default one per core; 0: work in this
-    process. scheduler: of a Dask cluster, instead, whose workers find `out` under the same path. resume: make the
-    frames that are missing in `out`, which must have the same options, scenario and build. options: the others of
-    datasets.spec.DatasetSpec.
+    Poses are random, or evenly spaced along a track: either `along`, a file (see datasets.track.read_track), or the
+    track of `mission`, a file that is flown first. workers: the number of processes on this machine, by default one per
+    core; 0 renders in this process. scheduler: the address of a Dask cluster to use instead; its workers must see `out`
+    under the same path. resume: render the frames that are missing in `out`, which must have been begun with the same
+    options, scenario and build. options: the other fields of datasets.spec.DatasetSpec.
 
-    A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the
-    workers import it. Raises ValueError before anything is written, or for a frame without a possible pose; OSError.
+    A program that calls this must do so under `if __name__ == "__main__":`, unless workers=0, since the workers import
+    it. Raises ValueError before anything is written, or for a frame without a possible pose; OSError.
     """
     source = str(Path(scenario).resolve()) if Path(scenario).is_file() else str(scenario)
     spec = validated(DatasetSpec, {"scenario": source, "n": n, **options})
@@ -131,7 +131,7 @@ def _make(
     crew: Workers, missing: Mapping[int, FrameJob], ledger: Ledger, stop_requested: Callable[[], bool],
     tell_finished: Callable[[int], None],
 ) -> tuple[int, float]:  # fmt: skip
-    """Make the missing frames and note each in the ledger; return their number and the wall time [s]."""
+    """Render the missing frames and record each in the ledger; return their number and the wall time [s]."""
     begun_s, made = time.perf_counter(), 0
     for each in crew.finished(make_frame, missing, retries=RETRIES, stop_requested=stop_requested):
         if each.result is None:
@@ -143,7 +143,7 @@ def _make(
 
 
 def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission: str | Path | None) -> Track | None:
-    """Return the n poses of the track, if there is one. Raises ValueError for options that have no effect with it."""
+    """Return n poses of the track, or None without one. Raises ValueError for options that a track makes useless."""
     if along is None and mission is None:
         return None
     if along is not None and mission is not None:
@@ -180,7 +180,7 @@ def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) 
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:
-    """Make the folders for files; remove partly written files of a killed process."""
+    """Create the folders for files, and remove files that a killed process left unfinished."""
     for name in _folder_names(spec):
         (into / name).mkdir(exist_ok=True)
         for left_over in (into / name).glob(".[0-9]*"):
@@ -192,7 +192,7 @@ def _folder_names(spec: DatasetSpec) -> list[str]:
 
 
 def _plan(spec: DatasetSpec, digest: str, track: Track | None) -> dict[str, Any]:
-    """Return everything that determines the files."""
+    """Return everything that determines the files' content."""
     poses = None
     if track is not None:
         arrays = (track.times_s, track.positions_m, track.orientations_xyzw)

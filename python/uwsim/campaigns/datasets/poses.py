@@ -1,4 +1,4 @@
-"""Poses for pictures: drawn in free water, with something in view."""
+"""Random poses for pictures: in open water, with a target in view."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from uwsim.simulator.simulator import Simulator
 
 Floats = NDArray[np.float64]
 BATCH, MAX_BATCHES = 64, 200
-"""Poses drawn at once, and the number of attempts before the rules count as too narrow."""
+"""The number of poses drawn at once, and the number of batches tried before the limits are considered too narrow."""
 MARGIN = 0.1
-"""Share of the picture at each border in which the target point does not lie."""
+"""The fraction of the picture at each border in which the target point must not lie."""
 SEEN_M = 0.05
-"""Distance before its target point at which a line of sight may end."""
+"""A line of sight may end at this distance in front of its target point."""
 
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A pose of the vehicle, and its camera's target: orientation x, y, z, w; target: None on a track."""
+    """A pose of the vehicle, orientation x, y, z, w, and the name of its camera's target, None on a track."""
 
     position_m: Floats
     orientation_xyzw: Floats
@@ -33,10 +33,10 @@ class Viewpoint:
 
 @dataclass(frozen=True, eq=False)
 class Eye:
-    """A camera on its vehicle: position_m (3,) and rotation (3, 3) from its frame (x ahead, y left) to the body's.
+    """A camera on its vehicle: position_m (3,), and rotation (3, 3) from its frame (x ahead, y left) to the body frame.
 
-    rays: (H, W, 2), X/Z and Y/Z of its pixels in the optical frame. hull_radius_m: of a sphere about the vehicle's
-    origin.
+    rays: (H, W, 2), X/Z and Y/Z of each pixel in the optical frame. hull_radius_m: radius of a sphere about the
+    vehicle's origin that contains the hull.
     """
 
     position_m: Floats
@@ -47,7 +47,7 @@ class Eye:
 
 @dataclass(frozen=True)
 class Limits:
-    """The rules for a viewpoint; see DatasetSpec."""
+    """The limits on viewpoints; see DatasetSpec."""
 
     distance_m: tuple[float, float]
     clearance_m: float
@@ -56,14 +56,14 @@ class Limits:
 
 
 class FreeWater:
-    """Checks which positions of a vehicle and its camera are in the water and clear of everything."""
+    """Checks which positions of a vehicle and its camera are under water and clear of all obstacles."""
 
     def __init__(self, sim: Simulator, carrier: str, eye: Eye, clearance_m: float) -> None:
         self._world, self._scene = sim.world, sim.around(carrier).scene
         self._hull_m, self._eye_m = eye.hull_radius_m + clearance_m, clearance_m
 
     def under_water(self, bodies_m: Floats, eyes_m: Floats) -> NDArray[np.bool_]:
-        """Return the quick checks, (n,): above the ground, below the surface."""
+        """Return the results (n,) of quick checks: whether positions are above the ground and below the surface."""
         free = np.ones(len(bodies_m), bool)
         for points, clear_m in ((bodies_m, self._hull_m), (eyes_m, self._eye_m)):
             ground = self._world.height_at(points[:, :2])
@@ -73,23 +73,23 @@ class FreeWater:
         return free
 
     def clear(self, body_m: Floats, eye_m: Floats) -> bool:
-        """Return whether nothing is nearer than the clearance."""
+        """Return whether hull and camera keep their clearance from everything."""
         points = np.array([body_m, eye_m])
         if not (self._scene.distance_m(points) >= (self._hull_m, self._eye_m)).all():
             return False
         return all(self._world.solid_around(point) is None for point in points)
 
     def sees(self, eye_m: Floats, point_m: Floats) -> bool:
-        """Return whether nothing is between them."""
+        """Return whether the line of sight from the eye to a point is free."""
         return bool(self._scene.visible(eye_m, point_m[None], SEEN_M)[0])
 
 
 def draw_viewpoint(
     targets: Targets, water: FreeWater, eye: Eye, limits: Limits, random: np.random.Generator
 ) -> Viewpoint:
-    """Return a pose with a target's point in view, at a drawn pixel and distance. Raises ValueError if none is found.
+    """Return a pose from which a point of a target is visible at a random pixel. Raises ValueError if none is found.
 
-    Heading, pitch and roll of the vehicle, the pixel and the distance are drawn uniformly within their limits; together
+    The vehicle's heading, pitch and roll, the pixel and the distance are drawn uniformly within their limits; together
     they determine the camera's position.
     """
     under_water = clear = 0
@@ -116,13 +116,13 @@ def draw_viewpoint(
 
 
 def _angles_rad(limits: Limits, random: np.random.Generator) -> Floats:
-    """Return drawn yaw, pitch and roll, (BATCH, 3)."""
+    """Return random yaw, pitch and roll, (BATCH, 3)."""
     bounds = np.array([np.pi, limits.pitch_max_rad, limits.roll_max_rad])
     return random.uniform(-bounds, bounds, (BATCH, 3))
 
 
 def _rays(eye: Eye, random: np.random.Generator) -> Floats:
-    """Return unit directions of drawn pixels in the camera's frame, (BATCH, 3): x ahead, y left, z up."""
+    """Return unit vectors towards random pixels in the camera's frame, (BATCH, 3): x ahead, y left, z up."""
     height, width = eye.rays.shape[:2]
     share = random.uniform(MARGIN, 1 - MARGIN, (BATCH, 2))
     rows, columns = (share[:, 0] * height).astype(int), (share[:, 1] * width).astype(int)
@@ -132,7 +132,7 @@ def _rays(eye: Eye, random: np.random.Generator) -> Floats:
 
 
 def visibility_m(water: _core.WaterOptics) -> float:
-    """Return the distance at which a diver sees a dark object horizontally: 4.8 / c, c at 550 nm [1/m].
+    """Return the distance at which a diver sees a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
 
     Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, for 532 nm.
     """

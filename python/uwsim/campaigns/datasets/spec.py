@@ -1,4 +1,4 @@
-"""The contents of a dataset: the checked options of `uwsim dataset`."""
+"""The validated options of `uwsim dataset`, which define a dataset's content."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ Metres = Annotated[float, InRange(0.01, 1000, "m")]
 
 
 class DatasetSpec(Model):
-    """A dataset, apart from its poses along a track.
+    """A dataset's options, except for a track.
 
-    scenario: a packaged one's name, or a file. n: number of frames. seed: of all draws, and the scenario's seed; None:
-    the scenario's own. vehicle: its name; None: the first. camera: one of the vehicle's or the station's. size: width
-    and height in pixels; None: the camera's own. effects, without: of the pictures, as in Camera.capture. write: the
-    files of each frame. pictures: the format of rgb. sonar: a forward-looking sonar of the vehicle; None: the first.
-    look_at: names or classes of targets; None: everything. distance_m: smallest and largest distance to the target;
-    None: from the clearance to good visibility. clearance_m: free space around the vehicle's hull and the camera.
-    pitch_max_deg, roll_max_deg: of the vehicle, to either side. label_range_m: objects farther away have no labels;
-    None: the water's visibility. min_pixels: objects with fewer pixels have no annotation. val_share: share of the
-    frames for validation. vary: by the name of a parameter; each frame draws a value of each.
+    scenario: the name of a packaged scenario, or a file. n: number of frames. seed: the seed of all random draws and of
+    the scenario; None: the scenario's own seed. vehicle: its name; None: the first. camera: a camera of the vehicle or
+    the station. size: picture width and height in pixels; None: the camera's own size. effects, without: the picture's
+    effects, as in Camera.capture. write: the files to write for each frame. pictures: the file format of rgb. sonar: a
+    forward-looking sonar of the vehicle; None: the first. look_at: names or classes of targets; None: everything.
+    distance_m: smallest and largest distance to the target; None: from the clearance to good visibility. clearance_m:
+    free space around the vehicle's hull and the camera. pitch_max_deg, roll_max_deg: the vehicle's limits in either
+    direction. label_range_m: objects farther away are not labelled; None: the water's visibility. min_pixels: objects
+    with fewer pixels are not annotated. val_share: the fraction of frames used for validation. vary: variations by
+    parameter name; each frame draws a value for each parameter.
     """
 
     scenario: str
@@ -89,5 +90,5 @@ class DatasetSpec(Model):
         return tuple(name for name in effects_on(self.effects) if name not in off)
 
     def writes(self, *products: str) -> bool:
-        """Return whether one of these is written."""
+        """Return whether any of these products is written."""
         return not set(products).isdisjoint(self.write)

@@ -6,14 +6,14 @@ import numpy as np
 
 SPLITS = ("train", "val")
 STRETCHES = 4
-"""Number of stretches of a track that are for validation, spread along it."""
+"""The number of stretches for validation, spread along a track."""
 
 
 def split_of_frames(count: int, val_share: float, seed: int, *, in_sequence: bool) -> list[str]:
     """Return the split of each frame.
 
-    round(val_share * count) frames are for validation. Drawn frames are selected at random; from a sequence, whole
-    stretches are, since neighbours on a track look alike.
+    round(val_share * count) frames are used for validation: random ones if the poses are random; whole stretches of a
+    sequence, since neighbouring frames look alike.
     """
     held_back = round(val_share * count)
     splits = np.full(count, SPLITS[0], dtype="<U5")

@@ -1,4 +1,4 @@
-"""Studio: a simulator with its camera, sonar and targets, kept from frame to frame."""
+"""Studio: a simulator with a camera, a sonar and targets, kept from frame to frame."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from uwsim.scenario.variation import extremes, level_at
 from uwsim.simulator.simulator import Simulator
 
 VALUES, VIEWPOINT, TIME = 0, 1, 2
-"""A frame's random draws, each with a stream of its own, so that they do not disturb each other."""
+"""A frame's random draws, each from a separate stream, so that they do not affect each other."""
 LATEST_S = 3600.0
-"""Upper limit of drawn times, which determine waves, ripples, particles and noise."""
+"""Upper limit of random times, which determine waves, ripples, particles and noise."""
 NEAREST_M = 0.3
 SEEN_WELL = 0.6
-"""Largest distance to targets, as a share of the visibility."""
+"""The largest distance to targets, as a fraction of the visibility."""
 
 
 class Studio:
-    """Makes any frame of a dataset from its number alone, the same on every process."""
+    """Renders any frame of a dataset from its number alone; the result is the same in every process."""
 
     def __init__(self, spec: DatasetSpec, threads: int | None = None) -> None:
-        """Raises ValueError for anything that the scenario does not have."""
+        """Build the simulator. Raises ValueError for a name that the scenario does not have."""
         self.spec = spec
         self.sim = Simulator(spec.scenario, seed=spec.seed, threads=threads)
         self.vehicle = self.sim.rov if spec.vehicle is None else self.sim.vehicles[spec.vehicle]
@@ -46,7 +46,7 @@ class Studio:
         self.camera = self._chosen_camera()
         self.effects = spec.effects_on
         self.rays = self.camera.ray_table(distort="distortion" in self.effects)
-        self._slant = np.sqrt(np.float32(1.0) + (self.rays**2).sum(axis=-1))  # distance for a depth of 1
+        self._slant = np.sqrt(np.float32(1.0) + (self.rays**2).sum(axis=-1))  # distance at a depth of 1
         self.sonar = self._chosen_sonar() if spec.writes("sonar") else None
         if spec.writes("multibeam"):
             _ = self.vehicle.sonar  # raises ValueError if there is none
@@ -56,7 +56,7 @@ class Studio:
         self._drawing: tuple[Targets, Eye] | None = None
 
     def _try_variations(self) -> None:
-        """Raise ValueError unless the ends of each range, and each choice, are allowed."""
+        """Raise ValueError unless both ends of each range and all choices are allowed."""
         for name, variation in self.spec.vary.items():
             before = self.sim.parameters[name]
             for level in extremes(variation):
@@ -81,19 +81,19 @@ class Studio:
 
     @property
     def info(self) -> CameraInfo:
-        """The camera's intrinsics for its pictures: without the effect `distortion`, d is 0."""
+        """The camera's intrinsics for its pictures; d is 0 without the effect `distortion`."""
         info = self.camera.info
         return info if "distortion" in self.effects else replace(info, d=np.zeros(5))
 
     @property
     def label_range_m(self) -> float:
-        """The largest distance of labelled objects: the present visibility of the water."""
+        """The largest distance of labelled objects: if not specified, the water's current visibility."""
         if self.spec.label_range_m is not None:
             return self.spec.label_range_m
         return visibility_m(core_optics(self.sim.optics).water) if "attenuation" in self.effects else np.inf
 
     def vary(self, number: int) -> dict[str, Any]:
-        """Draw and set a frame's parameters; return their values by name."""
+        """Draw a frame's parameters, set them and return their values by name."""
         random = self._random(number, VALUES)
         levels = {name: level_at(variation, random.random()) for name, variation in self.spec.vary.items()}
         if levels:
@@ -101,12 +101,12 @@ class Studio:
         return {name: level.shown for name, level in levels.items()}
 
     def time_ns(self, number: int) -> int:
-        """Return a drawn time for a frame."""
+        """Return a random time for a frame."""
         step_ns = round(1e9 * self.sim.step_s)
         return int(self._random(number, TIME).integers(round(LATEST_S / self.sim.step_s))) * step_ns
 
     def viewpoint(self, number: int) -> Viewpoint:
-        """Return a drawn pose for a frame, in the present water. Raises ValueError if none is found."""
+        """Return a random pose for a frame, with the current water. Raises ValueError if none is found."""
         spec = self.spec
         if self._drawing is None:
             self._drawing = self._targets(), self._eye()
@@ -124,11 +124,11 @@ class Studio:
             raise ValueError(f"frame {number}: {error}") from None
 
     def place(self, viewpoint: Viewpoint) -> None:
-        """Put the vehicle there. Raises ValueError for positions in the ground or in a solid."""
+        """Move the vehicle to a viewpoint. Raises ValueError for positions in the ground or in a solid."""
         self.vehicle.place(viewpoint.position_m, viewpoint.orientation_xyzw)
 
     def picture(self, time_ns: int) -> Frame:
-        """Return the camera's picture as if the time were another."""
+        """Return the camera's picture as it would be at a given time."""
         only_geometry = not self.spec.writes("rgb", "arrays")
         at = replace(self.camera.snapshot(), time_ns=time_ns)
         return self.camera.capture(self.effects, geometry_only=only_geometry, at=at)
@@ -175,17 +175,17 @@ def _kept(spec_json: str, threads: int | None, digest: str) -> Studio:
 
 
 def studio_of(spec: DatasetSpec, threads: int | None, digest: str) -> Studio:
-    """Return this process's studio for a dataset and a scenario with this fingerprint; the last few are kept."""
+    """Return this process's studio for a dataset and a scenario's fingerprint; the last few are cached."""
     return _kept(spec.model_dump_json(exclude_unset=True), threads, digest)
 
 
 def digest_of(spec: DatasetSpec) -> str:
-    """Return the fingerprint of the scenario in its present state. Raises ScenarioError."""
+    """Return the fingerprint of the scenario as it is now. Raises ScenarioError."""
     return scenario_fingerprint(load(spec.scenario).with_changes(seed=spec.seed))
 
 
 def require_effects(spec: DatasetSpec) -> None:
-    """Raise ValueError for effects that do not exist or would have no effect."""
+    """Raise ValueError for camera options that are unknown, or that change nothing because no picture is written."""
     effects_on(spec.effects)
     effects_on(spec.without)
     if not spec.writes(*OF_CAMERA) and (spec.effects != "on" or spec.without or spec.size is not None):

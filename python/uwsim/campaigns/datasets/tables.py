@@ -19,7 +19,7 @@ from uwsim.campaigns.datasets.studio import Studio
 
 ABOUT, FRAMES, TRANSFORMS = "dataset.json", "frames.jsonl", "transforms.json"
 OF_TABLES = ("annotations", "sonar_annotations", "job", "trials")
-"""Fields of a record that frames.jsonl does not have."""
+"""Fields of a record that are left out of frames.jsonl."""
 CONVENTIONS = {
     "world": "east, north, up; z = 0 at the water's surface; metres",
     "body": "x ahead, y to port, z up",
@@ -36,7 +36,7 @@ CONVENTIONS = {
 def write_tables(
     out: Path, studio: Studio, plan: Mapping[str, Any], records: Sequence[Mapping[str, Any]], splits: Sequence[str]
 ) -> list[Path]:
-    """Write the tables into `out`; return their paths. records: of all frames, in order. Raises OSError."""
+    """Write the tables into `out`; return their paths. records: the records of all frames, in order. Raises OSError."""
     spec, written = studio.spec, []
 
     def write(name: str, content: str) -> None:

@@ -1,4 +1,4 @@
-"""Targets of a camera: points on the surfaces of the world and of the other vehicles."""
+"""Targets for a camera: points on the surfaces of the world and of other vehicles."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ TERRAIN = "terrain"
 
 
 class Targets:
-    """Surfaces by name. All are chosen equally often, whatever their size."""
+    """Surfaces by name. All are chosen equally often, regardless of size."""
 
     def __init__(self, sim: Simulator, carrier: str, classes: dict[str, str], look_at: Sequence[str] | None) -> None:
-        """carrier: the camera's vehicle, which is no target. classes: of each surface, by name.
+        """Collect the surfaces to look at; carrier is the camera's vehicle, which is not a target.
 
-        look_at: names and classes. Raises ValueError if nothing is left.
+        classes: the class of each surface, by name. look_at: names and classes of surfaces. Raises ValueError for an
+        unknown name or if nothing is left.
         """
         self._world = sim.world
         surfaces = {**_solids(sim), **_vehicles(sim, carrier)}
@@ -40,7 +41,7 @@ class Targets:
         self._heaps = {name: np.cumsum(_areas_m2(surfaces[name])) for name in wanted}
 
     def draw(self, count: int, random: np.random.Generator) -> tuple[NDArray[np.intp], Floats]:
-        """Return `count` points (count, 3), and for each the index of its name."""
+        """Return `count` random points (count, 3), and for each the index of its surface in `names`."""
         which = random.integers(len(self.names), size=count)
         shares = random.random((count, 3))
         points = np.empty((count, 3))
@@ -50,7 +51,7 @@ class Targets:
         return which, points
 
     def _points(self, name: str, shares: Floats) -> Floats:
-        """Return points spread evenly over a surface, for numbers (n, 3) in [0, 1)."""
+        """Map numbers (n, 3), uniform in [0, 1), to points distributed uniformly over a surface."""
         if name == TERRAIN:
             x0, y0, x1, y1 = self._world.terrain_extent_m
             xy = np.array([x0, y0]) + shares[:, :2] * np.array([x1 - x0, y1 - y0])

@@ -1,4 +1,4 @@
-"""Poses along a flown track: of a survey, of a mission, or from your own program."""
+"""Poses along a track that was flown by a survey, a mission or a program of your own."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ ANGLES = ("yaw_rad", "pitch_rad", "roll_rad")
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A vehicle's poses over time: times_s (n,) not decreasing, positions_m (n, 3), orientations_xyzw (n, 4)."""
+    """A vehicle's poses over time: times_s (n,), never decreasing, positions_m (n, 3), orientations_xyzw (n, 4)."""
 
     times_s: Floats
     positions_m: Floats
     orientations_xyzw: Floats
 
     def spread(self, count: int) -> Track:
-        """Return `count` of its poses, evenly spaced. Raises ValueError if it has fewer."""
+        """Return `count` evenly spaced poses of the track. Raises ValueError if it has fewer."""
         if count > len(self.times_s):
             raise ValueError(f"n = {count:,}: the track has {len(self.times_s):,} poses")
         chosen = np.linspace(0, len(self.times_s) - 1, count).round().astype(int)
@@ -37,11 +37,11 @@ class Track:
 
 
 def read_track(path: str | Path) -> Track:
-    """Return the track in track-VEHICLE.csv of `uwsim run`, track.npz of `uwsim survey`, or your own .npz.
+    """Read a track: track-VEHICLE.csv of `uwsim run`, track.npz of `uwsim survey`, or an .npz of your own.
 
-    Your own has position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey's track has only
-    the sonar's path: the vehicle is assumed to be there, level, and to head along it. Without times, each pose lasts a
-    second. Raises ValueError, OSError.
+    Your own file needs position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey's track
+    contains only the sonar's path: the vehicle is assumed to be at these positions, level and heading along the path.
+    Without times, poses are one second apart. Raises ValueError, OSError.
     """
     file = Path(path)
     try:
@@ -57,7 +57,7 @@ def read_track(path: str | Path) -> Track:
 
 
 def track_of(samples: Any) -> Track:
-    """Return the poses of a flight's samples (flight.samples.Samples), or of columns with the same names."""
+    """Build a track from a flight's samples (flight.samples.Samples), or from columns with the same names."""
     turns = Rotation.from_euler("ZYX", np.column_stack([samples[name] for name in ANGLES]))
     positions = np.column_stack([samples[name] for name in ("x_m", "y_m", "z_m")])
     return _checked(samples[TIMES], positions, turns.as_quat())

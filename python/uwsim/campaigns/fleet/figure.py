@@ -1,4 +1,4 @@
-"""The picture of a fleet's work: the merged map from above, the tiles, and the coverage of each."""
+"""A picture of a fleet's survey: the merged map from above, and the coverage of each tile."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from uwsim.mapping import OccupancyMap
 
 MAX_PIXELS = 1200
 FEW = 150
-"""With up to this many tiles, each has room for a label."""
+"""The largest number of tiles for which each has room for a label."""
 
 
 def draw_fleet(
     path: Path, map_path: Path, tiles: list[Tile], results: Mapping[int, Mapping[str, Any]], figures: Mapping[str, Any]
 ) -> None:
-    """Draw the lowest occupied voxel of each column, the tiles' outlines and their coverage. Raises OSError."""
+    """Draw the lowest occupied voxel of each column, and the tiles' outlines and coverage. Raises OSError."""
     occupied = OccupancyMap.read(map_path).occupied_voxels()
     figure = new_figure(9.0, 8.0)
     axes = figure.add_subplot()

@@ -1,4 +1,4 @@
-"""run_fleet: surveys a large area in tiles on many workers, merges their maps and scores the whole."""
+"""run_fleet: surveys a large area in tiles on many workers, merges their maps and scores the result."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ SUMMARY, FIGURE = "summary.json", "tiles.png"
 RETRIES = 2
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of tiles finished, failed, and in all."""
+"""Called with the number of finished tiles, failed tiles and tiles in total."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
-    """An area whose survey in tiles is complete or in progress.
+    """A survey of an area in tiles, complete or in progress.
 
-    results: by tile number. figures: values of the whole. interrupted: whether tiles or the score are missing;
+    results: by tile number. figures: values for the whole area. interrupted: whether tiles or the score are missing;
     `resume=True` continues.
     """
 
@@ -48,7 +48,7 @@ class Fleet:
 
     @property
     def failed(self) -> dict[int, str]:
-        """The errors of tiles that could not be surveyed, by number."""
+        """The errors of tiles that could not be surveyed, by tile number."""
         return {number: str(result["error"]) for number, result in self.results.items() if result["error"]}
 
 
@@ -71,10 +71,10 @@ def run_fleet(
 ) -> Fleet:
     """Survey a scenario's area in tiles of about tile_m; write `out`/map.bt, summary.json and tiles.png.
 
-    Each tile has its own start, and is flown by the scenario's first vehicle in its part of the terrain. voxel_m, seed:
-    instead of the scenario's. vehicles: number among which the tiles are divided, which determines the fleet's total
-    time, but not the map. workers, scheduler, resume, retry_failed: see uwsim.campaigns.sweeps.run_sweep. Raises
-    ScenarioError, ValueError, OSError.
+    Each tile has a separate starting position, and is surveyed by a copy of the scenario's first vehicle in that part
+    of the terrain. voxel_m, seed: override the scenario's. vehicles: the number of vehicles that share the tiles; it
+    determines the fleet's total time, but not the map. workers, scheduler, resume, retry_failed: see
+    uwsim.campaigns.sweeps.run_sweep. Raises ScenarioError, ValueError, OSError.
     """
     base = load(scenario)
     survey = required_survey(base)
@@ -133,7 +133,7 @@ def run_fleet(
 
 
 def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
-    """Raise the error of the first tile with water, or ScenarioError if there is none."""
+    """Build the scenario of the first tile that is not dry; raise its error, or ScenarioError if all are dry."""
     for job in jobs.values():
         try:
             job.scenario_of_tile(base)
@@ -201,9 +201,9 @@ def _flown_figures(
 
 
 def shares(times_s: list[float], vehicles: int) -> list[float]:
-    """Return how long each vehicle works: the longest tile first, to the vehicle that is free first (LPT; Graham 1969).
+    """Return each vehicle's working time if the longest tile goes to the first free vehicle (LPT; Graham 1969).
 
-    The ways between tiles are not included.
+    The transits between tiles are not included.
     """
     busy = [0.0] * min(vehicles, max(len(times_s), 1))
     for time_s in sorted(times_s, reverse=True):

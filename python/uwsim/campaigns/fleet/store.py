@@ -1,4 +1,4 @@
-"""The content of a fleet's folder: the map, and for each tile its own map and the positions of its pings."""
+"""File names in a fleet's folder: the merged map, and for each tile its map and the positions of its pings."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ MAP, TILES = "map.bt", "tiles"
 
 
 def map_file(out: Path, tile: int) -> Path:
-    """Return the path of a tile's map, with all its log-odds."""
+    """Return the path of a tile's map, which keeps all log-odds."""
     return out / TILES / f"{tile:06d}.ot"
 
 
 def path_file(out: Path, tile: int) -> Path:
-    """Return the path of a tile's positions (n, 3) float32, of the sonar at each ping."""
+    """Return the path of a tile's file of sonar positions at each ping, (n, 3) float32."""
     return out / TILES / f"{tile:06d}.npy"
 
 
 def scores_file(out: Path) -> Path:
-    """Return the path of the tiles' scores."""
+    """Return the path of the file with all tiles' scores."""
     return out / TILES / "scores.json"

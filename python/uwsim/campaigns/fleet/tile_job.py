@@ -1,4 +1,4 @@
-"""The jobs of a fleet's workers: survey a tile, and score its part of the merged map."""
+"""Jobs of a fleet's workers: surveying a tile, and scoring its part of the merged map."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator.simulator import Simulator
 
 MARGIN_M = 30.0
-"""Distance beyond the sonar's range, for lanes that begin outside the tile."""
+"""Added to the sonar's range, for lanes that begin outside the tile."""
 START_Z_M, CLEAR_M = -1.5, 2.0
-"""Height at which a vehicle is placed in the water, and the depth of water required below it."""
+"""The z at which a vehicle is placed in the water, and the depth of water required below it."""
 
 
 @dataclass(frozen=True)
 class TileJob:
-    """A tile to survey. scenario: a name or path. seed: of the water and of all vehicles' noise."""
+    """A tile to survey. scenario: a name or path. seed: determines the water and all vehicles' noise."""
 
     scenario: str
     seed: int | None
@@ -42,9 +42,9 @@ class TileJob:
     voxel_m: float
 
     def scenario_of_tile(self, base: Scenario) -> Scenario:
-        """Return the scenario of the tile: its area, its part of the terrain, one vehicle over its deepest point.
+        """Return the tile's scenario: its area, its part of the terrain, and one vehicle above its deepest point.
 
-        Each vehicle has its own name, and thus its own noise, in the same water. Raises ScenarioError.
+        Each tile's vehicle has a different name, and thus different noise, in the same water. Raises ScenarioError.
         """
         survey, entry = required_survey(base), base.vehicles[0]
         window = window_m(base, np.array(self.tile.area_m))
@@ -70,14 +70,14 @@ class TileJob:
 
 
 class DryTileError(ValueError):
-    """There is not enough water to fly in."""
+    """The water in a tile is too shallow to fly in."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScoreJob:
-    """The part of a merged map that belongs to a tile's score. occupied_m (n, 3): voxels.
+    """The part of a merged map that belongs to a tile, to be scored.
 
-    path_m (k, 3): pings in range.
+    occupied_m (n, 3): centres of occupied voxels. path_m (k, 3): sonar positions at pings in range.
     """
 
     job: TileJob
@@ -98,18 +98,18 @@ def _terrain(scenario: str) -> Any:
 
 
 def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the corners of the part of the terrain that a tile's survey may see."""
+    """Return two opposite corners of the part of the terrain that a tile's survey may see."""
     sonar = base.vehicles[0].sonar
     reach_m = MARGIN_M + sonar.loaded.band(sonar.frequency_khz).range_max_m
     (x0, y0), (x1, y1) = (area_m.min(axis=0) - reach_m).tolist(), (area_m.max(axis=0) + reach_m).tolist()
-    limit = 10_000.0  # of positions in a scenario
+    limit = 10_000.0  # the limit for positions in a scenario
     return (max(x0, -limit), max(y0, -limit)), (min(x1, limit), min(y1, limit))
 
 
 def fly_tile(job: TileJob) -> dict[str, Any]:
-    """Survey a tile; return its values, its map as bytes of an .ot, and its pings' positions as bytes of an .npy.
+    """Survey a tile; return its values, its map as .ot bytes, and its pings' positions as .npy bytes.
 
-    In the result, a tile without water has `dry`, a failed one `error`. Raises OSError and MemoryError.
+    The result of a tile without enough water has `dry` set, that of a failed tile `error`. Raises OSError, MemoryError.
     """
     begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"error": None, "dry": None, "build": build_fingerprint()}
@@ -133,7 +133,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
     occupancy = OccupancyMap(resolution_m=job.voxel_m)
     _, record = fly_survey(sim, occupancy, least_share=0.0)
     if record.interrupted:
-        raise KeyboardInterrupt  # which the survey has caught: half a tile is no result
+        raise KeyboardInterrupt  # the survey caught it, but half a tile is not a result
     path = io.BytesIO()
     np.save(path, record.path_world_m.astype(np.float32))
     result |= {
@@ -146,7 +146,7 @@ def _fly(job: TileJob, result: dict[str, Any]) -> None:
 
 
 def score_tile(job: ScoreJob) -> dict[str, Any]:
-    """Return the counts and sums from which the score of the whole map follows; voxels on a border count once."""
+    """Return counts and sums from which the whole map's score is computed; voxels on tile borders are counted once."""
     begun_cpu_s = time.process_time()
     scenario = job.job.scenario_of_tile(_loaded(job.job.scenario))
     sim = Simulator(scenario, threads=1)

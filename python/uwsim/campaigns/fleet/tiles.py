@@ -1,4 +1,4 @@
-"""Cuts the area of a survey into tiles."""
+"""Division of a survey's area into tiles."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.scenario.spec.polygon import area, narrowest_width
 Corners = tuple[tuple[float, float], ...]
 MAX_TILES = 1_000_000
 LEAST_WIDTH_VOXELS, LEAST_AREA_VOXELS = 4, 40
-"""Smaller parts of the area, cut off at its rim, are left out."""
+"""Smaller pieces, which occur along the area's edge, are left out."""
 
 
 @dataclass(frozen=True)
 class Tile:
-    """A part of the area that one vehicle surveys. area_m: its corners, (x, y). cell: the square of the grid, (i, j).
+    """A part of the area that one vehicle surveys. area_m: its corners, (x, y). cell: its grid square, (i, j).
 
-    Several tiles have the same cell if the area's outline cuts a square into pieces.
+    Tiles share a cell if the area's outline cuts a square into several pieces.
     """
 
     number: int
@@ -31,26 +31,30 @@ class Tile:
 
 @dataclass(frozen=True)
 class Grid:
-    """Squares over an area's bounding box. low_m: of its corner. edge_m: (x, y), at most the requested length."""
+    """A grid over an area's bounding box.
+
+    low_m: the box's lower corner (x, y). edge_m: the cells' size (x, y), at most the requested length. count: the
+    number of cells along x and y.
+    """
 
     low_m: tuple[float, float]
     edge_m: tuple[float, float]
     count: tuple[int, int]
 
     def cells_of(self, points_m: NDArray[np.floating]) -> NDArray[np.int64]:
-        """Return the cells (n, 2) of points (n, 2 or more); the nearest of points outside."""
+        """Return the cells (n, 2) of points (n, 2 or more); points outside get the nearest cell."""
         cells = np.floor((points_m[:, :2] - self.low_m) / self.edge_m).astype(np.int64)
         return np.asarray(np.clip(cells, 0, np.array(self.count) - 1))
 
     def corners(self, cell: tuple[int, int]) -> Corners:
-        """Return the corners of a square, counter-clockwise."""
+        """Return the corners of a cell, counter-clockwise."""
         (x, y), (dx, dy) = self.low_m, self.edge_m
         i, j = cell
         return tuple((x + (i + a) * dx, y + (j + b) * dy) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
 def grid_over(area_m: Corners, tile_m: float) -> Grid:
-    """Return squares of about tile_m that cover the bounding box exactly. Raises ValueError."""
+    """Return a grid with cells of about tile_m that covers the bounding box exactly. Raises ValueError."""
     low, high = np.min(area_m, axis=0), np.max(area_m, axis=0)
     across, up = (max(1, math.ceil(size / tile_m - 1e-9)) for size in (high - low).tolist())
     if across * up > MAX_TILES:

@@ -1,4 +1,4 @@
-"""Sweeps: one survey or mission flown many times, each time with different values, on many processes."""
+"""Sweeps: one survey or mission flown many times with different values, in parallel processes."""
 
 from uwsim.campaigns.sweeps.sweep import Sweep, fly_again, run_sweep
 

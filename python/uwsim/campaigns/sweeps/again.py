@@ -1,4 +1,4 @@
-"""Repeats one run, identical to the last bit, with everything that a sweep leaves out: recording, map and report."""
+"""Repetition of one run, bit by bit the same, plus everything that a sweep leaves out: recording, map, report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SCENARIO, RECORDING = "scenario.yaml", "run.mcap"
 
 
 def fly_run_again(job: Job, folder: Path, report: str = "full") -> None:
-    """Write scenario.yaml, run.mcap, map and report of a run to a folder. Raises the same errors as a flight.
+    """Repeat a run; write scenario.yaml, run.mcap, map and report to a folder. Raises the same errors as a flight.
 
     report: see fly.
     """

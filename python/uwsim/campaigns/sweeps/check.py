@@ -1,4 +1,4 @@
-"""Checks a sweep before it flies: every name that it varies, and the ends of every range, one at a time."""
+"""Checks of a sweep before it flies: every name that it varies, and both ends of every range, one at a time."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from uwsim.simulator.simulator import Simulator
 
 FILES = ("mission", "scenario")
 MAX_TRIED = 200
-"""Choices of one name that are tried in advance; errors of the others appear in their runs."""
+"""The number of choices per name that are tried in advance; errors in the others appear in their runs."""
 
 
 class Jobs:
-    """Makes the jobs of a sweep's runs."""
+    """Builds the jobs for a sweep's runs."""
 
     def __init__(self, spec: SweepSpec, folder: Path) -> None:
         self._spec, self._folder = spec, folder
         self._digests: dict[str, str] = {}
 
     def of(self, run: Run) -> Job:
-        """Return the job of a run. Raises MissionError if its mission's file is missing."""
+        """Return the job for a run. Raises MissionError if its mission's file is missing."""
         return self.with_levels(run.levels, run.seed)
 
     def with_levels(self, levels: Mapping[str, Level], seed: int | None = None) -> Job:
-        """Return the job of some levels."""
+        """Return the job for these levels."""
         spec = self._spec
         values = {name: beside(self._folder, level.value) for name, level in levels.items()}
         mission = values.pop("mission", None if spec.mission is None else str(spec.mission))
@@ -62,10 +62,10 @@ class Jobs:
 
 
 def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
-    """Raise ScenarioError, one line per mistake, if an end of a range or a choice is refused.
+    """Raise ScenarioError, with one line per mistake, if a choice or an end of a range is rejected.
 
-    Each is tried separately, so that a mistake is reported once, and if that fails, together with the first value of
-    all others. Makes one simulator, with all first values.
+    Each value is tried alone, so that a mistake is reported once, and if rejected, again with the first values of all
+    other names. Builds one simulator, with all first values.
     """
     jobs, mistakes = Jobs(spec, folder), list[str]()
     first = {name: extremes(variation)[0] for name, variation in spec.vary.items()}

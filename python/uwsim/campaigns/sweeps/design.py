@@ -1,4 +1,4 @@
-"""The design of a sweep: the values of each of its runs."""
+"""The design of a sweep: which values each run has."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario.variation import Level, Variation, choices, level_at
 
 @dataclass(frozen=True)
 class Run:
-    """A run of the sweep. sample: the same for runs that differ only in their seed. seed: None: the scenario's."""
+    """A run of a sweep. sample: equal for runs that differ only in their seeds. seed: None for the scenario's seed."""
 
     number: int
     sample: int
@@ -79,7 +79,7 @@ def _rounded(level: Level) -> Level:
 
 
 def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
-    """Return points (samples, variations) in the unit cube; scipy.stats.qmc draws those that are not random."""
+    """Return points (samples, variations) in the unit cube; all but random ones are drawn by scipy.stats.qmc."""
     random, width, count = np.random.default_rng(spec.seed), len(spec.vary), spec.samples or 1
     if spec.method == "random":
         return random.random((count, width))
@@ -95,7 +95,7 @@ def _unit_samples(spec: SweepSpec) -> NDArray[np.float64]:
 def saltelli(pairs: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2, from pairs (n, 2 d) of points.
 
-    (n (d + 2), d): the n points A, the n points B, then for each variation i the points A with column i of B.
+    The result is (n (d + 2), d): n points A, n points B, then for each variation i the points A with column i of B.
     """
     width = pairs.shape[1] // 2
     a, b = pairs[:, :width], pairs[:, width:]

@@ -1,4 +1,4 @@
-"""The pictures of a sweep's report."""
+"""Pictures for the report of a sweep."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def draw_distributions(path: Path, rows: Rows, metrics: Sequence[str]) -> None:
 
 
 def draw_effects(path: Path, spec: SweepSpec, rows: Rows, metric: str, varied: Sequence[str]) -> None:
-    """Draw a metric against each variation: points of numbers with the means, boxes of choices."""
+    """Draw a metric against each variation: points and means for numbers, box plots for choices."""
     figure, panels = _panels(len(varied))
     y = rows.numbers(metric)
     for axes, name in zip(panels, varied, strict=True):
@@ -59,7 +59,7 @@ def draw_effects(path: Path, spec: SweepSpec, rows: Rows, metric: str, varied: S
 
 
 def draw_sensitivity(path: Path, found: Sensitivity) -> None:
-    """Draw the table of sensitivities in colours."""
+    """Draw the table of sensitivities as a heat map."""
     rows, columns = found.values.shape
     figure = new_figure(2.4 + 1.15 * columns, 1.4 + 0.42 * rows)
     axes = figure.add_subplot()
@@ -87,7 +87,7 @@ def _panels(count: int) -> tuple[Any, list[Axes]]:
 
 
 def _means(axes: Axes, x: Any, y: Any) -> None:
-    """Draw the means over groups of equal size, or over each value if there are few."""
+    """Draw means over groups of equal size, or for each value if there are only a few values."""
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(x) < 4:

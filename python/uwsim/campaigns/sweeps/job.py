@@ -1,4 +1,4 @@
-"""One run of a sweep, as flown by a worker: a scenario with the run's values, the flight, its results."""
+"""One run of a sweep, flown by a worker: the scenario with the run's values, the flight and its results."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from uwsim.scenario.fingerprint import build_fingerprint, scenario_fingerprint
 from uwsim.simulator.simulator import Simulator
 
 OF_THE_WALL = ("wall_s", "stage_wall_s", "threads", "seed", "scenario")
-"""Values of a flight that depend on the wall clock, or that the table has elsewhere."""
+"""Values of a flight that depend on the wall clock, or that have another column in the table."""
 MAX_LIST = 16
-"""Longer lists among a flight's values get no columns in the table."""
+"""Longer lists among a flight's values are left out of the table."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A run. values: by the names of parameters and keys. mission: a file; None for a survey."""
+    """A run, as a worker receives it. values: by parameter or key. mission: a file; None for a survey."""
 
     scenario: str
     seed: int | None
@@ -53,11 +53,11 @@ class Job:
 
     @property
     def makes_map(self) -> bool:
-        """Whether a map is built; always so in a survey."""
+        """Whether a map is built; always true for a survey."""
         return self.map or self.mission is None
 
     def flight(self) -> dict[str, Any]:
-        """Return its arguments for `fly`; a survey does not measure the growth of its map."""
+        """Return the arguments of `fly` for this run; a survey does not measure its map's growth."""
         is_survey = self.mission is None
         return {
             "arguments": self.arguments, "map": self.makes_map, "map_growth": not is_survey,
@@ -66,15 +66,16 @@ class Job:
         }  # fmt: skip
 
 
-@lru_cache(maxsize=8)  # a worker flies the same few for hours
+@lru_cache(maxsize=8)  # a worker flies the same few scenarios for hours
 def _loaded(scenario: str) -> Scenario:
     return load(scenario)
 
 
 def fly_job(job: Job) -> dict[str, Any]:
-    """Fly a run; return its values by name, its provenance, and the error that ended it, if any.
+    """Fly a run; return its values by name, its provenance and the error that ended it, if any.
 
-    A mistake in scenario or mission is an error in the result. Raises OSError and MemoryError, which may be transient.
+    A mistake in the scenario or mission becomes an error in the result. Raises OSError and MemoryError, which may be
+    transient.
     """
     begun_s = time.perf_counter()
     result: dict[str, Any] = {"metrics": {}, "error": None, "flight_wall_s": None}
@@ -105,12 +106,12 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 
 
 def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
-    """Fly a run; return its values, scored, with the map's merged into the others."""
+    """Fly and score a run; return its values, including the map's."""
     if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
         raise MissionError(f"mission '{job.mission}': is missing here, or is not the file with which the sweep began")
     flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
-        raise KeyboardInterrupt  # which the flight has caught: half a run is no result
+        raise KeyboardInterrupt  # the flight caught it, but half a run is not a result
     values = flight_values(scored(flown, sim)) | {"result": flown.result}
     values.pop("map", None)
     return values
@@ -121,7 +122,7 @@ def _is_same_file(path: Path, digest: str | None) -> bool:
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return nested values as one level, with dotted names; other types than numbers, text and booleans are dropped."""
+    """Flatten nested values, with dotted names; only numbers, text, booleans and None are kept."""
     found: dict[str, Any] = {}
     for name, value in values.items():
         if name not in OF_THE_WALL:
@@ -136,7 +137,7 @@ def _flatten(name: str, value: Any, found: dict[str, Any]) -> None:
     elif isinstance(value, list | tuple):
         for k, item in enumerate(value if len(value) <= MAX_LIST else ()):
             _flatten(f"{name}.{k}", item, found)
-    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # of NumPy
+    elif hasattr(value, "item") and getattr(value, "ndim", 1) == 0:  # a NumPy scalar
         _flatten(name, value.item(), found)
     elif isinstance(value, float):
         found[name] = value if math.isfinite(value) else None

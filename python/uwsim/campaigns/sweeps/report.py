@@ -1,4 +1,4 @@
-"""The report of a sweep: one HTML file with embedded pictures, and links to the worst runs."""
+"""The report of a sweep: one HTML file with embedded pictures and links to the worst runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from uwsim.flight.summary import duration_text
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 LIKELY = ("coverage", "distance_mean_m", "result", "simulated_s", "path_length_m", "collisions", "precision")
-"""Metrics that are shown first if the sweep does not select any."""
+"""Metrics that are shown first if the sweep does not select any itself."""
 SHOWN, ERRORS_SHOWN, EFFECTS = 6, 20, 12
 
 
@@ -33,7 +33,7 @@ class Figure(NamedTuple):
 
 
 def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int, again: Mapping[int, Path]) -> None:
-    """Draw the pictures and write the page with them. again: the worst runs' folders. Raises ValueError, OSError."""
+    """Draw the pictures and write the page. again: the folders of repeated worst runs. Raises ValueError, OSError."""
     shown = _shown(spec, rows)
     of = spec.objective.metric if spec.objective is not None else (shown[0] if shown else None)
     missed = rows.missed(spec.require)
@@ -57,7 +57,7 @@ def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int,
 
 
 def _shown(spec: SweepSpec, rows: Rows) -> list[str]:
-    """Return the metrics to draw: the requested ones that are numbers, else the likeliest that differ."""
+    """Return the metrics to draw: requested ones that are numeric, else the most relevant that differ between runs."""
     for metric in spec.show:
         rows.require_metric(metric, "show")
     if spec.show:

@@ -18,7 +18,11 @@ PROVENANCE = ("run", "sample", "seed", "error", "trials", "scenario_digest", "bu
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """rows: by column, in the order of the runs. varied: the columns of the sweep's variations. metrics: of results."""
+    """The table of a sweep.
+
+    rows: values by column, in the order of the runs. varied: the columns of varied values. metrics: the columns of
+    results.
+    """
 
     rows: list[dict[str, Any]]
     varied: list[str]
@@ -26,7 +30,7 @@ class Rows:
 
     @classmethod
     def of(cls, runs: list[Run], results: Mapping[int, Mapping[str, Any]], plan: Mapping[str, Any]) -> Rows:
-        """Join runs with the results of the finished ones."""
+        """Build the rows of finished runs from all runs and the results so far."""
         rows, metrics = [], dict[str, None]()
         for run in runs:
             result = results.get(run.number)
@@ -61,11 +65,11 @@ class Rows:
 
     @property
     def failed(self) -> list[dict[str, Any]]:
-        """The rows with an error."""
+        """The rows of runs that failed."""
         return [row for row in self.rows if row["error"]]
 
     def numbers(self, column: str) -> NDArray[np.float64]:
-        """Return a column (n,) as numbers; NaN if there is none, as in failed runs."""
+        """Return a column (n,) as numbers; NaN where a row has none, as in failed runs."""
         values = [row.get(column) for row in self.rows]
         return np.array([float(v) if isinstance(v, bool | int | float) else np.nan for v in values], np.float64)
 
@@ -75,7 +79,7 @@ class Rows:
         return bool(values) and all(isinstance(value, bool | int | float) for value in values)
 
     def differing(self) -> list[str]:
-        """Return the metrics that are numbers and not the same in all runs."""
+        """Return the numeric metrics that differ between runs."""
         found = []
         for name in self.metrics:
             if self.is_numeric(name):
@@ -86,12 +90,12 @@ class Rows:
         return found
 
     def require_metric(self, name: str, what: str) -> None:
-        """Raise ValueError if no run has a metric of this name."""
+        """Raise ValueError if no run has a metric with this name."""
         if self.metrics and name not in self.metrics:
             raise ValueError(f"{what} = {name}: no such figure{did_you_mean(name, self.metrics)}")
 
     def missed(self, require: Mapping[str, Limits]) -> dict[str, int]:
-        """Return how many rows are outside each limit, counting rows without the metric. Raises ValueError."""
+        """Return the number of rows outside each limit, including rows without the metric. Raises ValueError."""
         found = {}
         for name, limits in require.items():
             self.require_metric(name, "require")
@@ -102,7 +106,7 @@ class Rows:
         return found
 
     def worst(self, objective: Objective | None, count: int) -> list[int]:
-        """Return the numbers of the worst runs that did not fail, the worst first. Raises ValueError."""
+        """Return the run numbers of the worst runs that have the metric, worst first. Raises ValueError."""
         if objective is None or not self.rows:
             return []
         self.require_metric(objective.metric, "objective.metric")

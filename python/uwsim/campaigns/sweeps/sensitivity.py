@@ -1,4 +1,4 @@
-"""How strongly each metric depends on the sweep's variations."""
+"""Sensitivity: how strongly each metric depends on each varied value."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from uwsim.campaigns.sweeps.rows import Rows
 from uwsim.campaigns.sweeps.spec import SweepSpec
 
 FEWEST = 4
-"""Fewer runs give no result."""
+"""With fewer runs, the result is NaN."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """metrics (m,), varied (v,): names. values (m, v), NaN where unknown; kinds (v,): the meaning of a column's values.
+    """The dependence of each metric on each variation.
 
-    "rank": Spearman's rank correlation, -1 to 1, of numbers. "share": of choices, the share of the variance that the
-    means by choice explain (correlation ratio, eta squared), 0 to 1.
+    metrics (m,), varied (v,): names. values (m, v): NaN where unknown. kinds (v,): the meaning of a column of `values`:
+    "rank" for numbers: Spearman's rank correlation, from -1 to 1; "share" for choices: the share of the variance
+    explained by the per-choice means (correlation ratio, eta squared), from 0 to 1.
     """
 
     metrics: list[str]
@@ -33,7 +34,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class SobolIndex:
-    """Sobol' indices of one metric and one variation: the share of the variance that it explains alone, and in all."""
+    """Sobol' indices of a variation: the share of a metric's variance that it explains alone, and in total."""
 
     metric: str
     varied: str
@@ -42,7 +43,7 @@ class SobolIndex:
 
 
 def sensitivity(rows: Rows, metrics: Sequence[str]) -> Sensitivity:
-    """Return the dependence of metrics on the variations."""
+    """Return the sensitivity of metrics to the variations."""
     kinds = ["rank" if rows.is_numeric(name) else "share" for name in rows.varied]
     values = np.full((len(metrics), len(rows.varied)), np.nan)
     for column, (name, kind) in enumerate(zip(rows.varied, kinds, strict=True)):
@@ -71,7 +72,7 @@ def _share(rows: Rows, varied: str, metric: str) -> float:
 
 
 def sobol_indices_of(spec: SweepSpec, rows: Rows, metrics: Sequence[str]) -> list[SobolIndex]:
-    """Return Sobol' indices for `method: saltelli` if all runs have the metric; means over seeds.
+    """Return Sobol' indices for `method: saltelli`, for metrics that all runs have; averaged over seeds.
 
     Estimated by scipy.stats.sobol_indices as in Saltelli et al. (2010), Comput. Phys. Commun. 181, 259-270.
     """

@@ -1,4 +1,4 @@
-"""The permitted content of a sweep's YAML file."""
+"""The schema of a sweep's YAML file."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ SeedNumber = Annotated[int, InRange(0, 2**63 - 1)]
 
 
 def _scenario(value: object, info: ValidationInfo) -> object:
-    """Return the absolute path of a file next to the sweep's; anything else unchanged, such as a packaged name."""
+    """Return the absolute path if the value names a file next to the sweep's file, else the value unchanged."""
     return beside((info.context or {}).get("folder", Path()), value)
 
 
 def beside(folder: Path, value: Any) -> Any:
-    """Return a value in which each text that names a file in the folder is replaced by that file's path."""
+    """Return a value in which each string that names a file in the folder is replaced by the file's absolute path."""
     if isinstance(value, str) and value and len(value) < 1000 and "\n" not in value and (folder / value).is_file():
         return str((folder / value).resolve())
     if isinstance(value, Mapping):
@@ -38,7 +38,8 @@ def beside(folder: Path, value: Any) -> Any:
 class Seeds(Model):
     """Consecutive seeds.
 
-    first: the first one. count: each sample is flown with so many; without it sample k has the seed first + k alone.
+    first: the first seed. count: the number of seeds with which each sample is flown; without it, sample k is flown
+    once, with seed first + k.
     """
 
     first: SeedNumber = 0
@@ -46,7 +47,7 @@ class Seeds(Model):
 
 
 class Objective(Model):
-    """The figure that tells good runs from bad ones.
+    """The metric that distinguishes good runs from bad ones.
 
     metric: a column of the table. best: whether high or low is good.
     """
@@ -56,9 +57,9 @@ class Objective(Model):
 
 
 class Limits(Model):
-    """What a figure of every run must be within, or `uwsim sweep` ends with exit code 1.
+    """Limits on a metric in every run; if one is outside, `uwsim sweep` ends with exit code 1.
 
-    low: the least value that is allowed. high: the greatest.
+    low: the smallest value allowed. high: the largest value allowed.
     """
 
     low: Bound | None = None
@@ -74,20 +75,22 @@ class Limits(Model):
 class SweepSpec(Model):
     """A sweep: what is flown, and what is varied.
 
-    scenario: a packaged one's name, or a file. mission: a Python file, as of `uwsim run`; without one the scenario's
-    survey is flown. arguments: for the mission's other parameters. vary: by name: a parameter (as `uwsim parameters`
-    lists them), a key of the scenario's file such as survey.altitude_m, faults or faults[0].at_s, `mission` or
-    `scenario` for several files, mission.NAME for a parameter of the mission.
-    method: how samples are taken: all combinations (grid), at random, or spread evenly (latin_hypercube, sobol);
-    saltelli: as Sobol' indices need them. samples: how many; saltelli flies so many times the number of variations and
-    two more, and each is flown with all seeds. seed: of the
-    samples. seeds: of the simulations; by default the scenario's own.
-    map: whether a mission makes a map, which is scored; surveys always do. voxel_m: instead of the scenario's.
-    estimate: what vehicles know of their pose, the truth or their own filter's. time_limit_s: of a mission, simulated.
-    wall_limit_s: of wall time, after which a run counts as failed. retries: how often a run is repeated whose process
-    died. objective: which runs are good. require: limits of figures, by column, that every run must be within.
-    show: columns that the report draws; by default the objective and others that vary. worst: how many of the worst
-    runs are flown again, with a recording and a report each.
+    scenario: the name of a packaged scenario, or a file. mission: a Python file, as for `uwsim run`; without it, the
+    scenario's survey is flown. arguments: values for the mission's other parameters. vary: variations by name; a name
+    is a parameter (as listed by `uwsim parameters`), a key of the scenario's file such as survey.altitude_m, faults or
+    faults[0].at_s, `mission` or `scenario` for several files, or mission.NAME for a parameter of the mission.
+
+    method: how samples are chosen: all combinations (grid), at random, spread evenly (latin_hypercube, sobol), or as
+    Sobol' indices require (saltelli). samples: the number of samples; saltelli flies this many times the number of
+    variations plus two. Each sample is flown with all seeds. seed: the seed for choosing samples. seeds: the seeds of
+    the simulations; by default the scenario's seed.
+
+    map: whether a mission builds a map, which is scored; surveys always do. voxel_m: overrides the scenario's.
+    estimate: what vehicles know of their pose, the truth or their own filter's estimate. time_limit_s: limit on a
+    mission's simulated time. wall_limit_s: limit on the wall time of a run, after which it counts as failed. retries:
+    how often a run is repeated if its process died. objective: which runs are good. require: limits on metrics, by
+    column, for every run. show: the columns that the report draws; by default the objective and other metrics that
+    vary. worst: the number of worst runs that are flown again, each with a recording and a report.
     """
 
     name: Name | None = None
@@ -161,9 +164,9 @@ class SweepSpec(Model):
 
 
 def read_sweep(source: str | Path | Mapping[str, Any]) -> tuple[SweepSpec, SourceFile, Path]:
-    """Read a sweep's file, or accept its values; return it, its source, and its folder.
+    """Read a sweep from a file or from values; return it, its source and its folder.
 
-    Raises ScenarioError, one line per mistake.
+    Raises ScenarioError, with one line per mistake.
     """
     if isinstance(source, Mapping):
         return validated(SweepSpec, dict(source)), SourceFile(), Path.cwd()

@@ -1,4 +1,4 @@
-"""run_sweep: flies all runs of a sweep on workers, and writes table and report. The job of `uwsim sweep`."""
+"""run_sweep: flies all runs of a sweep on workers, and writes table and report; `uwsim sweep` calls it."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from uwsim.scenario.variation import choices
 REPORT = "report.html"
 Show = Callable[[str], AbstractContextManager[object]]
 Tell = Callable[[int, int, int], None]
-"""Called with the numbers of runs finished, failed, and in all."""
+"""Called with the number of finished runs, failed runs and runs in total."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """A sweep that is complete or in progress.
 
-    rows: of the table. out: the folder. interrupted: whether runs are missing.
+    rows: the table, with one row per finished run. out: the folder. runs: all runs, including those not yet flown.
     """
 
     spec: SweepSpec
@@ -45,7 +45,7 @@ class Sweep:
 
     @property
     def interrupted(self) -> bool:
-        """Whether it was stopped before the last run; `resume=True` flies the others."""
+        """Whether runs are missing; `resume=True` flies them."""
         return len(self.rows) < len(self.runs)
 
     @property
@@ -72,11 +72,12 @@ def run_sweep(
     tell: Tell = lambda finished, failed, count: None,
     show: Show = lambda activity: nullcontext(),
 ) -> Sweep:
-    """Fly all runs of a sweep; write `out`/runs.parquet and, if requested, report.html with the worst runs repeated.
+    """Fly all runs of a sweep; write `out`/runs.parquet and, if requested, report.html, and repeat the worst runs.
 
-    source: a YAML file, or its values. workers: processes on this machine, by default one per core; 0: fly in this
-    process. scheduler: of a Dask cluster, instead. resume: fly the runs missing in `out`, which must belong to the same
-    sweep and build. retry_failed: also repeat failed runs. A failed run becomes a row with its error.
+    source: a YAML file, or its values. workers: the number of processes on this machine, by default one per core; 0
+    flies in this process. scheduler: the address of a Dask cluster to use instead. resume: fly the runs that are
+    missing in `out`, which must have been begun with the same sweep and build. retry_failed: also repeat failed runs. A
+    failed run becomes a row with its error.
 
     Programs that call this must do so under `if __name__ == "__main__":`, since the workers import them. Raises
     ScenarioError for mistakes in the file, before anything is written; ValueError, OSError.
@@ -121,7 +122,7 @@ def _fly(
     crew: Workers, missing: Mapping[int, Job], ledger: Ledger, count: int, retries: int,
     stop_requested: Callable[[], bool], tell: Tell,
 ) -> None:  # fmt: skip
-    """Fly the missing runs, and record each in the ledger when it is finished."""
+    """Fly the missing runs, and record each in the ledger as it finishes."""
     finished = count - len(missing)
     failed = sum(bool(result["error"]) for number, result in ledger.results.items() if number not in missing)
     tell(finished, failed, count)
@@ -147,9 +148,9 @@ def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
 
 
 def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
-    """Repeat one run of a sweep, with scenario, recording, map and full report written to a folder.
+    """Repeat one run of a sweep, and write its scenario, recording, map and report to a folder.
 
-    With the same build, it gives the same values to the last bit. Raises ScenarioError, ValueError, OSError.
+    With the same build, the values are the same to the last bit. Raises ScenarioError, ValueError, OSError.
     """
     spec, _, beside = read_sweep(source)
     runs = runs_of(spec)

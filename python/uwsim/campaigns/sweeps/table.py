@@ -15,16 +15,16 @@ TABLE = "runs.parquet"
 
 
 def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
-    """Write the rows atomically. notes: metadata of the file. Raises OSError, MissingExtraError.
+    """Write the rows atomically. notes: the file's metadata. Raises OSError, MissingExtraError.
 
-    The same rows give the same bytes with the same pyarrow. A column of mixed kinds becomes text.
+    The same rows give the same bytes with the same pyarrow. A column of mixed types becomes text.
     """
     need_extra("pyarrow", "sweeps", "the table of a sweep")
     import pyarrow as pa
     from pyarrow import parquet
 
     columns = {name: pa.array(_of_one_kind([row.get(name) for row in rows.rows])) for name in rows.columns}
-    # such as if there are no errors
+    # an empty column, such as `error` if no run failed
     columns = {n: c.cast(pa.string()) if c.type == pa.null() else c for n, c in columns.items()}
     table = pa.table(columns).replace_schema_metadata(dict(notes))
     content = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Applies the values of a run to a scenario: as parameters, or as keys of the scenario's file."""
+"""Application of a run's values to a scenario, as parameters or as keys of the scenario's file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PART = re.compile(r"([^.\[\]]+)|\[(\d+)\]")
 
 
 def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
-    """Return a checked copy with these values by name. Raises ScenarioError, whose mistakes name them."""
+    """Return a validated copy with these values by name. Raises ScenarioError that names the offending values."""
     parameters = {name: value for name, value in values.items() if is_parameter(scenario, name)}
     keys = {name: value for name, value in values.items() if name not in parameters}
     changed = scenario
@@ -31,12 +31,12 @@ def varied(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
 
 
 def is_parameter(scenario: Scenario, name: str) -> bool:
-    """Return whether a name is that of a parameter, or of a group of parameters."""
+    """Return whether a name denotes a parameter or a group of parameters."""
     return find(scenario, name) is not None
 
 
 def place(scenario: Scenario, name: str) -> Place:
-    """Return the place of a key, such as survey.area_m[0][1], in the scenario. Raises ScenarioError."""
+    """Parse the name of a key in the scenario, such as survey.area_m[0][1]. Raises ScenarioError if unknown."""
     parts: list[str | int] = [int(index) if index else key for key, index in PART.findall(name)]
     node: Any = scenario
     for k, part in enumerate(parts):

@@ -16,9 +16,9 @@ class WallLimitError(BaseException):
 
 @contextmanager
 def wall_limit(limit_s: float | None) -> Iterator[None]:
-    """Raise WallLimitError in this thread once the block has run for limit_s; None: never.
+    """Raise WallLimitError in this thread once the block has run for limit_s; None means no limit.
 
-    Python raises it between two of its own instructions, so that C++ calls are not interrupted.
+    Python raises it between two bytecode instructions, so that C++ calls are not interrupted.
     """
     if limit_s is None:
         yield

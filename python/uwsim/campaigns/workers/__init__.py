@@ -1,4 +1,4 @@
-"""Many jobs on many processes: workers on this machine or on a Dask cluster, and a ledger of finished jobs."""
+"""Many jobs in parallel: workers on this machine or on a Dask cluster, and a ledger of finished jobs."""
 
 from uwsim.campaigns.workers.ledger import Ledger
 from uwsim.campaigns.workers.workers import Finished, Workers, open_workers

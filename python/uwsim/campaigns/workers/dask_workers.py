@@ -24,10 +24,10 @@ from uwsim.campaigns.workers.workers import Finished, Work
 from uwsim.scenario.fingerprint import build_fingerprint
 
 AHEAD = 2
-"""Jobs queued at each worker, so that none is idle."""
+"""The number of jobs queued at each worker, so that no worker is idle."""
 CONNECT_S, POLL_S = 10.0, 0.2
 WORKERLESS_S = 300.0
-"""Longest time without any worker: one that died restarts within seconds, on a busy machine within a minute."""
+"""The longest time without any worker: after a death, one restarts in seconds, on a busy machine in a minute."""
 NO_WORKERS = "all workers have died, and none has come back; --resume continues"
 LOCALHOST = "127.0.0.1"
 SCRATCH = "uwsim-dask-"
@@ -52,14 +52,14 @@ class ClusterWorkers:
     ) -> None:
         self._client, self._closers, self._own = client, closers, own
         self.count = sum(client.nthreads().values())
-        self._seen_s = time.monotonic()  # when there last were workers
+        self._seen_s = time.monotonic()  # when workers were last seen
         if not self.count:
             raise ValueError("the scheduler has no workers")
         self._require_same_build()
 
     @classmethod
     def connected(cls, address: str) -> Self:
-        """Join a running cluster. Raises ValueError."""
+        """Connect to a running cluster. Raises ValueError."""
         closers = contextlib.ExitStack()
         try:
             client = closers.enter_context(_connected_client(address))
@@ -106,16 +106,16 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Release the cluster; end it if it was made here, at once if this process has been asked to stop."""
+        """Disconnect from the cluster. A local one is shut down, at once if this process is being interrupted."""
         if kind is None or issubclass(kind, Exception):
             self._closers.close()
             return
         self._kill()
-        with contextlib.suppress(Exception):  # Dask's errors about workers that are gone
+        with contextlib.suppress(Exception):  # Dask reports workers that are gone
             self._closers.close()
 
     def _kill(self) -> None:
-        """Kill this machine's workers: closing would wait for their queued jobs."""
+        """Kill local workers: closing the cluster would wait for their queued jobs."""
         for nanny in self._own.workers.values() if self._own is not None else ():
             nanny.auto_restart = False
             if nanny.pid:
@@ -123,7 +123,7 @@ class ClusterWorkers:
                     os.kill(nanny.pid, signal.SIGKILL)
 
     def _alive(self) -> int:
-        """Return the present number of workers: one that has died is being restarted."""
+        """Return the current number of workers, without those being restarted."""
         return max(1, int(sum(self._client.nthreads().values())))
 
     def _require_scheduler(self) -> None:
@@ -131,7 +131,7 @@ class ClusterWorkers:
             raise OSError("the connection to the scheduler was lost; --resume continues")
 
     def _require_workers(self) -> None:
-        """Raise OSError if there has been no worker for long, as when each dies at its start."""
+        """Raise OSError if there has been no worker for too long, for example because each dies as it starts."""
         if self._client.nthreads():
             self._seen_s = time.monotonic()
         elif time.monotonic() - self._seen_s > WORKERLESS_S:
@@ -147,9 +147,9 @@ class ClusterWorkers:
 class _Trials:
     """Counts the trials of each job.
 
-    When a worker dies, Dask reports it for all the jobs queued there, since it cannot know which of them was the
-    cause. These jobs are suspects: until they are finished, no worker has more than one job, and each of them has one
-    more trial than others.
+    When a worker dies, Dask reports all jobs that were queued there, since it cannot know which of them was the cause.
+    These jobs are suspects: until they are finished, each worker runs only one job at a time, and a suspect has one
+    trial more than other jobs.
     """
 
     def __init__(self, retries: int) -> None:
@@ -158,7 +158,7 @@ class _Trials:
         self.suspects: set[int] = set()
 
     def judged(self, number: int, future: distributed.Future) -> Finished | None:
-        """Return the finished job; None if it is to be tried again. Raises errors that work must not raise."""
+        """Return the finished job, or None if it must be tried again. Re-raises errors that jobs must not raise."""
         failed = self._failed.get(number, 0)
         if future.status == "finished":
             self.suspects.discard(number)
@@ -184,7 +184,7 @@ class _Trials:
 
 
 def local_workers(count: int) -> ClusterWorkers:
-    """Start processes on this machine, which listen on 127.0.0.1 only. Raises OSError."""
+    """Start worker processes on this machine, which listen on 127.0.0.1 only. Raises OSError."""
     closers = contextlib.ExitStack()
     try:
         closers.enter_context(dask.config.set(SETTINGS))
@@ -211,10 +211,10 @@ def local_workers(count: int) -> ClusterWorkers:
 
 @contextlib.contextmanager
 def scratch_folder() -> Iterator[str]:
-    """Make a folder for a cluster's files, and remove those of clusters that were killed."""
+    """Create a folder for a cluster's files, and remove the folders of clusters that were killed."""
     for left in Path(tempfile.gettempdir()).glob(f"{SCRATCH}*"):
         if (left / LOCK).exists():
-            with contextlib.suppress(OSError), alone_in(left):  # an error: it is in use, or another user's
+            with contextlib.suppress(OSError), alone_in(left):  # an error: in use, or owned by another user
                 shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=SCRATCH, ignore_cleanup_errors=True) as folder, alone_in(Path(folder)):
         yield folder

@@ -1,4 +1,4 @@
-"""Setup of a worker process: it ignores Ctrl-C, which a terminal sends to all processes and the first one handles."""
+"""Setup of a worker process: it ignores Ctrl-C, which terminals send to all processes; the parent handles it."""
 
 from __future__ import annotations
 

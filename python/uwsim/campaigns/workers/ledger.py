@@ -1,4 +1,4 @@
-"""The ledger of a folder: the finished jobs of a plan, with their results. It survives any kill."""
+"""The ledger of a folder: the finished jobs of a plan, with their results. It survives a kill at any time."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ LEDGER = "ledger.jsonl"
 
 
 class Ledger:
-    """A file of JSON lines: the first holds the plan, each other line the result of one job.
+    """A file of JSON lines: the first contains the plan, each other line the result of one job.
 
-    A line is written to disk before the next job is counted. The next `resume` drops a line that was cut off by a
-    kill, so each job is either finished or not. If a job has several lines, the last counts.
+    Each line is flushed to disk before the job counts as finished. `resume` drops a line that was cut off by a kill, so
+    each job is either finished or not. If a job has several lines, the last one counts.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -25,7 +25,7 @@ class Ledger:
 
     @property
     def exists(self) -> bool:
-        """Return whether the folder has a ledger."""
+        """Whether the folder contains a ledger."""
         return self.path.exists()
 
     def begin(self, plan: Mapping[str, Any]) -> None:
@@ -42,7 +42,7 @@ class Ledger:
         self._open("ab")
 
     def read(self) -> dict[str, Any]:
-        """Return the plan, and read the results; drop an incomplete last line. Raises ValueError, OSError."""
+        """Read the results and return the plan; an incomplete last line is dropped. Raises ValueError, OSError."""
         content = self.path.read_bytes()
         whole = content.rfind(b"\n") + 1
         if whole < len(content):
@@ -69,7 +69,7 @@ class Ledger:
 
     def _open(self, mode: str) -> None:
         try:
-            self._file = self.path.open(mode, buffering=0)  # else closing would write again, and fail again
+            self._file = self.path.open(mode, buffering=0)  # otherwise closing would write again, and fail again
         except OSError as error:
             raise OSError(f"'{self.path}': cannot be written: {error.strerror}") from error
 

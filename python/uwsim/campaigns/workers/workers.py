@@ -1,4 +1,4 @@
-"""Workers: processes that take jobs and return results, in the order in which these are finished."""
+"""Workers: processes that run jobs and return each result as soon as it is available."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any, Protocol, Self
 from uwsim.base.extras import need_extra
 
 Work = Callable[[Any], dict[str, Any]]
-"""A module's function that takes a job and returns its result, plain values; it raises only transient errors."""
+"""A module-level function that runs a job and returns plain values; it must raise only transient errors."""
 
 
 @dataclass(frozen=True)
 class Finished:
-    """A finished job. result: None if no worker survived it, or every trial failed. why: the reason, in that case."""
+    """A finished job. result: None if every trial failed or killed its worker. why: the reason, in that case."""
 
     job: int
     result: dict[str, Any] | None
@@ -25,18 +25,18 @@ class Finished:
 
 
 class Workers(Protocol):
-    """Processes that run jobs. A context manager, which ends them."""
+    """Processes that run jobs; a context manager that ends them."""
 
     count: int
-    """Number of jobs that run at once."""
+    """The number of jobs that run at the same time."""
 
     def finished(
         self, work: Work, jobs: Mapping[int, Any], *, retries: int, stop_requested: Callable[[], bool]
     ) -> Iterator[Finished]:
-        """Run jobs, given by number; yield each when it is finished.
+        """Run jobs, passed by number; yield each as it finishes.
 
-        retries: number of further trials of a job whose worker died, or that raised OSError or MemoryError. Ends early,
-        without the jobs in progress, once stop_requested() is true.
+        retries: how often a job is tried again if its worker died, or it raised OSError or MemoryError. Ends early,
+        dropping the jobs in progress, once stop_requested() is true.
         """
 
     def __enter__(self) -> Self: ...
@@ -47,7 +47,7 @@ class Workers(Protocol):
 
 
 class ThisProcess:
-    """Runs jobs in this process, one after the other: for tests and debuggers."""
+    """Runs jobs one by one in this process, for tests and debuggers."""
 
     count = 1
 
@@ -82,8 +82,8 @@ class ThisProcess:
 def open_workers(count: int | None = None, *, scheduler: str | None = None) -> Workers:
     """Return workers, for a `with` statement.
 
-    count: processes on this machine, by default one per core; 0: none, jobs run in this process. scheduler: the address
-    of a Dask cluster, such as tcp://10.0.0.1:8786, whose workers are used instead. Raises ValueError.
+    count: the number of processes on this machine, by default one per core; 0 runs jobs in this process. scheduler: the
+    address of a Dask cluster, such as tcp://10.0.0.1:8786, whose workers are used instead. Raises ValueError.
     """
     if count is not None and not 0 <= count <= 4096:
         raise ValueError(f"workers = {count}: must be in [0, 4096]")

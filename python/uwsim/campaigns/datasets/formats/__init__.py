@@ -1,1 +1,1 @@
-"""The files of a dataset, one module for each format."""
+"""Writers for a dataset's files, one module per format."""

@@ -1,7 +1,7 @@
-"""Run lengths of masks, as COCO defines them: column by column, beginning with pixels outside the mask.
+"""Run-length encoding of masks as defined by COCO: column by column, starting with pixels outside the mask.
 
-They are written as plain lists ("uncompressed RLE"), which pycocotools, torchvision and Detectron2 all read;
-torchvision does not read the compressed text.
+Run lengths are written as plain lists ("uncompressed RLE"), which pycocotools, torchvision and Detectron2 all read;
+torchvision cannot read the compressed form.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> dict[str, Any]:
-    """Return the `segmentation` of a mask (H, W)."""
+    """Return a mask (H, W) as a COCO `segmentation`."""
     flat = mask.ravel(order="F")
     edges = np.flatnonzero(np.diff(flat)) + 1
     ends = np.concatenate([[0], edges, [flat.size]])
@@ -22,7 +22,7 @@ def run_lengths(mask: NDArray[np.bool_]) -> dict[str, Any]:
 
 
 def bounds(mask: NDArray[np.bool_]) -> list[int]:
-    """Return x, y, width, height [pixels] of the smallest box round a mask (H, W), which must not be empty."""
+    """Return x, y, width, height [pixels] of the bounding box of a non-empty mask (H, W)."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     left, top = int(columns[0]), int(rows[0])
     return [left, top, int(columns[-1]) - left + 1, int(rows[-1]) - top + 1]

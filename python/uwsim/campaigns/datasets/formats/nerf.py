@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 OPTICAL_FROM_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
-"""OpenGL's camera has x to the right, y up, z back; the optical frame has x to the right, y down, z ahead."""
+"""In OpenGL's camera frame, x points right, y up, z back; in the optical frame, x points right, y down, z ahead."""
 
 
 def transforms(
     k: NDArray[np.float64], d: NDArray[np.float64], size: tuple[int, int], frames: Iterable[Mapping[str, Any]]
 ) -> dict[str, Any]:
-    """Return the file's content.
+    """Return the content of transforms.json.
 
-    k: (3, 3), d: (5,) as in CameraInfo, for the pictures as written. size: width, height. frames: each with
-    world_from_optical (4, 4), file, split and optionally depth_file. Pixel centres are at half-integer coordinates
-    there, and at integers here.
+    k: (3, 3), d: (5,): intrinsics as in CameraInfo, for the pictures as written. size: width, height. frames: mappings
+    with world_from_optical (4, 4), file, split and optionally depth_file. Pixel centres have half-integer coordinates
+    in transforms.json, but integer coordinates here.
     """
     width, height = size
     listed = list(frames)
