@@ -8,7 +8,7 @@ from contextlib import suppress
 from itertools import count
 
 EVERY = 25
-"""Number of jobs. A simulator's parts form cycles, so Python frees them late, and C's allocator keeps their memory."""
+"""The number of jobs between collections. Python frees a simulator's cyclic parts late, and malloc keeps the memory."""
 
 _done = count(1)
 
