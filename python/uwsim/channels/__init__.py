@@ -1,4 +1,4 @@
-"""The table of channels: the topics and services of a simulator, and the messages that they carry."""
+"""Channels: a simulator's topics and services, and the messages that they carry."""
 
 from uwsim.channels.channel import Channel, Service, keep_up, require_live
 from uwsim.channels.diagnostics import diagnostics_channel

@@ -16,19 +16,19 @@ from uwsim.channels.message_types import fields as fields_of
 from uwsim.channels.message_types import typestore
 
 IDENTITY_XYZW = (0.0, 0.0, 0.0, 1.0)
-# Frames of instruments in that of their mount (x ahead, y left, z up):
-OPTICAL_XYZW = (-0.5, 0.5, -0.5, 0.5)  # of a camera, REP 103: x right, y down, z ahead
-DOWN_XYZW = (1.0, 0.0, 0.0, 0.0)  # of a DVL, marine_acoustic_msgs/Dvl: x ahead, z along its beams
+# Rotations from an instrument's frame to its mount's (x ahead, y left, z up).
+OPTICAL_XYZW = (-0.5, 0.5, -0.5, 0.5)  # camera, REP 103: x right, y down, z ahead
+DOWN_XYZW = (1.0, 0.0, 0.0, 0.0)  # DVL, marine_acoustic_msgs/Dvl: x ahead, z along its beams
 FAN_XYZW = (
     0.5**0.5,
     0.0,
     0.5**0.5,
     0.0,
-)  # of an imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
+)  # imaging sonar, marine_acoustic_msgs/ProjectedSonarImage: x up, z ahead
 
 
 def message(name: str, /, **fields: Any) -> Any:
-    """Return a message of a type, such as "sensor_msgs/msg/Imu"; fields that are not given have ROS's defaults."""
+    """Return a message of a type such as "sensor_msgs/msg/Imu"; fields that are not passed get ROS's defaults."""
     cls, defaults = _plan(name)
     if not fields.keys() <= defaults.keys():
         raise AttributeError(f"{name}: has no field {min(fields.keys() - defaults.keys())!r}")
@@ -39,7 +39,7 @@ def message(name: str, /, **fields: Any) -> Any:
 
 @cache
 def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
-    """Return a type's class and a factory for each field's default: only the fields that are not given need one."""
+    """Return a type's class and a factory for each field's default, called only for fields that are not passed."""
     if not fields_of(name, 2):
         return (lambda: default_message(name)), {}
     made: dict[str, Callable[[], Any]] = {
@@ -49,13 +49,13 @@ def _plan(name: str) -> tuple[Callable[..., Any], dict[str, Callable[[], Any]]]:
 
 
 def time(stamp_ns: int) -> Any:
-    """Return a time."""
+    """Return a builtin_interfaces/Time."""
     sec, nanosec = divmod(int(stamp_ns), 1_000_000_000)
     return message("builtin_interfaces/msg/Time", sec=sec, nanosec=nanosec)
 
 
 def header(stamp_ns: int, frame_id: str) -> Any:
-    """Return a header."""
+    """Return a std_msgs/Header."""
     return message("std_msgs/msg/Header", stamp=time(stamp_ns), frame_id=frame_id)
 
 
@@ -65,7 +65,7 @@ def text(data: str) -> Any:
 
 
 def xyz(name: str, values: ArrayLike) -> Any:
-    """Return a message of x, y, z, such as geometry_msgs/msg/Point, from (3,)."""
+    """Return a message with fields x, y and z, such as geometry_msgs/msg/Point, from (3,)."""
     x, y, z = np.asarray(values, np.float64).tolist()
     return message(name, x=x, y=y, z=z)
 
@@ -100,16 +100,16 @@ def transform(
 
 
 def mount_xyzw(yaw_pitch_roll_deg: ArrayLike) -> NDArray[np.float64]:
-    """Return a mount's rotation, (4,)."""
+    """Return a mount's rotation as a quaternion (4,)."""
     return Rotation.from_euler("ZYX", yaw_pitch_roll_deg, degrees=True).as_quat()  # type: ignore[no-any-return]
 
 
 def turned_xyzw(first_xyzw: ArrayLike, then_xyzw: ArrayLike) -> NDArray[np.float64]:
-    """Return the product of two rotations, (4,)."""
+    """Return the product of two rotations as a quaternion (4,)."""
     return product(first_xyzw, then_xyzw)
 
 
 def tilt_xyzw(elevation_rad: float) -> tuple[float, float, float, float]:
-    """Return the rotation of a head at an elevation: about +y, positive is nose down."""
+    """Return the rotation of a head at an elevation: about +y, so that positive elevations are nose up."""
     half = -0.5 * elevation_rad
     return 0.0, float(np.sin(half)), 0.0, float(np.cos(half))

@@ -1,4 +1,4 @@
-"""Camera channels: JPEG pictures with camera_info, depth images; pan and tilt."""
+"""Camera channels: JPEG pictures with camera_info, depth images, pan and tilt commands."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def vehicle_cameras(source: Source, sim: Simulator, pictures: Pictures) -> list[
 
 
 def aim_channels(prefix: str, vehicle: str | None, name: str, camera: Camera) -> list[Channel]:
-    """Return the channels that turn a camera: one for each axis of its motor that can turn."""
+    """Return the channels that turn a camera, one for each axis that its motor can turn."""
     motor = camera.mount.pan_tilt
     if motor is None:
         return []
@@ -117,10 +117,10 @@ def depth_message(picture: Picture, frame_id: str) -> Any:
 
 
 def info_message(picture: Picture, frame_id: str) -> Any:
-    """Return the intrinsics of a picture at the size sent."""
+    """Return the intrinsics of a picture at the size at which it is sent."""
     info, stream = picture.frame.info, picture.stream
     scale = stream.width / info.width if stream.width else 1.0
-    # Pixel centres are at whole numbers: u' + 0.5 = scale (u + 0.5).
+    # Pixel centres are at integer coordinates: u' + 0.5 = scale (u + 0.5).
     resize = np.array([[scale, 0.0, 0.5 * scale - 0.5], [0.0, scale, 0.5 * scale - 0.5], [0.0, 0.0, 1.0]])
     return build.message(
         "sensor_msgs/msg/CameraInfo",

@@ -1,4 +1,4 @@
-"""ROS 2's serialisation (CDR) and its descriptions of types: for DDS, recordings and Foxglove, which share them."""
+"""ROS 2's serialisation (CDR) and type descriptions, shared by DDS, recordings and Foxglove."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rosbags.typesys.store import Typestore
 from uwsim.channels.message_types import typestore
 
 Distro = Literal["humble", "jazzy"]
-"""A distribution of ROS 2. Messages here are Jazzy's; Humble lacks a few of their fields."""
+"""A ROS 2 distribution. Our messages have Jazzy's fields; Humble lacks a few of them."""
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # RTPS 2.5, table 10.3: CDR_LE, no options
-LARGE_BYTES = 1 << 16  # from this size it pays not to zero bytes that are overwritten
+LARGE_BYTES = 1 << 16  # from this size on, it pays not to zero bytes that will be overwritten
 BIG_ENDIAN = b"\x00\x00\x00\x00"
 
 
@@ -33,7 +33,7 @@ class Schema(NamedTuple):
 
 @cache
 def store_of(distro: Distro) -> Typestore:
-    """Return the types of a distribution, with those of ours that it lacks."""
+    """Return the types of a distribution, plus those of ours that it lacks."""
     if distro == "jazzy":
         return typestore()
     store, ours = get_typestore(Stores.ROS2_HUMBLE), typestore().fielddefs
@@ -43,12 +43,12 @@ def store_of(distro: Distro) -> Typestore:
 
 @cache
 def is_as_in_jazzy(name: str, distro: Distro) -> bool:
-    """Return whether a type has the same fields, and so the same bytes, in a distribution as in Jazzy."""
+    """Return whether a type has the same fields, and thus the same bytes, in a distribution and in Jazzy."""
     return schema(name, distro).text == schema(name).text
 
 
 def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
-    """Return a message in CDR, with its header of four bytes, zero-padded to a multiple of four as in DDS.
+    """Encode a message in CDR, with a header of four bytes, zero-padded to a multiple of four as in DDS.
 
     The bytes are read-only. Readers ignore the padding.
     """
@@ -65,9 +65,9 @@ def encode(message: Any, distro: Distro = "jazzy") -> memoryview:
 
 
 def _blank(size: int, message: Any) -> memoryview:
-    """Return a buffer for a message, zero except where its field `data`, if large, will be written.
+    """Return a buffer for a message, zeroed except where its field `data`, if large, will be written.
 
-    All other fields lie within `rest` bytes of either end, wherever that field is.
+    All other fields lie within `rest` bytes of either end, regardless of where `data` is.
     """
     field = getattr(message, "data", None)
     length = field.nbytes if isinstance(field, np.ndarray) else 0
@@ -80,6 +80,6 @@ def _blank(size: int, message: Any) -> memoryview:
 
 @cache
 def schema(name: str, distro: Distro = "jazzy") -> Schema:
-    """Return the description of a type, "sensor_msgs/msg/LaserScan"."""
+    """Return the description of a type such as "sensor_msgs/msg/LaserScan"."""
     store = store_of(distro)
     return Schema(name, store.generate_msgdef(name, ros_version=2)[0], store.hash_rihs01(name))

@@ -1,4 +1,4 @@
-"""Channel and Service: the entries of the table of a vehicle's topics and services."""
+"""Channel and Service: the entries of the table of a simulator's topics and services."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator.simulator import Simulator
 
 COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
-"""Priorities on the link."""
+"""Priorities on the acoustic link."""
 
 
 def _no_message(sim: Simulator) -> Any:
@@ -25,19 +25,20 @@ def _no_command(live: LiveSimulator, message: Any) -> None:
 class Channel:
     """A topic.
 
-    name: without leading slash. type: in ROS 2's spelling, "sensor_msgs/msg/LaserScan". rate_hz: of readings, in
-    simulated time; None: one reading when the first subscriber connects. latched: later subscribers get the newest
-    message at once. over_link: whether it goes over the acoustic link; priority: then, COMMAND to PICTURE, the lowest
-    number goes first; packing: how its messages are packed into few bytes, a name in uwsim.link.packing.PACKINGS, or ""
-    for messages that no modem can carry. late: whether, on the wall clock, messages come when they are ready, or not at
-    all, as pictures do; so their timing, but not their content, depends on the machine. pieced: whether a late picture
-    is assembled from earlier ones, so that its content depends on the machine, too. catch_up: for a channel whose
-    messages build on each other: returns one message with everything since a cursor (None: since the beginning), and
-    the next cursor; called on any thread. keep_up: called between two steps at rate_hz from when a server begins to
-    offer the channel, with or without subscribers: the content of its messages continues to grow; see `keep_up`. read:
-    for "out", called between two steps on the simulator's thread; returns a message stamped with simulated time, of
-    `messages.typestore()`, or None if there is none. apply: for "in", called on any thread; must not block; raises
-    ValueError for impossible commands. abandoned: for "in", called likewise when the last publisher has gone.
+    name: without a leading slash. type: in ROS 2's spelling, such as "sensor_msgs/msg/LaserScan". rate_hz: the rate of
+    readings in simulated time; None: one reading when the first subscriber connects. latched: whether later subscribers
+    receive the latest message immediately. over_link: whether the channel crosses the acoustic link. priority: on the
+    link, COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the
+    link, a name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real
+    time, messages are published when they are ready or skipped, as pictures are, so that their timing, but not their
+    content, depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that its content
+    also depends on the machine. catch_up: for a channel whose messages build on each other: returns one message with
+    everything since a cursor (None: since the beginning), and the next cursor; called on any thread. keep_up: called
+    between two steps at rate_hz as soon as a server offers the channel, with or without subscribers, since the content
+    of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
+    returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
+    called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
+    `apply` when the last publisher has gone.
     """
 
     name: str
@@ -61,9 +62,10 @@ class Channel:
 
 @dataclass(frozen=True)
 class Service:
-    """A service. call: with the request as a dict of plain values; returns the response; may wait for steps.
+    """A service.
 
-    Raises ValueError, whose text goes to the caller. is_vital: it must not wait for calls of other services.
+    call: receives the request as a dict of plain values and returns the response; may wait for steps. Raises
+    ValueError, whose text is sent to the caller. is_vital: must not wait for calls of other services.
     """
 
     name: str
@@ -74,14 +76,14 @@ class Service:
 
 
 def require_live(live: LiveSimulator | None) -> LiveSimulator:
-    """Return the simulator, for a command or a reading. Raises NotRunningError if there is none."""
+    """Return the simulator. Raises NotRunningError if there is none, since a recording is played."""
     if live is None:
         raise NotRunningError("there is no simulator, only a recording")
     return live
 
 
 def keep_up(live: LiveSimulator | None, channels: Iterable[Channel]) -> list[Subscription]:
-    """Start the work that channels do even without subscribers; servers call it once, and cancel it when they end."""
+    """Start the work that channels do even without subscribers. Servers call this once, and cancel it when they end."""
     going_on: list[Subscription] = []
     if live is None:
         return going_on

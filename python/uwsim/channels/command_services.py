@@ -1,4 +1,4 @@
-"""Services of a vehicle that are commands: one for each entry of the table of commands that has a service type."""
+"""A vehicle's command services: one for each command in the table that has a service type."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.live import LiveSimulator
 
 
 def command_services(source: Source, steering: Steering) -> list[Service]:
-    """Return a vehicle's services of commands. Their requests have the commands' arguments, those of SetBool `data`."""
+    """Return a vehicle's command services. A request's fields are the command's arguments, or `data` for SetBool."""
     return [
         Service(
             source.topic(command.name), command.service, answered(_given(source.name, command, steering)),
@@ -38,14 +38,14 @@ def _given(vehicle: str, command: Command, steering: Steering) -> Callable[[Live
 
 
 def arguments_of(command: Command, request: Request) -> dict[str, Any]:
-    """Return the arguments that a request to the command's service holds. Raises ValueError for a SetBool without."""
+    """Return the command's arguments from a request to its service. Raises ValueError for a SetBool without `data`."""
     if command.service == SET_BOOL:
         return {command.arguments[0].name: field(request, "data", bool, None)}
     return dict(request)
 
 
 def request_of(command: Command, arguments: Mapping[str, Any]) -> Request:
-    """Return the request that gives a command by its service."""
+    """Return the request that issues a command through its service."""
     if command.service == SET_BOOL:
         flag = command.arguments[0]
         return {"data": bool(arguments.get(flag.name, flag.default))}

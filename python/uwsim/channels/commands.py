@@ -1,4 +1,4 @@
-"""Channels that a vehicle receives: /cmd_vel, wrench, thruster and fin commands, the sonar's tilt."""
+"""Command channels of a vehicle: /cmd_vel, wrench, thruster and fin commands, and the sonar's tilt."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ELEVATION = COMMANDS["aim"].argument("elevation_rad")
 
 
 def command_channels(source: Source, sim: Simulator, steering: Steering) -> list[Channel]:
-    """Return the standard commands of a vehicle. Each steering command replaces the one before."""
+    """Return a vehicle's standard command channels. Each steering command replaces the previous one."""
     vehicle, topic, frame_id = source.of(sim), source.topic, source.frame("base_link")
     thrusters, fins = list(vehicle.thrusters), list(vehicle.fins)
 

@@ -1,8 +1,8 @@
-"""Variances of readings, from the sensors' noise parameters, for the covariances of messages.
+"""Variances of readings, derived from the sensors' noise parameters, for the covariances in messages.
 
-A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the bias drawn at the start, the
-Gauss-Markov bias in its stationary state, the random walk that has grown with time, and rounding, quantum^2 / 12
-(uniform over one step). Their variances add up. Limits and lost samples are not included.
+A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the turn-on bias, the Gauss-Markov
+bias in its stationary state, the random walk so far, and rounding, quantum^2 / 12 (uniform over one step). Their
+variances add up. Limits and lost samples are not included.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of an unkn
 def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) -> float:
     """Return the variance of a channel's errors [unit^2] at a time since the start; 0 for an exact sensor.
 
-    rate_hz: its sampling rate.
+    rate_hz: the sensor's sampling rate.
     """
     noise = mount.channels.get(channel) or mount.noise or Noise(std=mount.noise_std or 0.0)
     white = noise.std**2 + noise.density**2 * rate_hz
@@ -27,15 +27,15 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
 
 
 def isotropic(value: float) -> NDArray[np.float64]:
-    """Return the covariance (9,), by rows, of three axes with equal and independent errors."""
+    """Return the covariance (9,), row by row, of three axes with equal, independent errors."""
     return np.array([value, 0.0, 0.0, 0.0, value, 0.0, 0.0, 0.0, value])
 
 
 def of_velocity(beams: NDArray[np.float64], value: float) -> NDArray[np.float64]:
     """Return the covariance (9,) of a velocity that is the least-squares fit to beams' velocities.
 
-    beams: unit vectors (n, 3). value: the variance of each beam's velocity. Fewer than three directions leave it
-    unknown.
+    beams: unit vectors (n, 3). value: the variance of each beam's velocity. With fewer than three directions, the
+    covariance is unknown.
     """
     if np.linalg.matrix_rank(beams) < 3:
         return np.full(9, UNKNOWN)

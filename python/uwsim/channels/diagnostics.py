@@ -1,4 +1,4 @@
-"""/diagnostics: a live simulator's pace and each vehicle's all stop, for ROS's monitors."""
+"""/diagnostics: a live simulator's pace, and whether each vehicle's all stop is set, for ROS's monitors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 1.0
 OK, WARN, ERROR = 0, 1, 2  # diagnostic_msgs/DiagnosticStatus
-HELD = 0.95  # share of the requested speed
+HELD = 0.95  # fraction of the requested speed
 
 
 def diagnostics_channel(live: LiveSimulator) -> Channel:
@@ -53,7 +53,7 @@ def diagnostics_channel(live: LiveSimulator) -> Channel:
 
 
 def _vehicles(sim: Simulator) -> list[Any]:
-    """Return whether each vehicle obeys commands. Over a link, its telemetry reports that with a delay."""
+    """Report whether each vehicle obeys commands; with a link, this is only known from its delayed telemetry."""
     return [
         build.message(
             "diagnostic_msgs/msg/DiagnosticStatus",

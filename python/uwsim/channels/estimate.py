@@ -1,4 +1,4 @@
-"""The vehicle's own estimate of its motion as nav_msgs/Odometry, next to the true one in `odom`."""
+"""A vehicle's own estimate of its motion as nav_msgs/Odometry; `odom` has the true motion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def has_estimate(source: Source) -> bool:
 
 
 def estimate_channels(source: Source) -> list[Channel]:
-    """Return the channel of a vehicle's estimate; none for a vehicle without an IMU."""
+    """Return the channel of a vehicle's estimate, or an empty list for a vehicle without an IMU."""
     if not has_estimate(source):
         return []
     return [
@@ -60,10 +60,10 @@ def _odometry(source: Source, sim: Simulator) -> Any:
 
 
 def covariances(estimate: Navigator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the covariances of pose and twist, (6, 6) each, as ROS has them.
+    """Return the covariances of pose and twist, (6, 6) each, as ROS defines them.
 
-    Pose: position, then rotation about the fixed axes of odom. Twist: in the body's axes, where the velocity also
-    contains the attitude error.
+    Pose: position, then rotation about the fixed axes of odom. Twist: in body axes, so that the attitude error adds to
+    the velocity's error.
     """
     errors, turn = estimate.covariance, estimate.pose.world_from_body[:3, :3]
     x, y, z = estimate.velocity.linear_body_m_s

@@ -18,7 +18,7 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Reading:
-    """One message of a channel. time_ns: simulated time at which it was read; tick: the same in steps."""
+    """One message of a channel. time_ns: the simulated time at which it was read; tick: the same time in steps."""
 
     __slots__ = ("_cdr", "_lock", "_make", "_message", "channel", "tick", "time_ns")
 
@@ -32,7 +32,7 @@ class Reading:
         cdr: memoryview | None = None,
         make: Callable[[], Any] | None = None,
     ) -> None:
-        """message: None if cdr is given, or if the message is made when it is first needed."""
+        """message: None if `cdr` holds the message, or if `make` builds it when it is first needed."""
         self._make = make
         self.channel = channel
         self.time_ns = time_ns
@@ -43,20 +43,20 @@ class Reading:
 
     @property
     def message(self) -> Any:
-        """The message itself: made, or decoded from recorded bytes, when it is first read. Raises ValueError."""
+        """The message; built, or decoded from recorded bytes, on first access. Raises ValueError."""
         with self._lock:
             return self._made()
 
     @property
     def cdr(self) -> memoryview:
-        """The message in CDR: encoded when it is first read, on any thread, and shared by all."""
+        """The message in CDR; encoded on first access, on any thread, and shared by all sinks."""
         with self._lock:
             if self._cdr is None:
                 self._cdr = encode(self._made())
             return self._cdr
 
     def caught_up(self) -> Reading:
-        """Return a reading with this one's time that combines everything in a channel's messages so far."""
+        """Return a reading with the same time that combines all of the channel's messages so far."""
         catch_up = self.channel.catch_up
         assert catch_up is not None
         return Reading(self.channel, None, self.time_ns, self.tick, make=lambda: catch_up(None)[0])
@@ -69,16 +69,16 @@ class Reading:
 
 
 Sink = Callable[[Reading], object]
-"""Takes a reading on the stepping thread: it must be brief and must not block."""
+"""Receives a reading on the stepping thread; it must be brief and must not block."""
 
 
 class Readings(Protocol):
-    """A source of readings for bridges: a live simulator's feed, or a recording that is played."""
+    """A source of readings for bridges: a live simulator's feed or a recording being played."""
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Pass each reading of a channel to a sink from now on; return a function that ends this.
 
-        A latched channel's newest reading is passed at once.
+        A latched channel's latest reading is passed immediately.
         """
 
     def newest(self, channel: Channel) -> Reading | None:
@@ -89,7 +89,7 @@ class Readings(Protocol):
 
 
 class Feed:
-    """The channels of a live simulator for several sinks. A channel is read while it has a sink."""
+    """Shares a live simulator's channels among several sinks. A channel is read only while it has sinks."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -100,8 +100,8 @@ class Feed:
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Pass each reading of a channel to a sink from now on; return a function that ends this.
 
-        A latched channel's newest reading comes at once, on the calling thread; a channel without a rate is read when
-        its first sink joins, as is any channel while the simulator is paused. Raises NotRunningError.
+        A latched channel's latest reading is passed immediately, on the calling thread. A channel without a rate is
+        read when its first sink joins, as is any channel while the simulator is paused. Raises NotRunningError.
         """
         with self._lock:
             tap = self._taps.get(channel.name)
@@ -123,20 +123,20 @@ class Feed:
         return lambda: self._leave(tap, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the reading for a late sink of a latched channel: everything so far, if its messages build up."""
+        """Return the reading for a late sink of a latched channel: all messages so far if they build on each other."""
         with self._lock:
             tap = self._taps.get(channel.name)
             return None if tap is None else tap.late()
 
     def share(self, reading: Reading) -> None:
-        """Pass on a reading that a recorder has just taken, instead of reading again at that tick.
+        """Share a reading that a recorder has just taken, so that the channel is not read again at that tick.
 
-        On the stepping thread.
+        Must be called on the stepping thread.
         """
         self._fresh[reading.channel.name] = reading
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the simulated time [ns] to a sink once per period of it; return a function that ends this.
+        """Report the simulated time [ns] to a sink once per simulated period; return a function that ends this.
 
         Raises NotRunningError.
         """
@@ -150,10 +150,10 @@ class Feed:
 
 
 class _Tap:
-    """One channel's subscription. sinks: replaced as a whole, since the stepping thread reads them without a lock."""
+    """One channel's subscription. sinks: replaced as a whole, since the stepping thread reads it without a lock."""
 
     def __init__(self, live: LiveSimulator, channel: Channel, fresh: Mapping[str, Reading]) -> None:
-        """fresh: readings that others have just taken, by channel name."""
+        """fresh: readings shared by a recorder, by channel name."""
         self._fresh = fresh
         self.newest: Reading | None = None
         self.sinks: tuple[Sink, ...] = ()
@@ -164,14 +164,14 @@ class _Tap:
 
     def open(self) -> None:
         """Start reading."""
-        self._is_first = True  # while paused, a reading of this tick may be older than the commands since
+        self._is_first = True  # while paused, a reading of this tick may predate later commands
         if self._channel.rate_hz is not None:
             self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
         else:
             self.read_once(self._hand_on)
 
     def read_once(self, sink: Sink) -> None:
-        """Read now, for a sink that would have to wait long for the next reading."""
+        """Read now, for a sink that would otherwise wait long for the next reading."""
 
         def take(done: Future[Reading | None]) -> None:
             error = done.exception()

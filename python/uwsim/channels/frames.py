@@ -1,4 +1,4 @@
-"""Time and frames: /clock, /tf, /tf_static, odometry and joints."""
+"""Channels for time and frames: /clock, /tf, /tf_static, odometry and joint states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CLOCK_HZ = 100.0
 
 
 def clock_channel() -> Channel:
-    """Return /clock."""
+    """Return the channel /clock."""
     return Channel(
         "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ,
         read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
@@ -26,7 +26,7 @@ def clock_channel() -> Channel:
 
 
 def common_channels(sources: Sequence[Source]) -> list[Channel]:
-    """Return the channels of all vehicles together."""
+    """Return the channels that all vehicles share."""
     return [
         clock_channel(),
         Channel(
@@ -41,7 +41,7 @@ def common_channels(sources: Sequence[Source]) -> list[Channel]:
 
 
 def vehicle_channels(source: Source) -> list[Channel]:
-    """Return a vehicle's odometry and joint states."""
+    """Return the channels of a vehicle's odometry and joint states."""
     found = [
         Channel(
             source.topic("odom"), "nav_msgs/msg/Odometry", "out",

@@ -1,4 +1,4 @@
-"""Peers of a graph other than simulators, which outlive them, such as the operator's station."""
+"""Participants in a graph other than simulators, which may outlive them, such as the operator's station."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CatchUp = Callable[[Any], tuple[Any, Any]]
 
 @dataclass(frozen=True)
 class GuestTopic:
-    """A topic that a guest publishes. latched: a late subscriber gets the newest message immediately."""
+    """A topic that a guest publishes. latched: whether late subscribers receive the latest message immediately."""
 
     name: str
     type: str
@@ -23,9 +23,10 @@ class GuestTopic:
 
 @dataclass(frozen=True)
 class GuestService:
-    """A service. call: with the caller's name and the request; returns the response, or a Future of it; ValueError.
+    """A service that a guest offers.
 
-    is_brief: it is called on the network thread, which it must not block.
+    call: receives the caller's name and the request; returns the response or a Future of it; raises ValueError.
+    is_brief: whether it is called on the network thread, which it must not block.
     """
 
     name: str
@@ -39,7 +40,7 @@ class Node(Protocol):
     """A guest's end of the graph; all methods may be called on any thread."""
 
     def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
-        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build up."""
+        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build on each other."""
 
     def offer_topics(self, topics: Iterable[GuestTopic]) -> None:
         """Offer these topics, replacing the previous ones."""
@@ -48,28 +49,28 @@ class Node(Protocol):
         """Return whether a topic has subscribers."""
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for the last message of a topic, or there has been none."""
+        """Return whether a subscriber was ready for the last message of a topic, or no message has been published."""
 
     def silence_s(self, client: str) -> float:
         """Return how long [s] nothing has been received from a client, including answers to pings."""
 
 
 class Guest(Protocol):
-    """A participant in a graph under its own name."""
+    """A participant in a graph with a name of its own."""
 
     @property
     def name(self) -> str:
-        """Its name in the graph, "/station"."""
+        """The guest's name in the graph, such as "/station"."""
 
     @property
     def services(self) -> Sequence[GuestService]:
-        """The services that it offers."""
+        """The services that the guest offers."""
 
     def connect(self, node: Node) -> None:
-        """Receive its node; called once."""
+        """Receive the guest's node; called once."""
 
     def demanded(self) -> None:
-        """Called on the network thread when a topic has got its first subscriber."""
+        """Called on the network thread when a topic gets its first subscriber."""
 
     def left(self, client: str) -> None:
-        """Called on the network thread when a client has left."""
+        """Called on the network thread when a client has disconnected."""

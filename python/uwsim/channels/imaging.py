@@ -1,7 +1,7 @@
-"""Imaging sonars: their levels, and pictures for an operator. One class for each kind, in the table VIEWS.
+"""Channels of imaging sonars: echo levels, and pictures for an operator. VIEWS has a class for each kind of sonar.
 
-Pings are computed in parallel with the steps, like cameras' pictures. The picture of a side-scan or profiling sonar
-needs several pings: each view keeps those that it shows.
+Pings are computed in parallel with the steps, like cameras' pictures. A side-scan or profiling sonar's picture combines
+several pings, which its view keeps.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ SOUND_SPEED_M_S = 1500.0
 
 
 class Look(NamedTuple):
-    """A sonar's echoes. level_db: (bins, beams), with bearings_rad about its z axis, positive to port."""
+    """One result of a sonar. level_db: (bins, beams). bearings_rad: about the sonar's z axis, positive to port."""
 
     time_ns: int
     level_db: Levels
@@ -42,16 +42,16 @@ class Look(NamedTuple):
 
 
 class View(Protocol):
-    """How a kind of sonar is displayed. rate_hz: of looks, by default."""
+    """Displays one kind of sonar. rate_hz: the default rate of results."""
 
     rate_hz: float
 
     def begin(self, sonar: ImagingSonar, time_ns: int) -> Callable[[], tuple[Any, ...]]:
-        """Store the present; return a function for its level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
+        """Store the current state; return a function for its level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
 
 
 class Ahead:
-    """A forward-looking sonar: each look is a picture."""
+    """A forward-looking sonar: each ping is a picture."""
 
     rate_hz = 5.0
 
@@ -70,7 +70,7 @@ class Ahead:
 
 
 class Aside:
-    """A side-scan sonar: the picture is the waterfall of the last pings, the newest at the top, port on the left."""
+    """A side-scan sonar: the picture is a waterfall of the last pings, the latest at the top, port on the left."""
 
     rate_hz = RATE_HZ
 
@@ -84,7 +84,7 @@ class Aside:
         def look() -> tuple[Any, ...]:
             line: Waterfall = ping()
             while self._rows and self._rows[0][0] >= time_ns:
-                self._rows.popleft()  # time has gone back
+                self._rows.popleft()  # simulated time went back
             row = _coarser(line.picture_db(), 2 * HEIGHT)[0]
             if self._rows and len(self._rows[0][1]) != len(row):
                 self._rows.clear()  # the sonar's parameters have changed
@@ -101,9 +101,9 @@ class Aside:
 
 
 class Across:
-    """A profiling sonar, whose beam a motor steps to and fro; the picture is the last echo in each direction.
+    """A profiling sonar, whose beam a motor steps to and fro; the picture shows the last echo in each direction.
 
-    In a period of 1 / RATE_HZ it pings as often as the sound's travel time allows.
+    In each period of 1 / RATE_HZ, the sonar pings as often as the sound's travel time allows.
     """
 
     rate_hz = RATE_HZ
@@ -129,7 +129,7 @@ class Across:
             self._columns[steps] = _coarser(found.level_db, HEIGHT)
             fan = polar_pixels(self._columns.T, found.model.range_max_m, 2 * SWEEP_RAD, HEIGHT)
             picture = in_colours(fan.level_db, shown_range(self._columns, noise_db))
-            return found.level_db.T, found.angles_rad, found.bin_centres_m, picture[::-1]  # its x axis is down
+            return found.level_db.T, found.angles_rad, found.bin_centres_m, picture[::-1]  # its x axis points down
 
         return look
 
@@ -138,7 +138,7 @@ VIEWS: dict[type, Callable[[], View]] = {ForwardLooking: Ahead, SideScan: Aside,
 
 
 def imaging_channels(source: Source, sim: Simulator, pictures: Pictures) -> list[Channel]:
-    """Return the levels and pictures of a vehicle's imaging sonars."""
+    """Return the channels of levels and pictures of a vehicle's imaging sonars."""
     found = []
     for name, sonar in source.of(sim).imaging_sonars.items():
         topic, frame_id, view = source.topic(name), source.frame(f"{name}_link"), VIEWS[type(sonar.model)]()
@@ -220,7 +220,7 @@ def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
             "marine_acoustic_msgs/msg/ProjectedSonarImage",
             header=build.header(look.time_ns, frame_id),
             ping_info=info,
-            # x up, z ahead, so y is to starboard; bearings rise to port.
+            # x is up and z ahead, so y is to starboard; bearings increase to port.
             beam_directions=[build.vector((0.0, -np.sin(angle), np.cos(angle))) for angle in look.bearings_rad],
             ranges=look.ranges_m.astype(np.float32),
             image=image,
@@ -230,7 +230,7 @@ def _levels(sonar: ImagingSonar) -> Callable[[Look, str], Any]:
 
 
 def _coarser(level_db: Levels, width: int) -> Levels:
-    """Return levels (rows, columns) with power averaged over neighbouring columns, so that there are at most width."""
+    """Average power over neighbouring columns of levels (rows, columns), to leave at most about `width` columns."""
     together = -(-level_db.shape[1] // width)
     columns = level_db.shape[1] // together
     power = 10.0 ** (level_db[:, : columns * together].astype(np.float64) / 10.0)

@@ -1,4 +1,4 @@
-"""Sensors as ROS messages, and the battery. One function for each kind of sensor, in the table KINDS."""
+"""Channels of sensors and the battery. KINDS has the ROS message and a function for each kind of sensor."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from uwsim.instruments.sensors import Sample
 from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.simulator.simulator import Simulator
 
-DEFAULT_HZ = 10.0  # for sensors without their own rate
+DEFAULT_HZ = 10.0  # for sensors without a rate
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
 DVL_MODE_BOTTOM = 1
 
 
 class Errors(NamedTuple):
-    """The errors of a sensor's readings at a time."""
+    """The statistics of a sensor's errors at one time."""
 
     mount: SensorMount
     rate_hz: float
     time_s: float
 
     def variance(self, channel: str) -> float:
-        """Return the variance of a channel [unit^2]."""
+        """Return the variance of a channel's errors [unit^2]."""
         return variance(self.mount, channel, self.rate_hz, self.time_s)
 
 
@@ -39,7 +39,10 @@ Write = Callable[[Any, Any, Errors], Any]
 
 
 class Kind(NamedTuple):
-    """The messages of a kind of sensor. write(value, header, errors): makes one. even_invalid: also without a fix."""
+    """The messages of a kind of sensor.
+
+    write(value, header, errors): builds one. even_invalid: whether samples without an echo or fix are published, too.
+    """
 
     type: str
     write: Write
@@ -47,7 +50,7 @@ class Kind(NamedTuple):
 
 
 def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channels of a vehicle's sensors, named like the sensors, and of its battery."""
+    """Return the channels of a vehicle's sensors, which have the sensors' names, and of its battery."""
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
@@ -84,7 +87,7 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
 
 
 def _is_out_of_reach(value: Any) -> bool:
-    """Return whether a sample is invalid because nothing answered, as opposed to being lost."""
+    """Return whether a sample is invalid because there was no echo, as opposed to being lost."""
     return bool(value.bottom_lock == 0) if hasattr(value, "bottom_lock") else not math.isfinite(value)
 
 
@@ -164,19 +167,19 @@ def _dvl(value: Any, header: Any, errors: Errors) -> Any:
 
 
 def _plain(name: str, field: str, channel: str) -> Write:
-    """Return a function that writes a scalar with a header and its variance."""
+    """Return a function that builds a message of a scalar, with header and variance."""
     return lambda value, header, errors: build.message(
         name, header=header, variance=errors.variance(channel), **{field: value}
     )
 
 
 def _bare(name: str, convert: Callable[[float], Any]) -> Write:
-    """Return a function that writes a scalar alone."""
+    """Return a function that builds a message of a scalar alone."""
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
 def _usbl(value: Any, header: Any, errors: Errors) -> Any:
-    """Return the position from the station along east, north and up, the world's axes."""
+    """Return the position relative to the station, along the world's axes: east, north, up."""
     header.frame_id = "world"
     return build.message(
         "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
@@ -199,4 +202,4 @@ KINDS: dict[str, Kind] = {
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
-"""The message of each kind of sensor. A new kind is one entry; /odom has the kinds without one (true motion)."""
+"""The message of each kind of sensor. A new kind is one entry. /odom carries kinds without an entry: true motion."""

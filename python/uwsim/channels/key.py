@@ -1,4 +1,4 @@
-"""The published keyboard's message, `key`: efforts, of which sway and yaw are positive to starboard, and a function."""
+"""The published keyboard's message `key`: a function, and efforts, where sway and yaw are positive to starboard."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ POSE = "geometry_msgs/msg/Pose"
 
 
 class Function(IntEnum):
-    """The function that the message requests in orientation.w."""
+    """The function that a message requests in orientation.w."""
 
     NONE = 0
     RELEASE = 1
@@ -26,7 +26,7 @@ class Function(IntEnum):
 
 
 def key_message(efforts: Mapping[str, float], function: Function = Function.NONE) -> Any:
-    """Return the message of efforts by axis (REP 103) and a function."""
+    """Return the message for efforts by axis (REP 103) and a function."""
     turn = efforts["pitch"], efforts["roll"], -efforts["yaw"]
     return build.pose((efforts["surge"], -efforts["sway"], efforts["heave"]), (*turn, float(function)))
 

@@ -1,4 +1,4 @@
-"""The map of all pings since a server began: /octomap_binary whole, /map_changes as it grows, and its pings."""
+"""Channels of the map of all pings since a server began: /octomap_binary, /map_changes and /placed_ping."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from uwsim.simulator.simulator import Simulator
 
 PLACED = "placed_ping"
 PUBLISH_NS, CHANGES_NS = 1_000_000_000, 250_000_000
-WAITING_MAX = 64  # pings that may be queued for the map; with more, the steps wait
+WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps wait
 
 
 class _Late:
-    """A channel's result: started at a ping every period_ns, published one ping later; the first at once."""
+    """A channel's result: computed from a ping every period_ns, published one ping later; the first immediately."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
         self._newest_ns = -1
-        self._begun: tuple[int, Future[Any]] | None = None  # at the newest ping
-        self._said: tuple[int, Future[Any]] | None = None  # by the first reader at the newest ping
+        self._begun: tuple[int, Future[Any]] | None = None  # begun at the latest ping
+        self._said: tuple[int, Future[Any]] | None = None  # to be published at the latest ping
 
     def at_ping(self, stamp_ns: int, interval_ns: int, begin: Callable[[], Future[Any]]) -> None:
-        """Register a ping, once."""
+        """Register a ping; further calls for the same ping do nothing."""
         if stamp_ns == self._newest_ns:
             return
         is_first = self._newest_ns < 0 or stamp_ns < self._newest_ns
@@ -52,15 +52,15 @@ class _Late:
 
     @property
     def said(self) -> tuple[int, Any] | None:
-        """Return the stamp and the result that are due now, once it is ready."""
+        """The stamp and the result that are due now, after waiting for the result."""
         return None if self._said is None else (self._said[0], self._said[1].result())
 
 
 class PingMap:
-    """A map, in the odom frame, of every ping since a server began to offer it, with or without subscribers.
+    """A map, in the odom frame, of all pings since a server began to offer it, with or without subscribers.
 
-    For each ping the steps only wait for ray casting and the chain; inserting and writing happen in order on a separate
-    thread. A published map arrives one ping later, the first at once.
+    For each ping, the steps wait only for ray casting and the chain; insertion and serialisation run in order on a
+    separate thread. A map is published one ping later, the first map immediately.
     """
 
     def __init__(self, source: Source, pings: Pings) -> None:
@@ -75,11 +75,11 @@ class PingMap:
 
     @property
     def is_begun(self) -> bool:
-        """Whether it contains any pings."""
+        """Whether the map contains any pings."""
         return self._map is not None
 
     def channels(self) -> list[Channel]:
-        """Return the channels of the map, and of the pings from which another map can be built."""
+        """Return the channels of the map, and of pings from which clients can build a map."""
         placed = Channel(
             self._source.topic(PLACED), PLACED_PING, "out", "each ping with the pose of the sonar, for a map elsewhere",
             rate_hz=self._pings.rate_hz, frame_id=self._source.frame("odom"), over_link=True, priority=PING,
@@ -105,14 +105,14 @@ class PingMap:
         ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
-        """Insert the newest ping; once a second, return the map that was started at the last reading, else None."""
+        """Insert the latest ping; once a second, return the map that was begun at the previous reading, else None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said
         return None if said is None else self._message(*said)
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Insert the newest ping; four times a second, return the changes up to the last reading, if any."""
+        """Insert the latest ping; four times a second, return the changes up to the previous reading, if any."""
         self.keep_up(sim)
         self._news.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(self._note_changes))
         said = self._news.said
@@ -126,15 +126,15 @@ class PingMap:
         self._worker.submit(self.changes.forget, self._map.resolution_m)
 
     def points(self) -> tuple[NDArray[np.float64], float]:
-        """Return the centres of the occupied voxels, (n, 3), odom, and their edge [m]. Raises ValueError."""
+        """Return the centres (n, 3) of occupied voxels in the odom frame, and their edge [m]. Raises ValueError."""
         return self._worker.submit(self._points).result()
 
     def write(self, path: Path) -> None:
-        """Write the map, with every ping so far. Raises ValueError if there is none yet, OSError."""
+        """Write the map with all pings so far. Raises ValueError if there is no map yet, OSError."""
         self._worker.submit(self._write, path).result()
 
     def to_bytes(self) -> bytes:
-        """Return the map, with every ping so far, as a .bt file. Raises ValueError if there is none yet."""
+        """Return the map with all pings so far as .bt data. Raises ValueError if there is no map yet."""
         return self._worker.submit(lambda: self._some_map().to_bytes("bt")).result()
 
     @property
@@ -142,13 +142,13 @@ class PingMap:
         return round(self._pings.interval_s * 1e9)
 
     def keep_up(self, sim: Simulator) -> None:
-        """Insert the newest ping, if it is not in the map."""
+        """Insert the latest ping, if it is not in the map yet."""
         taken = self._pings.newest(sim)
         if taken.ping.time_ns != self._newest_ns:
             self._insert(sim, taken)
 
     def _insert(self, sim: Simulator, taken: TakenPing) -> None:
-        """Pass a ping through the chain to the map; begin a new map if time has gone back."""
+        """Pass a ping through the chain into the map; begin a new map if simulated time went back."""
         if self._map is None or taken.ping.time_ns < self._newest_ns:
             self._map = empty_map(sim.scenario)
             self._worker.submit(self.changes.forget, self._map.resolution_m)
@@ -164,7 +164,7 @@ class PingMap:
             self._waiting.popleft().result()
 
     def _read_placed(self, sim: Simulator) -> Any:
-        """Return the newest ping with its pose."""
+        """Return the latest ping with the sonar's pose."""
         taken = self._pings.newest(sim)
         stamp_ns, sonar = taken.ping.time_ns, taken.odom_from_sonar
         header = build.header(stamp_ns, self._source.frame("odom"))
@@ -211,12 +211,12 @@ class PingMap:
 
 
 def empty_map(scenario: Scenario) -> OccupancyMap:
-    """Return a new map with the voxels of the scenario's survey, or of 0.2 m."""
+    """Return an empty map with the voxel size of the scenario's survey, or 0.2 m."""
     return OccupancyMap(scenario.survey.voxel_m if scenario.survey else 0.2, on_outside="count")
 
 
 def mapped_points(head: Head, taken: TakenPing, hull: Box) -> NDArray[np.float32]:
-    """Return a ping's points (n, 3), passed through the chain: scan, cloud, body without its own hull, odom."""
+    """Pass a ping through the chain: scan, cloud, removal of echoes off the hull; return points (n, 3) in odom."""
     cloud_m = ranging.to_point_cloud(scan_of(head, taken))
     return placed_echoes(cloud_m, hull, taken.odom_from_body, taken.odom_from_sonar)
 
@@ -237,6 +237,6 @@ def on_hull(scan: ranging.LaserScan, taken: TakenPing, hull: Box) -> NDArray[np.
 
 
 def binary(occupancy: OccupancyMap | None) -> bytes:
-    """Return the bytes that octomap_msgs::binaryMsgToMap reads: the file without its header."""
+    """Return the data that octomap_msgs::binaryMsgToMap reads: a .bt file without its header."""
     assert occupancy is not None
     return occupancy.to_bytes("bt").partition(b"\ndata\n")[2]

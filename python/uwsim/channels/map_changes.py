@@ -1,4 +1,4 @@
-"""The occupied voxels of a growing map as bits in blocks, and their changes: for live views."""
+"""The occupied voxels of a growing map, as bits in blocks, and their changes, for live views."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from uwsim.mapping import OccupancyChanges
 
-EDGE = 16  # voxels of a block
-REMEMBERED = 400  # number of changes, beyond which a reader gets a snapshot instead
+EDGE = 16  # voxels along a block's edge
+REMEMBERED = 400  # a reader that lacks more changes gets a snapshot instead
 OCCUPIED = 0x8000
 
 
@@ -28,33 +28,33 @@ class Part(NamedTuple):
 
 
 class MapChanges:
-    """Records changes on one thread, and provides readers on other threads with those that they lack.
+    """Records changes on one thread, and gives readers on other threads the changes that they lack.
 
-    A cursor is the number of changes that a reader has.
+    A cursor is the number of changes that a reader has received.
     """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._resolution_m = 0.0
         self._sequence = 0
-        self._oldest = 0  # the number of changes that are no longer remembered
+        self._oldest = 0  # the last change that is no longer remembered
         self._remembered: deque[Part] = deque()
         self._rows: dict[tuple[int, int, int], int] = {}
         self._bits = np.zeros((0, EDGE**3 // 8), np.uint8)
 
     def forget(self, resolution_m: float) -> None:
-        """Start over: readers will get a snapshot."""
+        """Start over with an empty map; readers will get a snapshot."""
         with self._lock:
             self._begin_anew(resolution_m)
 
     def note(self, changes: OccupancyChanges) -> Part:
-        """Record the map's changes since the last call; return them as a message's fields."""
+        """Record the map's changes since the last call; return them as the fields of a message."""
         blocks, counts, cells = in_blocks(changes)
         with self._lock:
             return self._add(Part(0, False, self._resolution_m, blocks.ravel(), counts, cells))
 
     def take(self, part: Part) -> None:
-        """Apply changes from messages, one by one; a snapshot starts over."""
+        """Apply the changes of one message; a snapshot starts over."""
         with self._lock:
             if part.snapshot or part.resolution != self._resolution_m:
                 self._begin_anew(part.resolution)
@@ -79,7 +79,7 @@ class MapChanges:
         return part
 
     def since(self, cursor: int | None) -> tuple[Part, int]:
-        """Return the changes after the first `cursor` ones, and the next cursor."""
+        """Return the changes since `cursor`, and the next cursor."""
         with self._lock:
             if cursor is None or not self._oldest <= cursor <= self._sequence:
                 return self._snapshot(), self._sequence
@@ -122,7 +122,7 @@ _EMPTY = {"blocks": np.zeros(0, np.int16), "counts": np.zeros(0, np.uint16), "ce
 
 
 def in_blocks(changes: OccupancyChanges) -> tuple[NDArray[np.int16], NDArray[np.uint16], NDArray[np.uint16]]:
-    """Return changes, which are in Morton order, as blocks (n, 3), counts (n,) and cells, the message's fields."""
+    """Convert changes, which are in Morton order, to the message's fields: blocks (n, 3), counts (n,) and cells."""
     blocks, inside = changes.cells >> 4, (changes.cells & 15).astype(np.uint16)
     cells = inside[:, 0] | inside[:, 1] << 4 | inside[:, 2] << 8 | np.where(changes.occupied, OCCUPIED, 0)
     begins = np.flatnonzero(np.r_[len(blocks) > 0, (blocks[1:] != blocks[:-1]).any(axis=1)])

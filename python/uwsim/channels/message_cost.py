@@ -1,7 +1,7 @@
-"""A message's cost in memory, known before it is made, and the memory held by an existing one.
+"""The memory that a message will cost, computed before it is built, and the memory that it occupies.
 
-A message without lists has a fixed size, which depends on its type; all else that a client can add is in lists, whose
-lengths are known. So both are bounded before anything is made.
+A message with empty lists has a fixed size, which depends on its type. A client can add to it only through lists, whose
+lengths are known. So the cost is bounded before anything is built.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from uwsim.channels.message_out import NUMBERS, default_message, numpy_type, to_
 from uwsim.channels.message_types import Kind, fields
 
 SLICE_OBJECTS = 500
-"""Objects that are made before other tasks get a turn."""
+"""The number of objects built before other tasks get a turn."""
 SLICE_NUMBERS = 16_384
-"""Numbers of a list that are made before other tasks get a turn."""
+"""The number of a list's numbers converted before other tasks get a turn."""
 SLOT_BYTES = 8
 OBJECT_BYTES = 72
 FEW_FIELDS = 16  # with more fields, each object has a dict
-ARRAY_BYTES = 232  # of an empty array, and of its tag in CBOR
+ARRAY_BYTES = 232  # an empty array, and its tag in CBOR
 NUMBER_BYTES = 32
 STRING_BYTES = 64
-LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the comma; of integers see _digits
+LONGEST_NUMBER = {"float64": 25, "float32": 16}  # characters in JSON, with the comma; for integers see _digits
 
 
 class Cost(NamedTuple):
-    """The cost of one message with empty lists. written_bytes: to write it, as plain values and as JSON, twice."""
+    """The cost of one message with empty lists. written_bytes: for writing it, as plain values and twice as JSON."""
 
     objects: int
     made_bytes: int
@@ -41,7 +41,7 @@ class Cost(NamedTuple):
 
 @cache
 def cost_of(name: str) -> Cost:
-    """Return the cost of a message of a type."""
+    """Return the cost of a message of a type with empty lists."""
     message = default_message(name)
     objects, made = _measured(message)
     text = len(orjson.dumps(to_plain(message, 1), option=orjson.OPT_SERIALIZE_NUMPY))
@@ -83,17 +83,17 @@ def element_cost(kind: Kind) -> Cost:
     if kind.base == "bool":
         return Cost(0, 9, 2 * 6)
     if kind.base in NUMBERS:
-        # while it is made, there is also an array of NumPy's choice
+        # during conversion, an array of NumPy's choice also exists
         return Cost(0, SLOT_BYTES + numpy_type(kind.base).itemsize, 2 * _digits(kind.base))
     return Cost(0, SLOT_BYTES, SLOT_BYTES + 6)
 
 
 class Meter:
-    """Counts the objects that one frame creates, and refuses excessive ones before they are made.
+    """Counts the objects that one frame creates, and rejects excessive frames before they are built.
 
-    limit_bytes: for the decoded frame and the message together, and later for the message and its written form.
-    spent_bytes: of the decoded frame. objects: maximum number of messages within the message. pause: called between
-    slices of the work. made_bytes: counted size of the message.
+    limit_bytes: the limit for the decoded frame and the message together, and later for the message and its written
+    form. spent_bytes: the size of the decoded frame. objects: the maximum number of messages within the message. pause:
+    called between chunks of the work. made_bytes: the size of the message as counted so far.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Meter:
         self._pause = pause
 
     def charge(self, cost: Cost, count: int, path: str) -> None:
-        """Count elements that are about to be made. Raises ValueError if there are too many."""
+        """Count elements that are about to be built. Raises ValueError if they exceed a limit."""
         self.objects += count * cost.objects
         self.made_bytes += count * cost.made_bytes
         self._written_bytes += count * cost.written_bytes
@@ -132,7 +132,7 @@ class Meter:
 
 
 def held_bytes(message: Any) -> int:
-    """Return the approximate memory of a message: its type's share, and its lists, arrays and strings."""
+    """Return the approximate size of a message [bytes]: its type's fixed size plus its lists, arrays and strings."""
     return _holder(message.__msgtype__)(message)
 
 
@@ -152,7 +152,7 @@ def _holder(name: str) -> Callable[[Any], int]:
 
 
 def _part_holder(kind: Kind) -> Callable[[Any], int] | None:
-    """Return a function that measures a field beyond its type's share; None if there is nothing more."""
+    """Return a function that measures what a field adds to its type's fixed size, or None if it adds nothing."""
     if kind.is_message:
         if kind.length is None:
             return lambda value: _holder(kind.base)(value) if _varies(kind.base) else 0

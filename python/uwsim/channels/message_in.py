@@ -1,9 +1,9 @@
-"""Conversion of plain values, from a client's JSON or CBOR, to a message object, with a check of every field.
+"""Conversion of plain values, from a client's JSON or CBOR, to a message object, checking every field.
 
-A missing or null field gets its default; but null for a floating-point number is NaN, as in our own output. An
+A missing or null field gets its default, except that null for a floating-point number means NaN, as in our output. An
 error names the field's path, its value and the rule: `msg.linear.x = 'fast': must be a number (float64)`.
 
-The contents of a list are charged to a meter before they are made, and the work is done in slices.
+The contents of a list are counted against a budget before they are allocated, and the conversion is done in chunks.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ from uwsim.channels.message_out import (
 )
 from uwsim.channels.message_types import TIMES, Field, Kind, Ros, fields, shortened, typestore
 
-Reader = Callable[[Any, str, Meter], Any]  # value, path, what counts
+Reader = Callable[[Any, str, Meter], Any]  # value, path, budget
 
-SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # of times in ROS 1
-IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's, which is not used
+SPELLINGS = {"secs": "sec", "nsecs": "nanosec", "nanosecs": "nanosec"}  # fields of times in ROS 1
+IGNORED = {"std_msgs/msg/Header": ("seq",)}  # ROS 1's seq is not used
 _ARRAYS = {tag: np.dtype(name).newbyteorder("<") for name, tag in TYPED_ARRAY_TAGS.items()} | {
     64: np.dtype("u1"),
     68: np.dtype("u1"),
@@ -48,9 +48,9 @@ _ARRAYS |= {tag: np.dtype(name) for tag, name in _BIG_ENDIAN.items()}
 
 
 def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = None) -> Any:
-    """Return the message of type `name` for plain values, in ROS 1's or ROS 2's spelling of fields.
+    """Build a message of type `name` from plain values; fields may be spelled as in ROS 1 or ROS 2.
 
-    meter: limits the objects made; None: no limit. Raises ValueError, which names path, value and rule.
+    meter: the budget for the objects built; None: no limit. Raises ValueError that names path, value and rule.
     """
     meter = Meter() if meter is None else meter
     meter.charge(cost_of(name), 1, path)
@@ -58,7 +58,7 @@ def from_plain(name: str, plain: Any, path: str = "msg", meter: Meter | None = N
 
 
 def typed_array(tag: cbor2.CBORTag) -> np.ndarray[Any, np.dtype[Any]]:
-    """Return the array of a CBOR tag of RFC 8746. Raises ValueError for other tags and wrong lengths."""
+    """Return the array in a CBOR tag of RFC 8746. Raises ValueError for other tags and wrong lengths."""
     element = _ARRAYS.get(tag.tag)
     if element is None or not isinstance(tag.value, bytes) or len(tag.value) % element.itemsize:
         raise ValueError(f"CBOR tag {tag.tag}: must be a typed array of RFC 8746 with whole elements")
@@ -230,7 +230,7 @@ def _array_reader(kind: Kind) -> Reader:
 
 
 def _count(value: Any) -> int:
-    """Return how many numbers a value can hold: four characters of base64 hold three."""
+    """Return the largest number of elements that a value can contain: four base64 characters encode three bytes."""
     if isinstance(value, cbor2.CBORTag):
         return len(value.value) if isinstance(value.value, bytes) else 0
     if isinstance(value, np.ndarray):
@@ -254,13 +254,13 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
 
 
 def _numbers(value: list[Any], kind: Kind) -> np.ndarray[Any, np.dtype[Any]]:
-    """Return numbers in NumPy's choice of type, or an array of strings if not all are numbers."""
+    """Convert a list to an array of a type that NumPy chooses, or to an array of strings if not all are numbers."""
     types = set(map(type, value))
     if kind.base.startswith("float") and type(None) in types:
         value = [np.nan if v is None else v for v in value]
         types = types - {type(None)} | {float}
     try:
-        # Types are checked before NumPy, which would turn true and false into numbers.
+        # Types are checked first, since NumPy would convert true and false to numbers.
         wrong = not types <= ({bool} if kind.base == "bool" else {int, float})
         return np.array(["no number"] if wrong else value)
     except (ValueError, OverflowError):
@@ -285,7 +285,7 @@ def _rule(element: np.dtype[Any]) -> str:
 
 
 def _first_bad(value: Any, kind: Kind, start: int) -> str:
-    """Return `[index] = value` of the first element that breaks the rule. start: index of the value's first element."""
+    """Return `[index] = value` for the first element that breaks the rule. start: the index of the first element."""
     read_one = _scalar_reader(Kind(kind.base, None, 0))
     for k, element in enumerate(value if isinstance(value, list) else ()):
         try:

@@ -1,6 +1,6 @@
-"""Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to ROS's own serialisations.
+"""Conversion of a message object to plain values, for JSON (orjson) or CBOR (cbor2), or to ROS's serialisations.
 
-A function for each type is composed on first use, so that writing a message does not inspect types.
+A function is composed for each type on first use, so that writing a message need not inspect types.
 """
 
 from __future__ import annotations
@@ -48,14 +48,14 @@ def numpy_type(base: str) -> np.dtype[Any]:
 def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
     """Return a message as a dict, with the field names that a client of `ros` expects.
 
-    form "json": numbers may be NaN and arrays are NumPy's, both for orjson (which writes null and lists); uint8[] is
+    form "json": numbers may be NaN, and arrays are NumPy arrays; orjson writes them as null and lists. uint8[] is
     base64. form "cbor": arrays of numbers are typed arrays of RFC 8746, uint8[] is bytes.
     """
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 
 
 def to_bytes(message: Any, ros: Ros = 2) -> bytes:
-    """Return a message in ROS 1's serialisation, or in ROS 2's (CDR, little-endian, with its header of four bytes)."""
+    """Serialise a message for ROS 1, or for ROS 2 (CDR, little-endian, with a header of four bytes)."""
     name = message.__msgtype__
     if ros == 2:
         return bytes(typestore().serialize_cdr(message, name))
@@ -63,7 +63,7 @@ def to_bytes(message: Any, ros: Ros = 2) -> bytes:
 
 
 def from_bytes(data: bytes, name: str) -> Any:
-    """Return a message of a type from ROS 2's serialisation. Raises ValueError if it is not valid."""
+    """Deserialise a message of a type from ROS 2's format. Raises ValueError if the data are invalid."""
     try:
         return typestore().deserialize_cdr(data, name)
     except Exception as error:  # the generated code raises any error for damaged bytes
@@ -95,12 +95,12 @@ def _writer(name: str, ros: Ros, form: Form) -> Writer:
 def _getter(field: Field, ros: Ros, form: Form) -> Callable[[Any], Any]:
     if field.attribute is not None:
         return attrgetter(field.attribute)
-    default = default_value(field.kind)  # such as a header's seq, which ROS 2 has dropped
+    default = default_value(field.kind)  # such as a header's seq, which ROS 2 dropped
     return lambda message: default
 
 
 def _value_writer(kind: Kind, ros: Ros, form: Form) -> Writer | None:
-    """Return a function that makes a field's value plain; None if it already is."""
+    """Return a function that converts a field to plain values, or None if the field is already plain."""
     if kind.is_message:
         write = _writer(kind.base, ros, form)
         return write if kind.length is None else lambda values: [write(value) for value in values]
@@ -147,7 +147,7 @@ def default_value(kind: Kind) -> Any:
 
 
 def default_message(name: str) -> Any:
-    """Return a new message of a type with every field at its default."""
+    """Return a new message of a type, with all fields at their defaults."""
     cls = typestore().types[name]
     values = {field.attribute: default_value(field.kind) for field in fields(name, 2) if field.attribute}
     return cls(**values) if values or not _has_placeholder(cls) else cls(**{EMPTY_PLACEHOLDER: 0})

@@ -1,8 +1,8 @@
 """The ROS message types in use: names, fields and classes, from the typestores of `rosbags`.
 
 A message is an object of `typestore().types[name]`, whatever the client: the classes of ROS 2 Jazzy, whose spelling of
-names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its spelling for a client of ROS 1
-(Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or of ROS 2.
+names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its fields in the spelling of ROS 1
+(Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or ROS 2.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ADDED = {
     "octomap_msgs/msg/OctomapWithPose": (
         "std_msgs/Header header\ngeometry_msgs/Pose origin\noctomap_msgs/Octomap octomap\n"
     ),
-    # The published simulator's own, for `decodedDepth` and `rovParameters`
+    # From the published simulator, for `decodedDepth` and `rovParameters`
     "misc/msg/floatarray": "float32[] data\n",
     # https://github.com/RobotWebTools/tf2_web_republisher, for tf clients of rosbridge
     "tf2_web_republisher/msg/TFArray": "geometry_msgs/TransformStamped[] transforms\n",
@@ -64,7 +64,7 @@ ADDED = {
         "float32[] ranges\nmarine_acoustic_msgs/SonarImageData image\n"
     ),
 }
-"""Types that neither typestore has, as .msg texts. Add yours here, with its source."""
+"""Types that neither typestore contains, as .msg texts. Add further types here, with their source."""
 
 NEWEST_ONLY = frozenset(
     {
@@ -75,18 +75,19 @@ NEWEST_ONLY = frozenset(
         "octomap_msgs/msg/OctomapWithPose",
     }
 )
-"""Large messages, of which a slow reader gets the newest one instead of the last ten."""
+"""Types with large messages: slow readers receive only the latest message instead of the last ten."""
 
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
-EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # ROS 2's only field of a message without fields
+EMPTY_PLACEHOLDER = "structure_needs_at_least_one_member"  # the only field of a message without fields in ROS 2
 _NAME = re.compile(r"([A-Za-z]\w*)/(?:(msg)/)?([A-Za-z]\w*)")
 
 
 class Kind(NamedTuple):
-    """The type of a field. base: a primitive's name ("float32"), or a message's ("std_msgs/msg/Header").
+    """The type of a field.
 
-    length: None for one value, 0 for any number of them, else the fixed number of them. limit: of a sequence's length,
-    or of a string's; 0 for none.
+    base: the name of a primitive ("float32") or a message type ("std_msgs/msg/Header"). length: None for a single
+    value, 0 for a list of any length, else the fixed length. limit: the maximum length of a sequence or a string; 0 for
+    none.
     """
 
     base: str
@@ -95,12 +96,12 @@ class Kind(NamedTuple):
 
     @property
     def is_message(self) -> bool:
-        """Whether the field holds messages."""
+        """Whether the field contains messages."""
         return "/" in self.base
 
 
 class Field(NamedTuple):
-    """One field. name: in the client's spelling. attribute: of the message object; None if the object lacks it."""
+    """One field. name: in the client's spelling. attribute: its name in the message object, or None if it lacks it."""
 
     name: str
     attribute: str | None
@@ -109,7 +110,7 @@ class Field(NamedTuple):
 
 @cache
 def typestore() -> Typestore:
-    """Return the types: those of ROS 2 Jazzy, those that only ROS 1 Noetic has, and ADDED."""
+    """Return all types: those of ROS 2 Jazzy, those that exist only in ROS 1 Noetic, and ADDED."""
     store = get_typestore(Stores.ROS2_JAZZY)
     noetic = get_typestore(Stores.ROS1_NOETIC).fielddefs
     store.register({name: noetic[name] for name in noetic.keys() - store.fielddefs.keys()})
@@ -119,7 +120,7 @@ def typestore() -> Typestore:
 
 @cache
 def ros1_typestore() -> Typestore:
-    """Return the types of ROS 1 Noetic, with those that it lacks, for bytes in ROS 1's format."""
+    """Return the types for ROS 1's serialisation: those of Noetic, plus those that it lacks."""
     store = get_typestore(Stores.ROS1_NOETIC)
     jazzy = get_typestore(Stores.ROS2_JAZZY).fielddefs
     missing = {name: jazzy[name] for name in jazzy.keys() - store.fielddefs.keys()}
@@ -134,12 +135,12 @@ def _add(store: Typestore) -> None:
 
 
 def without_placeholder(parts: Any) -> Any:
-    """Return the fields of rosbags' definition without the placeholder for no fields."""
+    """Return the fields of a definition from rosbags, without the placeholder of types without fields."""
     return [part for part in parts if part[0] != EMPTY_PLACEHOLDER]
 
 
 def resolve(name: object) -> tuple[str, Ros | None]:
-    """Return a type's name in ROS 2's spelling, and the ROS that the spelling is of; None if it may be either's.
+    """Return a type's name in ROS 2's spelling, and the ROS generation that spells it as passed, or None if both do.
 
     Both generations write "sensor_msgs/LaserScan", only ROS 2 "sensor_msgs/msg/LaserScan". Raises ValueError for an
     invalid name.
@@ -154,18 +155,18 @@ def resolve(name: object) -> tuple[str, Ros | None]:
 
 
 def spelled(name: str, ros: Ros) -> str:
-    """Spell a type's full name as a generation of ROS does."""
+    """Spell a type's full name as in a generation of ROS."""
     return name if ros == 2 else name.replace("/msg/", "/", 1)
 
 
 def message_text(name: str, ros: Ros) -> str:
-    """Return a type's definition with all that it contains, as rosbags and `rosmsg show` write it."""
+    """Return a type's definition with all types that it contains, as rosbags and `rosmsg show` write it."""
     return (typestore() if ros == 2 else ros1_typestore()).generate_msgdef(name, ros_version=ros)[0]
 
 
 @cache
 def fields(name: str, ros: Ros) -> tuple[Field, ...]:
-    """Return a type's fields as a client of `ros` sees them."""
+    """Return a type's fields as clients of `ros` see them."""
     attributes = {_folded(field): field for field, _ in typestore().fielddefs[name][1]}
     definitions = (typestore() if ros == 2 else ros1_typestore()).fielddefs[name][1]
     found = []
@@ -191,13 +192,13 @@ def kind_of(description: Any) -> Kind:
 
 
 def is_unicode(text: str) -> bool:
-    """Return whether a text can be written: JSON and CBOR may send half of a surrogate pair, which is no character."""
+    """Return whether a text is valid Unicode: clients may send half a surrogate pair in JSON or CBOR."""
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 
 def shortened(value: object) -> str:
-    """Return a value in the form used in error messages."""
+    """Return a value, shortened for an error message."""
     if isinstance(value, str):
-        value = value[:61]  # longer ones would be formatted completely before they are cut
+        value = value[:61]  # otherwise repr would format the whole text first
     text = repr(value) if isinstance(value, str | int | float | bool | None) else type(value).__name__
     return text if len(text) <= 60 else f"{text[:57]}..."

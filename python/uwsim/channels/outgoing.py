@@ -1,4 +1,4 @@
-"""Messages on their way from the simulator's thread to a network: bounded queues, and the thread that writes."""
+"""Outgoing messages, from the simulator's thread to a network: bounded queues, and the thread that writes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from queue import SimpleQueue
 
 from uwsim.channels.message_types import NEWEST_ONLY
 
-QUEUE = 10  # messages of a topic that may wait to be written
+QUEUE = 10  # messages per topic that may wait to be written
 LARGE_QUEUE = 2
 CLOSE_S = 5.0
 
@@ -18,15 +18,15 @@ logger = logging.getLogger("uwsim.channels")
 
 
 def queue_of(type_name: str) -> int:
-    """Return how many messages of a type may wait to be written: few if they are large."""
+    """Return the number of messages of a type that may wait to be written; smaller for large messages."""
     return LARGE_QUEUE if type_name in NEWEST_ONLY else QUEUE
 
 
 class Line:
-    """One topic's queue of jobs. length: how many may wait.
+    """One topic's queue of jobs. length: the number of jobs that may wait.
 
-    A job encodes and writes a message, and returns whether it was accepted. written, dropped: how many messages were
-    written, and how many were dropped for newer ones or not accepted.
+    A job encodes and writes a message, and returns whether it was accepted. written: the number of messages written.
+    dropped: the number of messages that were dropped for newer ones or not accepted.
     """
 
     def __init__(self, name: str, length: int) -> None:
@@ -38,7 +38,7 @@ class Line:
 
 
 class Outgoing:
-    """Does jobs on a separate thread in order of arrival. Offering a job never blocks."""
+    """Runs jobs on a separate thread in order of arrival. Offering a job never blocks."""
 
     def __init__(self, thread_name: str) -> None:
         self._lock = threading.Lock()
@@ -48,17 +48,17 @@ class Outgoing:
         self._thread.start()
 
     def offer(self, line: Line, job: Callable[[], bool]) -> None:
-        """Queue a message, from any thread. If the queue is full, the oldest is dropped."""
+        """Queue a message, from any thread. If the queue is full, its oldest message is dropped."""
         with self._lock:
             line.waiting.append(job)
             if len(line.waiting) > line.length:
                 line.waiting.popleft()
                 line.dropped += 1
-                return  # it takes the turn of the dropped one
+                return  # it takes the turn of the dropped message
         self._turns.put(line)
 
     def close(self) -> None:
-        """End after the message being written."""
+        """Stop after the message that is being written."""
         self._is_closed = True
         self._turns.put(None)
         self._thread.join(CLOSE_S)

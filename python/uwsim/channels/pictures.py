@@ -1,4 +1,4 @@
-"""Pictures of cameras and imaging sonars: each is made once for all clients, in parallel with the steps."""
+"""Pictures of cameras and imaging sonars; each is rendered once for all clients, in parallel with the steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WIDTHS = (16, 4096)
 
 @dataclass(frozen=True)
 class Stream:
-    """How a camera's pictures are sent; see the service camera/NAME/set_stream. width 0: its original size.
+    """Settings of a camera's stream; see the service camera/NAME/set_stream. width: 0 for the original size.
 
     Raises ValueError.
     """
@@ -42,13 +42,13 @@ class Stream:
                 raise ValueError(f"{name} = {getattr(self, name)}: {rule}")
 
     def is_due(self, slot: int) -> bool:
-        """Return whether the picture of a period of 1 / RATE_HZ is to be sent."""
+        """Return whether a picture is sent in the period of 1 / RATE_HZ with this index."""
         share = self.rate_hz / RATE_HZ
         return self.enabled and int(slot * share + 1e-6) != int((slot - 1) * share + 1e-6)
 
 
 class Picture(NamedTuple):
-    """A frame, its JPEG, and the stream's settings when it was taken."""
+    """A frame, its JPEG, and the stream's settings at the time."""
 
     frame: Frame
     jpeg: bytes
@@ -56,7 +56,7 @@ class Picture(NamedTuple):
 
 
 Begin = Callable[[Stream], Callable[[], Any]]
-"""Stores the present state, on the stepping thread; returns a function that makes its picture, on another."""
+"""Stores the current state, on the stepping thread; returns a function that renders it on another thread."""
 
 
 @dataclass(eq=False)
@@ -70,12 +70,13 @@ class _Job:
 class Pictures:
     """The last two pictures of each camera or imaging sonar, and its stream settings.
 
-    Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts the picture of that
-    moment, on a separate thread. If the steps may wait, the next reading in a later period waits for it and returns it:
-    what is read does not depend on how long pictures take. If not, readings return it in the first period in which it
-    is ready, and no other picture is started before: pictures that the machine is too slow for are skipped.
+    Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts rendering a picture of
+    that moment, on a separate thread. If the steps may wait, the next reading in a later period waits for the picture
+    and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in the
+    first period in which it is ready, and no other picture is started before, so pictures are skipped if the machine is
+    too slow.
 
-    may_wait: returns, at each reading, whether the steps may wait.
+    may_wait: called at each reading; returns whether the steps may wait.
     """
 
     def __init__(self, may_wait: Callable[[], bool] = lambda: True) -> None:
@@ -86,7 +87,7 @@ class Pictures:
 
     @property
     def streams(self) -> dict[str, Stream]:
-        """The settings that differ from the defaults."""
+        """The settings of streams that have been changed, by camera."""
         return dict(self._streams)
 
     def stream(self, name: str) -> Stream:
@@ -94,11 +95,11 @@ class Pictures:
         return self._streams.get(name, Stream())
 
     def set_stream(self, name: str, stream: Stream) -> None:
-        """Change a camera's settings, from the next picture on."""
+        """Change a camera's settings; they apply from the next picture on."""
         self._streams[name] = stream
 
     def forget(self) -> None:
-        """Start over with a first picture of each at the next reading."""
+        """Start over: the next reading takes a first picture of each camera."""
         self._jobs = {}
 
     def read(self, sim: Simulator, name: str, camera: Camera) -> Picture | None:
@@ -131,12 +132,12 @@ class Pictures:
         return ready[0].picture.result() if ready else None
 
     def submit(self, function: Callable[[], T]) -> Future[T]:
-        """Run another rendering task on the pictures' thread, in turn."""
+        """Queue another rendering task on the pictures' thread."""
         return self._worker.submit(function)
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Return whether readings in this period get the picture: the first period after its own with a reading."""
+    """Return whether readings in this period get the picture: usually the first later period with a reading."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):

@@ -1,4 +1,4 @@
-"""The newest ping of a vehicle, timed like a real head's: pings follow each other by the sound's travel time."""
+"""The latest ping of a vehicle. As with a real head, the sound's travel time limits the ping rate."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from uwsim.channels.source import Source
 from uwsim.simulator.simulator import Simulator
 
 SLOT_S = 0.02
-"""Pings coincide with readings at 50 Hz, so that poses published at 50 Hz are those of the pings."""
+"""The ping interval is a multiple of this, so that pings coincide with poses published at 50 Hz."""
 
 
 @dataclass(frozen=True, eq=False)
 class TakenPing:
-    """A ping, and the vehicle's pose: odom_from_body, odom_from_sonar (4, 4)."""
+    """A ping, and the poses at its time: odom_from_body, odom_from_sonar (4, 4)."""
 
     ping: _core.Ping
     odom_from_body: NDArray[np.float64]
@@ -28,7 +28,8 @@ class TakenPing:
 class Pings:
     """The pings of a vehicle's multibeam, interval_s apart: a multiple of SLOT_S, at least the travel time of sound.
 
-    All readers at one time get the same ping; without readers none is computed. model: of the newest ping.
+    All readers at one time get the same ping; without readers, none is computed. model: the sonar's model at the latest
+    ping.
     """
 
     def __init__(self, source: Source, sim: Simulator) -> None:
@@ -47,7 +48,7 @@ class Pings:
         return 1.0 / self.interval_s
 
     def newest(self, sim: Simulator) -> TakenPing:
-        """Return the newest ping; ping now if a new interval has begun since the last, or time has gone back."""
+        """Return the latest ping; ping now if a new interval has begun since then, or simulated time went back."""
         now_ns, last = sim.time_ns, self._newest
         if last is None or now_ns < last.ping.time_ns or self._interval(now_ns) != self._interval(last.ping.time_ns):
             vehicle = self.source.of(sim)

@@ -16,7 +16,7 @@ NONE = "none"
 
 
 def plain_link_channels(source: Source, sim: Simulator) -> list[Channel]:
-    """Return the channel; none if the scenario has a link, which provides its own channel."""
+    """Return the channel, or an empty list if the scenario has a link, which provides a channel itself."""
     if sim.link is not None:
         return []
 

@@ -1,6 +1,6 @@
-"""The wire of the paper's own simulator: its topics and strings, in the form that its nodes expect.
+"""The protocol of the paper's simulator: its topics and strings, in the form that its nodes expect.
 
-Numbers in its strings are C#'s: up to seven significant digits, each number followed by the letter a.
+Numbers in strings have C#'s format: up to seven significant digits, each number followed by the letter a.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def join(values: Iterable[float]) -> str:
 
 
 def state_text(sim: Simulator, source: Source) -> str:
-    """Return `stateData`: the nine values of the panel; an infinite distance is "Infinity"."""
+    """Return the text of `stateData`: the panel's nine values; an infinite distance is "Infinity"."""
     panel = source.of(sim).telemetry()
     return join(
         [
@@ -65,7 +65,7 @@ def state_text(sim: Simulator, source: Source) -> str:
 def published_channels(
     source: Source, sim: Simulator, pings: Pings | None, pictures: Pictures, steering: Steering
 ) -> list[Channel]:
-    """Return a vehicle's published topics. depthArray needs one of the wire's four sonar models."""
+    """Return a vehicle's published topics. depthArray exists only for the protocol's four sonar models."""
     topic, vehicle = source.topic, source.of(sim)
     found = [
         Channel(
@@ -133,7 +133,7 @@ def _sonar_channels(source: Source, pings: Pings) -> list[Channel]:
 
 def _model_number(source: Source, sim: Simulator) -> Any:
     number = source.of(sim).sonar.model.number
-    return build.text(str(number)) if number in ranging.MODELS else None  # it may change with the sonar's parameters
+    return build.text(str(number)) if number in ranging.MODELS else None  # parameters may change the model
 
 
 def _fov_deg(source: Source, sim: Simulator) -> float:
@@ -156,7 +156,7 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
 
 
 def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
-    """Return the published picture: from the camera over the station's deck if there is one, else from the first."""
+    """Return the published picture's channel: the camera over the station's deck if there is one, else the first."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
@@ -188,7 +188,7 @@ def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], si
 
 
 def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:
-    """Apply a published `key` message. Raises ValueError, with nothing applied."""
+    """Apply a published `key` message. Raises ValueError without applying any of it."""
     efforts, function = key_efforts(message), message.orientation.w
     for axis, effort in efforts.items():
         if math.isnan(effort):
@@ -206,13 +206,13 @@ def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: 
 
 
 def let_go(live: LiveSimulator, steering: Steering) -> None:
-    """Set efforts to zero if they came from the keyboard, which is gone, and the pilot with it."""
+    """Set efforts to zero if they came from the keyboard, which has disconnected."""
     if steering.by_keys:
         steering.give(live, "set_effort")
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
-    """Return the command of each function; "" if the vehicle has no such part: the keyboard then has no such key."""
+    """Return the command for each function, or "" if the vehicle lacks the part: the keyboard then lacks the key."""
     vehicle = source.of(live.simulator)
 
     def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:

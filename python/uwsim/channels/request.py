@@ -1,4 +1,4 @@
-"""Requests to services: their fields, checked, and answers that report success or the reason for a failure."""
+"""Service requests: validated fields, and responses that report success or the reason for a failure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Request = dict[str, Any]
 
 
 def answered(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveSimulator, Request], Request]:
-    """Return a service that acts and reports whether it succeeded."""
+    """Wrap a function as a service that reports whether it succeeded."""
 
     def call(live: LiveSimulator, request: Request) -> Request:
         try:
@@ -24,7 +24,7 @@ def answered(act: Callable[[LiveSimulator, Request], object]) -> Callable[[LiveS
 
 
 def field(request: Request, name: str, kind: type, default: Any) -> Any:
-    """Return a field of a request, checked. Raises ValueError."""
+    """Validate a field of a request, and return it. Raises ValueError."""
     value = request.get(name, default)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)

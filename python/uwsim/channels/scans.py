@@ -1,4 +1,4 @@
-"""The multibeam's channels, and the messages that depend only on a ping."""
+"""The multibeam's channels, and messages that depend on a single ping."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ FLOAT32 = 7  # PointField.FLOAT32
 
 
 class Head(Protocol):
-    """The multibeam's properties that a scan needs: its model, and the time between pings [s]."""
+    """The multibeam's properties that a scan needs: its model and the time between pings."""
 
     @property
     def model(self) -> _core.MultibeamModel:
-        """The model."""
+        """The multibeam's model."""
 
     @property
     def interval_s(self) -> float:
-        """The interval."""
+        """The time between pings [s]."""
 
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic whose messages depend on a ping: the newest if live, each ping in a recording.
+    """A topic whose messages depend on a single ping: live, the latest one; in a recording, each one.
 
-    rate_hz: at which the newest is published; None: each ping once. make: called with head, ping and frame; returns
-    None for no message. packing: see Channel.
+    rate_hz: the rate at which the latest ping is published; None: each ping once. make: called with head, ping and
+    frame; returns None for no message. packing: see Channel.
     """
 
     name: str
@@ -49,7 +49,7 @@ class PingTopic:
     packing: str = ""
 
     def channel(self, source: Source, pings: Pings) -> Channel:
-        """Return the channel for a vehicle's newest ping."""
+        """Return the channel for a vehicle's latest ping."""
         frame_id = source.frame(self.frame) if self.frame else ""
         make = _once_a_ping(lambda taken: self.make(pings, taken, frame_id))
         return Channel(
@@ -60,7 +60,7 @@ class PingTopic:
 
 
 def scan_of(head: Head, taken: TakenPing) -> ranging.LaserScan:
-    """Return a ping as a LaserScan: ranges beyond the model's limit are infinite, as in the published decoder."""
+    """Convert a ping to a LaserScan; ranges beyond the model's limit are infinite, as in the published decoder."""
     ranges = np.where(taken.ping.ranges_m > head.model.range_limit_m, np.float32(np.inf), taken.ping.ranges_m)
     return ranging.to_laser_scan(ranges, head.model, 1e-9 * taken.ping.time_ns, ping_interval_s=head.interval_s)
 
@@ -71,7 +71,7 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
 
 
 def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
-    """Return a function that returns the same message for the same ping, since each ping is published several times."""
+    """Cache the last result of `make`, since each ping is published several times."""
     last: tuple[TakenPing, Any] | None = None
 
     def made(taken: TakenPing) -> Any:
@@ -117,7 +117,7 @@ def _depths(head: Head, taken: TakenPing, frame_id: str) -> Any:
 
 
 def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str) -> Any:
-    """Return a PointCloud2 of float32 columns: xyz (n, 3), others (n,)."""
+    """Build a PointCloud2 from float32 columns: xyz (n, 3), others (n,)."""
     names = ["x", "y", "z", *(name for name in columns if name != "xyz")]
     data = np.column_stack(list(columns.values())).astype("<f4")
     fields = [
@@ -152,4 +152,4 @@ DEPTH_ARRAY = PingTopic(
     frame="", packing="depths",
 )  # fmt: skip
 PING_TOPICS = (*SCAN_TOPICS, DEPTH_ARRAY)
-"""All topics that depend on a ping."""
+"""All topics that depend on a single ping."""

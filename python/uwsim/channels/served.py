@@ -13,10 +13,10 @@ from uwsim.live import LiveSimulator
 def served_table(
     live: LiveSimulator, *, wire: Wire = "both", origin: str | Sequence[float] = "world", truth: bool = True
 ) -> Table:
-    """Return a table, the pace, and /clock with any wire, since clients are set to use simulated time.
+    """Return a table plus the pace; /clock is included for any wire, since clients use simulated time.
 
-    On the wall clock steps do not wait for pictures, since the pace comes first. While paused, the steps that a client
-    requests do wait. Raises ValueError.
+    In real time, steps do not wait for pictures, since keeping the pace is more important. Steps that a client requests
+    while paused do wait. Raises ValueError.
     """
 
     def may_wait() -> bool:

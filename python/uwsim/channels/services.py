@@ -1,4 +1,4 @@
-"""Services of a vehicle and of the simulator itself; each answers {"success": ..., "message": ...}."""
+"""Services of vehicles and of the simulator; most respond with {"success": ..., "message": ...}."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.simulator import Simulator
 
 SET_STREAM = "set_stream"
-"""The name under which recordings store a change of a picture stream."""
+"""The name under which recordings store changes of picture streams."""
 STEPS_MAX = 1_000_000
 
 
 def simulation_services() -> list[Service]:
-    """Return the services of the simulator itself."""
+    """Return the services of the simulator."""
     return [
         Service("simulation/pause", TRIGGER, answered(lambda live, request: live.pause()), "stand still"),
         Service("simulation/resume", TRIGGER, answered(lambda live, request: live.resume()), "run again"),
@@ -62,7 +62,7 @@ def vehicle_services(
 
 
 def stream_service(topic: str, key: str, pictures: Pictures) -> Service:
-    """Return the service that sets how the pictures of a camera or an imaging sonar are sent."""
+    """Return the service that sets how a camera's or imaging sonar's pictures are sent."""
     return Service(
         f"{topic}/set_stream", "uwsim_msgs/srv/SetStream", answered(_set_stream(key, pictures)),
         f"set enabled, rate_hz (at most {RATE_HZ:g}), width [pixels, 0: its own] and JPEG quality; "
@@ -114,9 +114,9 @@ def _save_map(maps: Mapping[str, PingMap], vehicle: str) -> Callable[[LiveSimula
 
 
 def _checked_path(name: str) -> Path:
-    """Return the path of a .bt file in the working folder or one below it that exists. Raises ValueError."""
+    """Return the path of a .bt file in the working folder or an existing subfolder. Raises ValueError."""
     folder = Path.cwd().resolve()
-    path = (folder / name).resolve() if "\0" not in name else folder  # links are followed before the check
+    path = (folder / name).resolve() if "\0" not in name else folder  # symbolic links are followed before the check
     hidden = any(part.startswith(".") for part in path.parts[len(folder.parts) :])
     if path.suffix != ".bt" or not path.is_relative_to(folder) or hidden:
         raise ValueError(f"name = {name!r}: must be a .bt file in '{folder}' or a folder in it, not hidden")

@@ -1,4 +1,4 @@
-"""A vehicle as the source of channels: the names of its topics and frames, and the origin of its odometry."""
+"""A vehicle as the source of channels: names of topics and frames, and the origin of its odometry."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A vehicle. entry: its settings at the start. prefix: of its topics and frames: "" if it is alone, else "NAME/".
+    """A vehicle. entry: its initial settings. prefix: prefix of topics and frames, "NAME/", or "" for a single vehicle.
 
-    Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; the world's origin
-    is at origin_m (3,) in it. base_footprint and base_link are the body's frame, base_scan turns with the head.
+    Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; origin_m (3,) is the
+    world's origin in odom. base_footprint and base_link are the body frame; base_scan turns with the sonar's head.
     """
 
     entry: VehicleEntry
@@ -33,7 +33,7 @@ class Source:
         return self.entry.name
 
     def of(self, sim: Simulator) -> Vehicle:
-        """Return the vehicle itself."""
+        """Return the simulated vehicle."""
         return sim.vehicles[self.entry.name]
 
     def model(self, sim: Simulator) -> VehicleModel:

@@ -1,4 +1,4 @@
-"""Steering commands of a vehicle that arrive as messages: one kind at a time, and /cmd_vel's control loop."""
+"""Steering commands that arrive as messages, only one kind at a time, and the control loop of /cmd_vel."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ logger = logging.getLogger("uwsim.channels")
 
 
 class Steering:
-    """Steers a vehicle: by the last effort, wrench or thruster command, or a velocity that is held until the next.
+    """Steers a vehicle by the last effort, wrench or thruster command, or holds a velocity until the next command.
 
-    Commands do not wait for their step; failures there are logged. by_keys: whether the efforts are those of the
-    published keyboard.
+    Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
+    efforts came from the published keyboard.
     """
 
     def __init__(self, source: Source) -> None:
         self._source = source
         self._lock = threading.Lock()
         self._loop: Subscription | None = None
-        self._stops = 0  # stops of the vehicle when the loop began
+        self._stops = 0  # the gate's count of all stops when the loop began
         self._wanted = np.zeros(6)
         self.by_keys = False
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Issue a command that does not steer. While the vehicle's link is down it is lost silently."""
+        """Issue a command that does not steer. It is lost silently while a fault has cut the vehicle's link."""
         return nothing_done() if self._is_cut_off(live) else self._command(live, name, **arguments)
 
     def _is_cut_off(self, live: LiveSimulator) -> bool:
@@ -50,7 +50,7 @@ class Steering:
         return future
 
     def give(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
-        """Issue a steering command; a velocity is no longer held. Raises ValueError while all stop is set."""
+        """Issue a steering command, and stop holding a velocity. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return nothing_done()
         if live.simulator.link is None and _moves(arguments):  # over a link, the state aboard is unknown here
@@ -63,7 +63,7 @@ class Steering:
             return self._command(live, name, **arguments)
 
     def hold_velocity(self, live: LiveSimulator, velocity_body: NDArray[np.float64]) -> None:
-        """Hold a velocity (6,), [m/s] and [rad/s], in body axes. Raises ValueError while all stop is set."""
+        """Hold a velocity (6,) [m/s, rad/s] in body axes. Raises ValueError while all stop is set."""
         if self._is_cut_off(live):
             return
         gate = self._gate(live)
@@ -82,44 +82,44 @@ class Steering:
         efforts = hold.efforts(self._wanted)
         with self._lock:
             self._end_if_stopped(self._gate(live))
-            if self._loop is not None:  # unless another command has come in the meantime
+            if self._loop is not None:  # unless another command has arrived in the meantime
                 self._command(live, "set_effort", **efforts)
 
     def _gate(self, live: LiveSimulator) -> CommandGate:
         return live.simulator.vehicles[self._source.name].gate
 
     def _end_if_stopped(self, gate: CommandGate) -> None:
-        """Stop holding a velocity if all stop has been set since, even if it has been released again."""
+        """Stop holding a velocity if all stop was set since then, even if it has been released again."""
         if self._loop is not None and gate.stops != self._stops:
             self._loop.cancel()
             self._loop = None
 
 
 def _moves(arguments: Mapping[str, Any]) -> bool:
-    """Return whether a steering command asks for anything but zero."""
+    """Return whether a steering command has any value other than zero."""
     return any(np.any(list(each.values()) if isinstance(each, Mapping) else each) for each in arguments.values())
 
 
 def is_cut_off(sim: Simulator, vehicle: str) -> bool:
-    """Return whether a fault has cut a vehicle's link; if the scenario has a link, its packets are lost instead."""
+    """Return whether a fault cuts a vehicle off; False if the scenario has a link, which loses packets instead."""
     return sim.link is None and sim.faults.link_is_down(vehicle)
 
 
 def require_link(live: LiveSimulator, vehicle: str, command: str) -> None:
-    """Raise ValueError while a fault has cut the link to a vehicle, since no answer would come."""
+    """Raise ValueError while a fault has cut off a vehicle, since no response would come."""
     if is_cut_off(live.simulator, vehicle):
         raise ValueError(f"{command}: no answer: the link to '{vehicle}' is down")
 
 
 def nothing_done() -> Future[Any]:
-    """Return the future of a lost command: it is finished, although its fate is unknown to the sender."""
+    """Return the future for a lost command: it is done, although the sender does not know that the command was lost."""
     future: Future[Any] = Future()
     future.set_result(None)
     return future
 
 
 def log_error(future: Future[Any]) -> None:
-    """Log the error of a command that nothing waits for."""
+    """Log the error of a command whose result is not awaited."""
     error = None if future.cancelled() else future.exception()
     if error is not None:
         logger.error("a command failed: %s", error)

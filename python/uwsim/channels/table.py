@@ -32,17 +32,17 @@ from uwsim.simulator.simulator import Simulator
 
 Wire = Literal["standard", "published", "both"]
 ORIGINS: dict[str, tuple[float, float, float]] = {"world": (0.0, 0.0, 0.0), "published": (0.0, 0.0, 75.3)}
-"""The world's origin in odom, by name. published: that world's water surface is at z = 75.3 m."""
+"""The world's origin in odom, by name. published: the published simulator's water surface is at z = 75.3 m."""
 
 
 class Table:
-    """The channels and services of one simulator, which share its newest pings, pictures and maps.
+    """The channels and services of one simulator, which share its latest pings, pictures and maps.
 
-    Made once by the server, recorder or replay, and passed to all that need a part of it. wire: "published" selects the
-    topics of the paper's simulator, "standard" ROS's usual ones. origin: the world's origin in the odom frame, (3,)
-    [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. may_wait: whether
-    the steps may wait for pictures; if not, late ones are skipped. truth: whether /telemetry carries the true position.
-    Raises ValueError.
+    Created once by the server, recorder or replay, and passed to everything that needs a part of it. wire: "published"
+    selects the topics of the paper's simulator, "standard" ROS's usual ones. origin: the world's origin in the odom
+    frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names.
+    may_wait: whether the steps may wait for pictures; if not, late ones are skipped. truth: whether /telemetry carries
+    the true position. Raises ValueError.
 
     channels, services: those visible to clients. A link replaces them with those that cross it, a recorder with those
     that it listens to.
@@ -74,14 +74,14 @@ class Table:
         self.services: list[Service] = self._services(sim)
 
     def look_anew(self) -> None:
-        """Forget the newest pings and pictures, so that a recording starts with its own. On the simulator's thread."""
+        """Forget the latest pings and pictures, so that a recording starts with new ones. On the simulator's thread."""
         for pings in self.pings.values():
             pings.forget()
         self.pictures.forget()
 
     @property
     def has_map(self) -> bool:
-        """Whether any map has been started."""
+        """Whether any map has been begun."""
         return any(ping_map.is_begun for ping_map in self.maps.values())
 
     def _published(self, sim: Simulator) -> list[Channel]:
@@ -121,7 +121,7 @@ class Table:
 
 
 def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
-    """Return a vehicle's channels; those that go over the link are silent while the vehicle is cut off."""
+    """Return a vehicle's channels; those that cross the link are silent while the vehicle is cut off."""
 
     def cut_off(read: Callable[[Simulator], Any]) -> Callable[[Simulator], Any]:
         return lambda sim: None if is_cut_off(sim, source.name) else read(sim)
@@ -133,14 +133,15 @@ def over_link(source: Source, channels: list[Channel]) -> list[Channel]:
 
 
 def channels(sim: Simulator, **options: Any) -> list[Channel]:
-    """Return everything that a simulator's vehicles publish and receive; see the Channel. options: of a Table."""
+    """Return all channels of a simulator. options: as for Table."""
     return Table(sim, **options).channels
 
 
 def services(sim: Simulator) -> list[Service]:
-    """Return everything that can be requested of a simulator, from a new table.
+    """Return all services of a simulator, from a new table.
 
-    To save the maps, or set the pictures, of given channels, take both from one Table; this warns (FutureWarning).
+    Warns (FutureWarning): to save the maps or configure the pictures of existing channels, take channels and services
+    from the same Table.
     """
     warnings.warn(
         "services(sim): of a table of their own, whose maps and pictures no channels share: "
@@ -152,14 +153,14 @@ def services(sim: Simulator) -> list[Service]:
 
 
 def checked_wire(wire: str, origin: str | Sequence[float]) -> NDArray[np.float64]:
-    """Return the origin in metres. Raises ValueError for an unknown wire or origin."""
+    """Return the origin (3,) in metres. Raises ValueError for an unknown wire or origin."""
     if wire not in ("standard", "published", "both"):
         raise ValueError(f"wire = {wire!r}: must be 'standard', 'published' or 'both'")
     return checked_origin(origin)
 
 
 def checked_origin(origin: str | Sequence[float]) -> NDArray[np.float64]:
-    """Return an origin in metres (3,). Raises ValueError."""
+    """Return an origin (3,) in metres. Raises ValueError."""
     if isinstance(origin, str):
         if origin not in ORIGINS:
             raise ValueError(f"origin = {origin!r}: must be (x, y, z) in metres or one of {', '.join(ORIGINS)}")

@@ -1,4 +1,4 @@
-"""/telemetry: a vehicle's panel in one message, for operators."""
+"""/telemetry: all values of a vehicle's panel in one message, for operators."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAN = math.nan
 
 
 def telemetry_channel(source: Source, *, truth: bool) -> Channel:
-    """Return a vehicle's channel. truth: whether its true position is published."""
+    """Return a vehicle's telemetry channel. truth: whether its true position is published."""
     return Channel(
         source.topic("telemetry"), TELEMETRY, "out", "the vehicle's panel, position, commands and warnings",
         rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, priority=PANEL, packing="telemetry",
@@ -31,7 +31,7 @@ def telemetry_channel(source: Source, *, truth: bool) -> Channel:
 
 
 def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
-    """Return the message for the present moment."""
+    """Return the current telemetry message."""
     vehicle = source.of(sim)
     failsafe = vehicle.failsafe
     panel, sensors, water = vehicle.telemetry(), vehicle.sensors, sim.world.water
