@@ -1,4 +1,4 @@
-"""The station's end of a mapping flight over a link: the pings that have arrived, and the map built from them."""
+"""The station's end of a mapping flight over a link: collects the pings that arrive and builds a map from them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Ashore:
     """Collects the pings of a vehicle as they arrive: an Observer of the simulator's journal.
 
     table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
-    selects what its link carries; None: all that can go over a link. steps: interval between looks. saved: the result
-    of `save`, to continue from. The link does not affect anything aboard.
+    selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between
+    collections. saved: the result of `save`, to continue from. The link does not affect anything aboard.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class Ashore:
         self._carrier.start(saved["carrier"] if saved else None)
 
     def observe(self) -> None:
-        """Collect the pings that have arrived since the last look, since the link forgets them."""
+        """Collect the pings that have arrived since the last call, because the link does not keep them."""
         self.due_tick = self._sim.tick + self._steps
         for channel in self._seen:
-            channel.read(self._sim)  # over a cable, channels without a reader are not sent
+            channel.read(self._sim)  # over a cable, a channel is sent only if something reads it
         for got in self._network.received(STATION, 1e-9 * self._looked_ns):
             if self._ping is not None and got.topic == self._ping.channel.name:
                 self._pings.append(got.payload)
@@ -60,7 +60,7 @@ class Ashore:
         }  # fmt: skip
 
     def close(self) -> None:
-        """Stop carrying."""
+        """Stop sending messages over the link."""
         self._carrier.close()
 
     @property
@@ -69,7 +69,7 @@ class Ashore:
         return len(self._pings)
 
     def table(self) -> list[LinkRow]:
-        """Return the fate of the messages."""
+        """Return, by topic, how many messages were sent, delivered, lost and late."""
         return link_rows(self._sim)
 
     def made_map(self, resolution_m: float, engine: MapEngine) -> OccupancyMap:

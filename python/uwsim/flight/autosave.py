@@ -1,4 +1,4 @@
-"""When a flight is saved, and whether it has been asked to stop."""
+"""Decides when a flight is saved, and whether a signal has requested it to stop."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ MAX_SHARE_OF_TIME = 0.5  # largest share of wall time spent on saving, if a save
 
 
 class FlightAutosave(Stoppable):
-    """Saves a flight every interval_s of wall time, 0 for never.
+    """Saves a flight every interval_s seconds of wall time; 0 disables saving.
 
-    The first save is at the start, so that there is always a map. A failed save is reported once, through `report`, as
-    is the next successful one; the flight continues in the meantime. hears_signals: whether Ctrl-C and SIGTERM end it.
+    The first save is at the start, so that there is always a map. The first failed save is reported through `report`,
+    and so is the next successful one; the flight continues in between. hears_signals: whether Ctrl-C and SIGTERM end
+    the flight.
     """
 
     def __init__(
@@ -42,19 +43,19 @@ class FlightAutosave(Stoppable):
         return stop_on_signals(self) if self._hears_signals else nullcontext()
 
     def due(self) -> bool:
-        """Whether a save is due; after True, False until it is done."""
+        """Return whether a save is due; after returning True, return False until that save is done."""
         is_due = self.is_on and time.monotonic() >= self._next_s
         if is_due:
             self._started_s, self._next_s = time.monotonic(), math.inf
         return is_due
 
     def save(self, write: Callable[[], None]) -> None:
-        """Save by `write`; a failure is reported, not raised."""
+        """Save by calling `write`; a failure is reported, not raised."""
         try:
             write()
         except (OSError, MemoryError) as error:
             self.failure = str(error)
-            if self._saves > 0 and not self._reported:  # a flight that ends before its second save only reports the end
+            if self._saves > 0 and not self._reported:  # the first failure is reported at the end
                 self._report(f"autosave failed: {error}; the flight continues with the map in memory")
                 self._reported = True
         else:
@@ -64,5 +65,5 @@ class FlightAutosave(Stoppable):
                 self._reported = False
         self._saves += 1
         took_s = time.monotonic() - self._started_s
-        # When the next save replaces the present one, that must not be older than the interval.
+        # The next save starts early enough to finish before this one is older than the interval.
         self._next_s = self._started_s + max(self._interval_s - took_s, took_s / MAX_SHARE_OF_TIME)

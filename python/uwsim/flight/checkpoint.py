@@ -1,13 +1,14 @@
 """A flight saved in its output folder, from which it is resumed.
 
-OUT/map.bt readable at any time OUT/checkpoint/flight.json     the request, its progress, and which files belong to it:
-replaced last, atomically OUT/checkpoint/flight-N.npz at tick N: where the sonars pinged; samples and simulator, if the
-mission is saved OUT/checkpoint/map-N.ot the map with its log-odds; reference-N.ot if there is a reference
+    OUT/map.bt                     the map, readable at any time
+    OUT/checkpoint/flight.json     the request, the progress, and which files belong to it; replaced last, atomically
+    OUT/checkpoint/flight-N.npz    at tick N: the pings; also samples and simulator, if the mission can be saved
+    OUT/checkpoint/map-N.ot        the map with its log-odds; also reference-N.ot, if there is a reference map
 
-A mission with `save` and `restore` continues from its saved state. Any other is a running Python function, which cannot
-be saved: on resuming, it is flown again from its start, without the map, up to the saved tick; there the simulator's
-state must be the same to the last bit, unless another build saved it. From there on the saved map grows. This only
-takes the time of the physics. Both give the same map.
+A mission with `save` and `restore` continues from its saved state. Any other mission is a running Python function,
+which cannot be saved: on resuming, it is flown again from its start, without mapping, up to the saved tick. There the
+simulator's state must be the same to the last bit, unless another build saved it. From then on, pings are added to the
+saved map. The repetition costs only the time of the physics. Both ways give the same map.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from uwsim.mapping import MapEngine, OccupancyMap
 
 MAP, FOLDER, STATE, EARLIER = "map.bt", "checkpoint", "flight.json", "checkpoint.old"
 BEFORE_ONE_ENGINE = "survey.state"
-"""The state of a survey saved before surveys became flights."""
+"""State file of a survey saved by a version in which surveys were not yet flights."""
 LEFTOVER = re.compile(r"\.uwsim-(\d+)-\d+\.tmp|\.([\w-]+\.(json|npz|png|csv)|report\.html|log\.jsonl)\.\w+")
 
 
@@ -68,9 +69,9 @@ class FlightCheckpoint:
         self._remove_other_files(files)
 
     def read(self, memory_limit_mb: float | None = None) -> SavedFlight:
-        """Return the saved flight. memory_limit_mb: limit of its map's memory.
+        """Return the saved flight. memory_limit_mb: memory limit of its map.
 
-        Raises ValueError if there is none or it is damaged, OSError.
+        Raises ValueError if there is none or it is damaged, OSError if it cannot be read.
         """
         self.require_one()
         path = self.folder / STATE
@@ -118,7 +119,7 @@ class FlightCheckpoint:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def set_aside(self) -> Path | None:
-        """Rename the saved flight to make room for another; return its new path, or None if there was none.
+        """Rename the saved flight's folder to make room for another; return its new path, or None if there was none.
 
         Raises OSError.
         """
@@ -129,14 +130,14 @@ class FlightCheckpoint:
         return self.folder.rename(aside)
 
     def _files_of_state(self) -> Collection[str]:
-        """Return the names of the files that belong to the present state; empty if it cannot be read."""
+        """Return the names of the files that belong to the saved state; empty if the state cannot be read."""
         try:
             return read_state((self.folder / STATE).read_bytes()).files
         except (OSError, ValueError):
             return ()
 
     def _remove_other_files(self, keep: Collection[str]) -> None:
-        """Remove files that belong to no state, and the folder if nothing is kept."""
+        """Remove all maps and arrays except `keep`, and the folder if `keep` is empty."""
         with contextlib.suppress(OSError):
             for path in self.folder.iterdir():
                 if path.suffix in (".ot", ".npz") and path.name not in keep:

@@ -1,4 +1,4 @@
-"""The clock of a mission in flight: it steps the simulator, ends the flight on time, and calls others between waits."""
+"""Clock of a mission in flight: steps the simulator, ends the flight at its time limit, calls back after waits."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from uwsim.simulator.simulator import Simulator
 
 
 class FlightOverError(Exception):
-    """The flight ends here, whatever the mission would do next; the message has the reason."""
+    """Ends the flight, whatever the mission would do next; the message is the reason."""
 
 
 class FlightClock:
-    """Steps a simulator.
+    """A Clock that steps a simulator.
 
-    Waits are rounded to whole steps, at least one; the rounding does not accumulate. end_tick: when the flight is over,
-    and end_because why. on_pause: called after each wait, before the mission continues; may raise FlightOverError.
-    phase: of a saved clock. physics: times the steps.
+    Waits are rounded to whole steps, at least one; the rounding does not accumulate. end_tick: the tick at which the
+    flight ends; end_because: the reason to report. on_pause: called after each wait, before the mission continues; may
+    raise FlightOverError. physics: times the steps. phase: the saved clock's, to continue from.
     """
 
     def __init__(
@@ -36,11 +36,11 @@ class FlightClock:
 
     @property
     def phase(self) -> tuple[int, float]:
-        """The tick at its start, and the total of the requested waits since then in seconds."""
+        """The tick at which the clock started, and the sum of the waits requested since then in seconds."""
         return self._start_tick, self._waited_s
 
     def wait(self, duration_s: float) -> None:
-        """Let simulated time pass. Raises FlightOverError."""
+        """Let simulated time pass. Raises FlightOverError at the time limit."""
         sim, tick = self._sim, self._sim.tick
         self._waited_s += duration_s
         wake_tick = max(self._start_tick + round(self._waited_s / self._step_s), tick + 1)

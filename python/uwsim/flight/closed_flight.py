@@ -1,4 +1,4 @@
-"""The map of a flight rebuilt from tracks corrected by loop closure, and these tracks."""
+"""Corrects a flight's tracks by loop closure after the flight, and rebuilds the map from them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 
 
 class PingKeeper:
-    """Stores a vehicle's pings with the estimated poses used for mapping: a TakePing.
+    """Stores a vehicle's pings with the estimated poses used for mapping; usable as a TakePing.
 
-    track: the stored pings. true_path_m: the vehicle's true position at each. vehicle: by default the simulator's
+    track: the stored pings. true_path_m: the vehicle's true position at each ping. vehicle: by default the simulator's
     first.
     """
 
@@ -38,7 +38,7 @@ class PingKeeper:
         self.true_path_m: list[Array] = []
 
     def __call__(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Array) -> None:
-        """Store one ping taken now."""
+        """Store a ping that was taken at the present tick."""
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
         std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
@@ -50,10 +50,11 @@ class PingKeeper:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ClosedPath:
-    """A vehicle's track with its loops closed.
+    """A vehicle's track after loop closure.
 
-    times_s: (n,), of its pings; path_world_m: (n, 3), its positions then; errors_m: (n,), their distance from the
-    truth. matched, tried: numbers of overlaps between its submaps.
+    times_s: (n,), ping times. path_world_m: (n, 3), positions at those times. errors_m: (n,), distances of the
+    positions from the truth. submaps: number of submaps. tried, matched: number of overlaps between submaps that were
+    tried, and that could be matched.
     """
 
     times_s: Array
@@ -70,7 +71,7 @@ class ClosedPath:
 def closed_flight(
     flown: FlightRecord, sim: Simulator, tracks: Mapping[str, PingTrack], true_paths_m: Mapping[str, Array]
 ) -> FlightRecord:
-    """Return the record with each vehicle's loops closed, and the map rebuilt from the closed tracks.
+    """Return the record with the loops of each vehicle's track closed, and the map rebuilt from the closed tracks.
 
     true_paths_m: (n, 3) true positions at the pings, by vehicle, for evaluating the tracks.
     """
@@ -89,7 +90,7 @@ def closed_flight(
 
 
 def _insert_closed(chain: PingToMap, track: PingTrack, closed: ClosedTrack) -> Array:
-    """Pass all pings on from their corrected poses; return the sonar's positions (n, 3)."""
+    """Insert all pings at their corrected poses; return the sonar's positions (n, 3)."""
     sonar_m = np.empty((len(track), 3))
     for k, body in enumerate(closed.world_from_body):
         sonar = body @ track.body_from_sonar[k]

@@ -1,4 +1,4 @@
-"""compare: flies several missions over several seeds in the same water, and compares the results."""
+"""compare: flies several missions in the same scenario, each with several seeds, and compares the results."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ Curve = tuple[list[float], list[float]]
 
 @dataclass(frozen=True)
 class Row:
-    """One flight.
+    """Results of one flight.
 
-    seen_m2: area of 1 m columns in which the sonar has had an echo; seen_share: relative to the columns that any of the
-    compared flights saw. half_seen_s: when half of seen_m2 had been seen. effort_s: the commands' mean absolute value,
-    integrated over time: seconds of full thrust. estimate_rms_m: distance between the true and the estimated position;
-    0 for the truth. map_coverage, map_error_m: of the map, see scored_area_m; map_error_m is the mean distance of its
-    occupied voxels from the true surface. NaN if there is none.
+    seen_m2: area of the columns of 1 m x 1 m in which the sonar has had an echo. seen_share: their share of the columns
+    seen by any of the compared flights. half_seen_s: time at which half of seen_m2 had been seen. effort_s: mean
+    absolute command, integrated over time, which gives seconds of full thrust. estimate_rms_m: RMS distance between
+    true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within scored_area_m.
+    map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a scored map.
     """
 
     mission: str
@@ -57,7 +57,11 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """rows: by mission, then by seed. curves: by mission, for each seed: times [s] and area seen by then [m2]."""
+    """Results of all flights.
+
+    rows: ordered by mission, then by seed. curves: for each mission, one curve per seed: times [s] and the area seen
+    until then [m2].
+    """
 
     rows: list[Row]
     curves: dict[str, list[Curve]]
@@ -79,10 +83,11 @@ def compare(
 ) -> Comparison:
     """Fly each mission with each seed; write compare.csv, compare.json, compare.png and each flight's folder.
 
-    missions: functions or files, by their name in the table. arguments: for all of them. estimate: the pose that the
-    missions use, the "truth" or the vehicle's "filter". faults: of each flight, as in a scenario's `faults`. Before
-    flying, raises ValueError if there is nothing to compare, or for an invalid fault; also OSError and the errors of
-    missions.
+    missions: functions or files, keyed by their names in the table. arguments: passed to every mission. estimate:
+    source of the poses that the missions use, "truth" or the vehicle's "filter". faults: injected into each flight,
+    written as in a scenario's `faults`. show: returns a context manager that displays an activity. Raises ValueError if
+    there is nothing to compare or a fault is invalid, OSError if `out` cannot be written, and any error that a mission
+    raises.
     """
     numbers = list(seeds)
     if not missions or not numbers:

@@ -1,4 +1,4 @@
-"""How a mission ends: by itself, at its time limit, stopped, interrupted, or by an error."""
+"""Runs a mission and determines how it ended: by itself, at its time limit, stopped, interrupted, or with an error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from uwsim.missions.stopped import StoppedError
 
 
 class End(NamedTuple):
-    """because: a sentence. result: what the mission returned. error: what it raised."""
+    """How a mission ended.
+
+    because: the reason, as a clause. result: the mission's return value. error: the exception that it raised.
+    """
 
     because: str
     result: Any = None
@@ -23,7 +26,8 @@ class End(NamedTuple):
 def run_to_end(run: Callable[[], Any], file: Path | None, *, foreign: tuple[type[Exception], ...] = ()) -> End:
     """Run a mission; return how it ended.
 
-    file: the mission's, so that errors can name the line. foreign: types of errors not caused by the mission.
+    file: the mission's file, if any, so that errors can name the line. foreign: exception types that the mission does
+    not cause.
     """
     try:
         return End(DONE, run())

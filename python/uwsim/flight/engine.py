@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class Flight:
-    """A flight that is ready to begin."""
+    """A single flight, from its setup to its results."""
 
     def __init__(self, setup: Setup) -> None:
         self._setup, self._sim, self._saved = setup, setup.sim, setup.saved
@@ -54,7 +54,7 @@ class Flight:
 
     @property
     def progress(self) -> float | None:
-        """The share of the mission that has been flown, 0..1, if known."""
+        """The share of the mission that has been flown, 0..1; None if unknown."""
         return None if self._begun is None else self._begun.progress
 
     @property
@@ -62,7 +62,7 @@ class Flight:
         return None if self._saved is None else self._saved.mission
 
     def run(self) -> FlightRecord:
-        """Fly, write the results in any case, and re-raise the mission's error."""
+        """Fly and write the results; if the mission failed, raise its error after that."""
         setup = self._setup
         self._remove_stale_results()
         self._log = MissionLog(setup.out, self._restored.events if self._restored else ())
@@ -86,13 +86,13 @@ class Flight:
         return flown
 
     def _remove_stale_results(self) -> None:
-        """Remove results of an earlier flight, which would not belong to this map."""
+        """Remove the results of an earlier flight, which would not match this flight's map."""
         if (out := self._setup.out) is not None:
             for stale in RESULT_FILES if self._saved is not None else (MAP, *RESULT_FILES):
                 (out / stale).unlink(missing_ok=True)
 
     def _closed(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with its loops closed, if requested."""
+        """Return the record with the loops of its tracks closed, if requested."""
         if not self._setup.close_loops or self._maker is None or self._autosave.in_haste:
             return flown
         from uwsim.flight.closed_flight import closed_flight  # here, since scipy is slow to import
@@ -101,7 +101,7 @@ class Flight:
             return closed_flight(flown, self._sim, self._maker.tracks, self._maker.true_bodies_m)
 
     def _verified(self, flown: FlightRecord) -> FlightRecord:
-        """Return the record with the result of the comparison with stock OctoMap, if requested."""
+        """Return the record with the result of comparing its map with stock OctoMap's, if requested."""
         reference = None if self._setup.mapping is None else self._setup.mapping.reference
         if reference is None or flown.occupancy is None or self._autosave.in_haste:
             return flown
@@ -122,8 +122,8 @@ class Flight:
             checkpoint.remove()
         return flown
 
-    def _flown(self, show: Show | None) -> FlightRecord:
-        """Fly to the end, whatever its reason."""
+    def _flown(self, show: Show) -> FlightRecord:
+        """Fly until the flight ends, for whatever reason; return its record."""
         setup, sim = self._setup, self._sim
         warn_of_left_out(setup.lanes_left_out)
         self._clock = clock = self._new_clock(show)
@@ -151,7 +151,7 @@ class Flight:
             return self._begun.run()
 
     def _record(self, end: End) -> FlightRecord:
-        """Return the record of the flight, without its map."""
+        """Return the record of the flight, without the data on its map."""
         setup, sim = self._setup, self._sim
         is_limited = setup.time_limit_s is not None and end.because == self._clock.end_because
         return FlightRecord(
@@ -204,8 +204,8 @@ class Flight:
     def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
         self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
-    def _on_pause(self, show: Show | None) -> None:
-        """Show and save the flight if due, and end it on Ctrl-C."""
+    def _on_pause(self, show: Show) -> None:
+        """Show progress, save the flight if a save is due, and end it if a stop was requested."""
         begun, request = self._begun, self._setup.request
         stop = self._autosave.stop_requested()
         if begun is not None and show is not None:
@@ -218,7 +218,7 @@ class Flight:
             raise FlightOverError(INTERRUPTED)
 
     def _save(self, request: FlightRequest, begun: Begun) -> None:
-        """Save the flight in its present state, once the map contains all pings so far."""
+        """Save the present state of the flight, as soon as the map contains all pings so far."""
         maker, out = self._maker, self._setup.out
         assert out is not None
         now = self._now(request, begun)
@@ -234,7 +234,7 @@ class Flight:
             maker.when_mapped(write)
 
     def _now(self, request: FlightRequest, begun: Begun) -> SavedFlight:
-        """Return everything that a resumed flight needs, except for the map's growth."""
+        """Return the data that a resumed flight needs, except for the map's growth."""
         state, maker, mapping = self._sim.save_state(), self._maker, self._setup.mapping
         saved = SavedFlight(
             request,
@@ -262,7 +262,7 @@ class Flight:
 def is_repeated(saved: SavedFlight | None, sim: Simulator) -> bool:
     """Return whether a repeated flight has reached its saved tick.
 
-    Raises MissionError if it differs from the saved one.
+    Raises MissionError if its state differs from the saved one.
     """
     assert saved is not None
     if sim.tick < saved.tick:

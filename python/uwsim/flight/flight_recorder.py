@@ -1,4 +1,4 @@
-"""The recorder of a flight: it records channels, or for a planned mission such as a survey, every ping of the map."""
+"""Records a flight: its channels or, for a planned mission such as a survey, every ping used for the map."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from uwsim.simulator.simulator import Simulator
 
 @dataclass(frozen=True)
 class FlightRecorder:
-    """A recording of a flight.
+    """Records one flight.
 
-    table: the channels, shared with a link. take_ping: records a ping; None if the channels do so.
+    table: the channels, shared with the link; None if pings are recorded. take_ping: records a ping; None if channels
+    are recorded.
     """
 
     recorder: Recorder
@@ -31,12 +32,12 @@ class FlightRecorder:
         self.recorder.start()
 
     def note(self, flown: FlightRecord) -> None:
-        """Append the flight's notes, which the pings do not contain, to the end of the recording."""
+        """Append the values that cannot be derived from the pings to the recording."""
         if self.take_ping is not None:
             note_record(self.recorder, flown)
 
     def try_close(self) -> OSError | None:
-        """Finish the file; return the error if writing failed."""
+        """Complete and close the file; return the error if writing failed."""
         return self.recorder.try_close()
 
 

@@ -1,4 +1,4 @@
-"""fly and resume: fly a mission in a simulator, with log, samples, map and report. The job of `uwsim run`."""
+"""fly and resume: fly a mission in a simulator, with log, samples, map and report. `uwsim run` calls them."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def fly(
     arguments: Mapping[str, Any] | None = None,
     vehicles: Iterable[str] = (),
     estimate: EstimateKind = "truth",
-    map: bool = False,  # noqa: A002  # as the option is called
+    map: bool = False,  # noqa: A002  # named like the command-line option
     voxel_m: float | None = None,
     engine: MapEngine | None = None,
     verify_map: bool = False,
@@ -71,24 +71,27 @@ def fly(
         record = fly(mission, scenario="pool")                       # a function, as in a notebook
         record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
 
-    mission: see found_mission; None: the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator, which
-    continues from its present state. out: a folder for log.jsonl, track-VEHICLE.csv, map.bt and, by report, report.html
-    ("full"), summary.json ("json") or neither ("none"). arguments: for the mission's other parameters. vehicles: names;
-    by default all if the mission takes `vehicles`, else the first. estimate: the vehicles' knowledge of their poses,
-    also used for the map: the "truth", or their "filter" (Vehicle.estimate). mission_time_s: of the battery;
-    time_limit_s: simulated; by default the battery's. link: a modem, by name or file, that replaces the scenario's; the
-    station's map of the pings that arrive is written as map_ashore.bt. carried: name endings of the channels that
-    vehicles send over it; by default all that can go over a link. record: a new recording (.mcap) of record_topics; by
-    default all but pictures. autosave_s: wall time between saves, from which `resume` continues; 0 for none. screen:
-    displays the flight, by default nothing; with a Terminal, Ctrl-C ends the flight with its results.
+    mission: see found_mission; if None, the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator,
+    which continues from its present state. out: folder for log.jsonl, track-VEHICLE.csv and map.bt. report: "full" also
+    writes summary.json and report.html, "json" only summary.json, "none" neither. function: name of the mission's
+    function, if the mission is a file. arguments: values for the mission's other parameters. vehicles: names; by
+    default all if the mission takes `vehicles`, else the first. estimate: source of the poses that the mission and the
+    map use: "truth", or "filter" (Vehicle.estimate). mission_time_s: battery life. time_limit_s: limit in simulated
+    time; by default the battery life. link: a modem, by name or file, that replaces the scenario's; the map built
+    ashore from the pings that arrive is written to map_ashore.bt. carried: name endings of the channels that vehicles
+    send over the link; by default all that it can carry. record: path of a new recording (.mcap). record_topics: the
+    channels to record; by default all but pictures and maps. autosave_s: wall time between saves, from which `resume`
+    can continue; 0 disables saving. screen: displays the flight; by default nothing is displayed. With a Terminal,
+    Ctrl-C ends the flight and keeps its results.
 
-    For the map: engine is "bricks" by default; verify_map also inserts every scan into a stock OctoMap map and compares
-    the bytes; map_memory_mb limits its memory, the rest goes to disk; map_growth measures it as it grows;
-    outlier_filter replaces the scenario's; close_loops corrects the filter's track after the flight so that areas seen
-    twice match, and rebuilds the map: such a flight is not saved in flight.
+    Map options: engine is "bricks" by default. verify_map also inserts every scan into a stock OctoMap and compares the
+    two maps' bytes. map_memory_mb limits the map's memory; the rest is kept on disk. map_growth measures the map as it
+    grows. outlier_filter overrides the scenario's setting. close_loops corrects the filter's track after the flight, so
+    that areas seen twice match, and rebuilds the map; such a flight is not saved while it flies.
 
-    Raises ScenarioError or ValueError for wrong arguments before anything is written, OSError; and the mission's own
-    errors, as MissionError if it is in a file, after the results so far have been written.
+    Raises ScenarioError or ValueError for invalid arguments, before anything is written; OSError if results cannot be
+    written; and the mission's own errors, as MissionError if the mission is a file, after the results so far have been
+    written.
     """
     of_map = {
         "voxel_m": voxel_m, "engine": engine, "verify_map": verify_map or None, "map_memory_mb": map_memory_mb,
@@ -172,8 +175,8 @@ def resume(
     """Continue the flight that was last saved in `out`, with the same results; see checkpoint.py.
 
     arguments: other arguments of `fly`; those that are not None must equal those of the saved flight. Raises ValueError
-    if there is none, if an argument differs, if the mission's file has changed, or if the repeated flight differs;
-    OSError.
+    if no flight is saved there, an argument differs, the mission's file has changed, or the repeated flight differs;
+    OSError if files cannot be read or written.
     """
     require_report(report)
     screen, checkpoint = screen or Silent(), FlightCheckpoint(Path(out))
@@ -223,8 +226,8 @@ def _map_setup(
 def _recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, mission: FlownMission, request: FlightRequest
 ) -> FlightRecorder:
-    """Return a recorder, which has not written anything yet. Raises ValueError."""
-    from uwsim.flight.flight_recorder import flight_recorder  # here, since recording formats are slow to import
+    """Return a recorder that has not written anything yet. Raises ValueError if its arguments are invalid."""
+    from uwsim.flight.flight_recorder import flight_recorder  # imported here, since recording formats take long
 
     return flight_recorder(sim, path, topics, request if mission.make is not None else None)
 
@@ -233,7 +236,7 @@ def _require_consistent(
     estimate: str, report: str, makes_map: bool, of_map: Mapping[str, Any], close_loops: bool,
     time_limit_s: float | None,
 ) -> None:  # fmt: skip
-    """Raise ValueError for arguments that contradict each other, or would have no effect."""
+    """Raise ValueError if arguments contradict each other or would have no effect."""
     if estimate not in ESTIMATES:
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
     require_report(report)
@@ -260,11 +263,11 @@ def _require_able(
     sim: Simulator, mission: FlownMission, names: tuple[str, ...], estimate: EstimateKind, makes_map: bool,
     outlier_filter: bool | None,
 ) -> None:  # fmt: skip
-    """Raise ValueError unless the vehicles can fly this, before anything is written."""
+    """Raise ValueError unless the vehicles can fly this mission."""
     if mission.make is not None and len(names) > 1:
         raise ValueError(f"vehicles = {', '.join(names)}: {mission.title} flies one vehicle")
     for name in names:
-        vehicle = sim.vehicles[name]  # raises ValueError for an unknown one
+        vehicle = sim.vehicles[name]  # raises ValueError for an unknown name
         if makes_map:
             require_sonar(sim.scenario, name)
             filters_outliers(sim, name, outlier_filter)
@@ -273,7 +276,10 @@ def _require_able(
 
 
 def _checked_voxel_m(sim: Simulator, voxel_m: float | None) -> float:
-    """Return the edge of the map's voxels. Raises ScenarioError for a value that a scenario could not have either."""
+    """Return the edge length of the map's voxels.
+
+    Raises ScenarioError for a value that a survey in a scenario would refuse.
+    """
     if voxel_m is None:
         return default_voxel_m(sim)
     if sim.scenario.survey is None:

@@ -1,6 +1,6 @@
-"""The plan of a scenario's survey, and the parts of its lanes that can be flown, determined from the true world.
+"""The plan of a scenario's survey, reduced to the parts of its lanes that can be flown in the true world.
 
-The mission itself does not see the world: it gets the remaining lanes.
+The mission itself does not see the world: it receives the remaining lanes.
 """
 
 from __future__ import annotations
@@ -18,22 +18,25 @@ from uwsim.simulator.simulator import Simulator
 
 STEP_M = 1.0
 MARGIN_M = 2.0
-"""Free water required around a lane."""
+"""Width of free water required on all sides of a lane."""
 SHORTEST_M = 10.0
-"""Shorter parts of lanes are left out."""
+"""Length below which a part of a lane is left out."""
 LEAST_SHARE = 0.5
-"""A survey of which a smaller share can be flown is refused, since its area must be a mistake."""
+"""The least flyable share of a survey's lanes; below it the survey is refused, since its area must be a mistake."""
 
 Points = NDArray[np.float64]
 
 
 class SurveyAreaWarning(UserWarning):
-    """A part of the survey's lanes cannot be flown and is left out."""
+    """Warns that parts of the survey's lanes cannot be flown and are left out."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlyableLanes:
-    """lanes: those that can be flown, in order. left_out: a sentence on the rest; None if there is none."""
+    """The flyable part of a survey's lanes.
+
+    lanes: the lanes that can be flown, in order. left_out: a sentence about the others; None if all can be flown.
+    """
 
     lanes: list[Lane]
     left_out: str | None
@@ -62,20 +65,23 @@ def survey_plan(survey: Survey) -> LawnMowerPlan:
 def flyable_plan(
     sim: Simulator, plan: LawnMowerPlan, least_share: float = LEAST_SHARE
 ) -> tuple[LawnMowerPlan, str | None]:
-    """Return the plan, restricted to the lanes that can be flown, and a sentence on those left out.
+    """Return the plan, restricted to the lanes that can be flown, and a sentence about those left out, if any.
 
-    Raises ScenarioError if a smaller share can be flown.
+    Raises ScenarioError if less than least_share of the lanes can be flown.
     """
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
-    )  # not the present pose, so that a resumed flight gives the same plan
+    )  # not the present pose, so that a resumed flight has the same plan
     lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
     found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)
 
 
 def flyable_lanes(sim: Simulator, lanes: list[Lane], least_share: float = LEAST_SHARE) -> FlyableLanes:
-    """Return the parts of lanes that can be flown. Raises ScenarioError if they are a smaller share."""
+    """Return the parts of lanes that can be flown.
+
+    Raises ScenarioError if they are less than least_share of the total.
+    """
     flyable, left_m, reasons_m = [], 0.0, dict.fromkeys(REASONS, 0.0)
     for lane in lanes:
         along = np.linspace(0.0, lane.length_m, max(2, int(np.ceil(lane.length_m / STEP_M)) + 1))
@@ -109,7 +115,7 @@ REASONS = (
 
 
 def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
-    """Return for each point (n, 2) the number of the reason, from 1, why it cannot be flown over; 0 if it can."""
+    """Return, for each point (n, 2), the 1-based index into REASONS of why it cannot be flown over; 0 if it can."""
     ring = np.radians(np.arange(0.0, 360.0, 45.0))
     around = MARGIN_M * np.stack([np.cos(ring), np.sin(ring)], axis=1)
     places = np.concatenate([points_m[:, None], points_m[:, None] + around], axis=1).reshape(-1, 2)
@@ -121,7 +127,7 @@ def _obstructions(sim: Simulator, points_m: Points) -> NDArray[np.int64]:
 
 
 def _tops_m(sim: Simulator, places_m: Points) -> Points:
-    """Return the height z of the first surface below the water's surface at each place (n, 2); -inf without one."""
+    """Return z of the first surface below sea level at each point (n, 2); -inf if there is none."""
     from_m = np.column_stack([places_m, np.zeros(len(places_m))])
     down = np.tile([0.0, 0.0, -1.0], (len(places_m), 1))
     ranges_m = sim.scene.cast(from_m, down, 12_000.0).ranges_m
@@ -129,11 +135,11 @@ def _tops_m(sim: Simulator, places_m: Points) -> Points:
 
 
 def _stretches(along: Points, free: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Return the first and last `along` of each run of free samples."""
+    """Return the first and last value of `along` in each run of free samples."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], free, [False]]).astype(int)))
     return [(float(along[a]), float(along[b - 1])) for a, b in edges.reshape(-1, 2)]
 
 
 def _percent(share: float) -> str:
-    """Return a share in per cent; a share above 0 is not rounded down to 0, nor one below 1 up to 100."""
+    """Return a share in per cent; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
     return f"{100.0 * share:.0f} %" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.2g} %"

@@ -1,4 +1,4 @@
-"""Creates the folder for results before a long flight."""
+"""Creates the folder for results before a flight, which may be long, begins."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.scoring.survey_track import TRACK
 
 
 def made_folder(out: Path) -> Path:
-    """Create a folder. Raises OSError if it is not writable."""
+    """Create a folder and return it. Raises OSError if it is not writable."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):
@@ -22,7 +22,7 @@ def made_folder(out: Path) -> Path:
 
 
 def results_folder(out: Path) -> Path:
-    """Create the folder of a flight's results. Raises OSError if they could not be written there."""
+    """Create the folder for a flight's results and return it. Raises OSError if they could not be written there."""
     made_folder(out)
     for name in (MAP, REPORT, TRACK, SUMMARY):
         if (out / name).exists() and not (out / name).is_file():

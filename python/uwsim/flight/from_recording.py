@@ -1,4 +1,4 @@
-"""A survey's map and report from its recording alone."""
+"""Rebuilds a survey's map and report from its recording alone."""
 
 from __future__ import annotations
 
@@ -36,13 +36,14 @@ NOTED = (
 )  # fmt: skip
 """Fields of the record that cannot be derived from the pings."""
 RENAMED = {"scenario_name": "scenario", "stopped_because": "ended_because"}
-"""Fields under their names in recordings of the first version."""
+"""New names of fields, keyed by their names in recordings of the first version."""
 
 
 def survey_recorder(sim: Simulator, path: Path, request: FlightRequest, topics: tuple[str, ...] | None) -> Recorder:
-    """Return the recorder of a survey: its pings and, unless topics are given, all channels that cannot be derived.
+    """Return the recorder of a survey's pings and of `topics`, by default all channels that cannot be derived.
 
-    Pictures can be derived from the rest; scans, clouds and the map from the pings. Raises ValueError.
+    Pictures can be derived from the other channels; scans, clouds and the map from the pings. Raises ValueError if the
+    file is not a .mcap or the survey does not use true poses.
     """
     if path.suffix != ".mcap":
         raise ValueError(f"--record {path}: must end in .mcap for a survey")
@@ -59,14 +60,15 @@ def record_ping(recorder: Recorder, ping: _core.Ping, panel: _core.Telemetry, wo
 
 
 def note_record(recorder: Recorder, record: FlightRecord) -> None:
-    """Append a survey's notes, which the pings do not contain, to the end of its recording."""
+    """Append the values of a survey's record that cannot be derived from the pings to its recording."""
     recorder.note(record={name: getattr(record, name) for name in NOTED})
 
 
 def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
-    """Write the map of a recorded survey to `out`, and its report into a folder; return the number of pings.
+    """Write the map of a recorded survey to `out` and its report to the folder `report`; return the number of pings.
 
-    Raises ValueError if the recording was cut off before the data that a report needs, OSError.
+    Raises ValueError if the recording ends before the data that a report needs, OSError if a file cannot be read or
+    written.
     """
     request = _request_of(recording)
     values = recording.notes.get("record")
@@ -85,13 +87,13 @@ def survey_from(recording: Recording, out: Path, report: Path | None) -> int:
 
 
 def _record_of(values: dict[str, Any]) -> FlightRecord:
-    """Return the record in a recording's notes, without its pings."""
+    """Return the flight record in a recording's notes, without its pings."""
     named = {RENAMED.get(name, name): value for name, value in values.items()}
     return FlightRecord(**{"mission": "survey", "planned": True, **{k: v for k, v in named.items() if k in NOTED}})
 
 
 def _request_of(recording: Recording) -> FlightRequest:
-    """Return the request of a recorded survey, from this version or the first, whose keys are a subset of ours."""
+    """Return the request of a recorded survey; the keys of the first version are a subset of today's."""
     try:
         return TypeAdapter(FlightRequest).validate_python(recording.notes.get("request"))
     except ValidationError as error:
@@ -99,13 +101,13 @@ def _request_of(recording: Recording) -> FlightRequest:
 
 
 def _repeated(recording: Recording, sim: Simulator, request: FlightRequest) -> tuple[OccupancyMap, PingLog]:
-    """Pass the recorded pings through the survey's own chain."""
+    """Return the map and the log that result from passing the recorded pings through the survey's processing chain."""
     occupancy = OccupancyMap(resolution_m=request.voxel_m or 1.0, engine=request.engine)
     log, model = PingLog(survey_area_m(sim)), sim.rov.sonar.model
     with MapFiller(occupancy, model.range_max_m, threads=sim.threads) as filler:
         chain = chain_of(sim, sim.rov.name, filler, filters_outliers(sim, sim.rov.name, request.outlier_filter))
         for taken, warnings in recorded_pings(recording, NAME):
-            ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # the part that the log reads
+            ping, panel = taken.ping, cast(_core.Telemetry, warnings)  # has the fields that the log reads
             points = chain.insert(ping.ranges_m, taken.odom_from_body, taken.odom_from_sonar, ping.time_ns * 1e-9)
             log.add(ping, points, panel, ping.world_from_sonar)
     return occupancy, log

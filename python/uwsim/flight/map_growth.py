@@ -1,4 +1,4 @@
-"""How a flight's map grows: its size, and its distance from the true surface, at increasing intervals."""
+"""Measures how a flight's map grows: its size and its distance from the true surface, at increasing intervals."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from uwsim.mapping import OccupancyMap
 from uwsim.simulator.simulator import Simulator
 
 FIRST_S, FACTOR = 5.0, 1.25  # measured at FIRST_S x FACTOR^k, about 30 times in an hour
-MOST_VOXELS = 20_000  # limit for measuring distances; they are picked evenly among all
+MOST_VOXELS = 20_000  # most voxels whose distance is measured; of more, every n-th is taken
 
 
 class GrowthRow(NamedTuple):
-    """The map at one time in the flight.
+    """Measurements of the map at one time of the flight.
 
-    area_m2: of the columns in which something is occupied. distance_mean_m, distance_p95_m: of occupied voxels from the
-    true surface.
+    area_m2: total area of the columns that contain an occupied voxel. distance_mean_m, distance_p95_m: mean and 95th
+    percentile of the occupied voxels' distances from the true surface.
     """
 
     time_s: float
@@ -29,7 +29,7 @@ class GrowthRow(NamedTuple):
 
 
 def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> GrowthRow | None:
-    """Measure a map; return None for an empty one."""
+    """Measure a map; return None if it is empty."""
     voxels = occupancy.occupied_voxels()
     if not len(voxels):
         return None
@@ -44,8 +44,8 @@ def growth_row(occupancy: OccupancyMap, sim: Simulator, time_s: float) -> Growth
 class GrowthWatch:
     """Measures the map when due: an Observer of the simulator's journal.
 
-    when_mapped: runs a job when the map contains all pings so far. begun_tick: of the flight. first_tick: rows until
-    then already exist.
+    when_mapped: runs a job as soon as the map contains all pings so far. begun_tick: tick at which the flight began.
+    first_tick: tick up to which `rows` already exist.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class GrowthWatch:
             self._go_on()
 
     def observe(self) -> None:
-        """Schedule a measurement of the present map for when it is complete."""
+        """Schedule a measurement for when the map contains all pings so far."""
         time_s = (self._sim.tick - self._begun_tick) * self._sim.step_s
         self._go_on()
         self._when_mapped(lambda: self._measure(time_s))

@@ -18,11 +18,14 @@ FUNCTION = "mission"
 
 
 class MissionError(ValueError):
-    """An error in a mission. The message names its file and line, if it is in a file."""
+    """An error in a mission. If the mission is in a file, the message names the file and line."""
 
 
 def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
-    """Return the mission of a file: its function `mission`, or another one. Raises MissionError, OSError."""
+    """Return a file's mission, which is its function of this name.
+
+    Raises MissionError if the file has no usable mission, OSError if it cannot be read.
+    """
     file = Path(path)
     if not file.is_file():
         raise MissionError(f"mission '{path}': no such file")
@@ -36,13 +39,13 @@ def load_mission(path: str | Path, function: str = FUNCTION) -> MissionFunction:
     try:
         first_parameter(found)
     except ValueError as error:
-        code = getattr(found, "__code__", None)  # classes have none
+        code = getattr(found, "__code__", None)  # classes have no __code__
         raise MissionError(f"{path}{f':{code.co_firstlineno}' if code else ''}: {error}") from None
     return found  # type: ignore[no-any-return]
 
 
 def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> MissionFunction:
-    """Return the mission with values for its other parameters. Raises MissionError for an unknown one."""
+    """Return the mission with values bound to its other parameters. Raises MissionError for an unknown parameter."""
     if not arguments:
         return mission
     known = [p.name for p in list(signature(mission).parameters.values())[1:]]
@@ -54,7 +57,7 @@ def with_arguments(mission: MissionFunction, arguments: Mapping[str, Any]) -> Mi
 
 
 def mission_name(mission: MissionFunction, file: Path | None) -> str:
-    """Return the name of a mission in reports: its file, or its function."""
+    """Return the name of a mission in reports: that of its file or, without one, of its function."""
     if file is not None:
         return file.name
     function = mission.func if isinstance(mission, partial) else mission
@@ -62,7 +65,7 @@ def mission_name(mission: MissionFunction, file: Path | None) -> str:
 
 
 def _module(file: Path) -> Any:
-    """Import a file under its name, so that it finds its neighbours like a script does."""
+    """Import a file as a module; as in a script, it can import the modules beside it."""
     spec = importlib.util.spec_from_file_location(file.stem, file.resolve())
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -85,7 +88,7 @@ def _module(file: Path) -> Any:
 
 
 def mission_error(error: BaseException, file: Path) -> MissionError:
-    """Return the error as one line of text, with the line of the mission's file where it occurred."""
+    """Return a one-line error that names the line of the mission's file where it occurred."""
     folder = str(file.resolve().parent)
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if frame.filename == str(file.resolve())]
@@ -101,7 +104,10 @@ def _named(error: BaseException) -> str:
 
 
 def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
-    """Return NAME=VALUE texts as values; a value that `parse` refuses stays text. Raises MissionError."""
+    """Return the values of NAME=VALUE texts by name; a value that `parse` refuses stays text.
+
+    Raises MissionError for another form.
+    """
     arguments = {}
     for text in texts:
         name, equals, value = text.partition("=")

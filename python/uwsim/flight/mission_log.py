@@ -15,9 +15,10 @@ LOG = "log.jsonl"
 
 
 class MissionLog:
-    """The events of a flight, in order; written to a new file as they occur, if there is a folder for it.
+    """The events of a flight, in order; also written to a new file as they occur, if there is an output folder.
 
-    events: of the flight being resumed. If the disk is full, the flight continues with the events in memory.
+    events: earlier events of a flight that is being resumed. If the disk is full, the flight continues with the events
+    in memory.
     """
 
     def __init__(self, out: Path | None, events: Iterable[Event] = ()) -> None:
@@ -36,7 +37,7 @@ class MissionLog:
             self._file.write(_line(event))
         except OSError:
             self.close()
-            self._path.unlink(missing_ok=True)  # nothing half-written; see rewrite_if_lost
+            self._path.unlink(missing_ok=True)  # no incomplete file is left behind; see rewrite_if_lost
 
     def close(self) -> None:
         """Close the file."""
@@ -46,7 +47,7 @@ class MissionLog:
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
-    """Write the events again if their file is missing: the folder was deleted in flight, or the disk full.
+    """Write the events again if their file is missing, because the folder was deleted in flight or the disk was full.
 
     Raises OSError.
     """

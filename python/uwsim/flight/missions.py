@@ -1,4 +1,4 @@
-"""The missions that can be flown: steps, or a planned mission such as the survey's lawn-mower, by value or name."""
+"""Finds the mission to fly, by value or by name: steps, or a planned mission such as the survey's lawn-mower."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ SURVEY = "survey"
 
 @dataclass(frozen=True)
 class Begun:
-    """A mission with its vehicles, ready to run.
+    """A mission bound to its vehicles, ready to run.
 
-    parts: one mission for all vehicles, or one for each of them. run: flies to the end and returns the mission's
-    result; raises StoppedError if it ends early.
+    parts: one mission for all vehicles, or one per vehicle. run: flies to the end and returns the mission's result;
+    raises StoppedError if the mission ends early.
     """
 
     parts: Sequence[Steps[Any] | SteppedMission | Mission]
@@ -40,14 +40,14 @@ class Begun:
 
     @property
     def progress(self) -> float | None:
-        """The share flown, 0..1, None if unknown."""
+        """The share flown, 0..1; None if unknown."""
         return getattr(self.parts[0], "progress", None)
 
     @property
     def resumable(self) -> ResumableMission | None:
-        """The mission, if it can be saved and restored.
+        """The mission, if it can be saved and restored, else None.
 
-        Several parts cannot be, since one would be saved while another is still in a wait.
+        Several parts cannot, since some would still be waiting when another is saved.
         """
         only = self.parts[0] if len(self.parts) == 1 else None
         return only if isinstance(only, ResumableMission) else None
@@ -57,8 +57,8 @@ class Begun:
 class FlownMission:
     """A mission to fly.
 
-    title: for reports. file: its file, if it is in one. steps: its function or class; None for a planned mission, which
-    `make` creates. name: by which a resumed flight finds a mission that is not in a file.
+    title: its name in reports. steps: its function or class; None for a planned mission. make: creates a planned
+    mission. file: the file that contains it, if any. name: how a resumed flight finds a mission that is not in a file.
     """
 
     title: str
@@ -69,17 +69,20 @@ class FlownMission:
 
     @property
     def takes_all(self) -> bool:
-        """Whether it flies all vehicles at once."""
+        """Whether the mission flies all vehicles at once."""
         return self.steps is not None and first_parameter(self.steps) == "vehicles"
 
     def planned(self, sim: Simulator, least_share: float = LEAST_SHARE) -> tuple[LawnMowerPlan | None, str | None]:
-        """Return the plan that it needs, and a sentence on omitted lanes. Raises ScenarioError."""
+        """Return the plan that a planned mission needs, and a sentence about lanes left out; both may be None.
+
+        Raises ScenarioError if the scenario has no survey or too little of it can be flown.
+        """
         if self.make is None:
             return None, None
         return flyable_plan(sim, survey_plan(required_survey(sim.scenario)), least_share)
 
     def begun(self, vehicles: Mapping[str, OwnVehicle], clock: Clock, plan: LawnMowerPlan | None) -> Begun:
-        """Return the mission with its vehicles, ready to run."""
+        """Return the mission bound to its vehicles, ready to run."""
         if self.steps is not None:
             parts = made(self.steps, vehicles)
             return Begun(parts, lambda: drive(steps_of(parts), clock))
@@ -89,7 +92,7 @@ class FlownMission:
 
 
 def _completed(mission: Mission) -> str:
-    """Run a planned mission. Raises StoppedError, with the reason it returns, if it ends before all lanes are flown."""
+    """Run a planned mission; return why it ended. Raises StoppedError with that reason if not all lanes were flown."""
     ended = mission.run()
     if ended != COVERED:
         raise StoppedError(ended)
@@ -99,12 +102,12 @@ def _completed(mission: Mission) -> str:
 def found_mission(
     mission: AnyMission, function: str = FUNCTION, arguments: Mapping[str, Any] | None = None
 ) -> FlownMission:
-    """Return a mission that can be flown. Raises ValueError if it is not a mission, OSError.
+    """Return a mission that can be flown. Raises ValueError if it is not a mission, OSError if its file cannot be read.
 
-    mission: a generator function, or a class with `steps`, of one vehicle or of `vehicles`; a class, or another
-    callable, of (vehicle, clock, plan), see uwsim.missions.Mission; `package.module:name` of one of these; or the path
-    of a Python file, of which `function` is flown. None: the adaptive lawn-mower over the scenario's survey. arguments:
-    for the other parameters of a function or class of steps.
+    mission: a generator function, or a class with `steps`, that takes one vehicle or `vehicles`; a class or other
+    callable that takes (vehicle, clock, plan), see uwsim.missions.Mission; the `package.module:name` of one of these;
+    the path of a Python file, whose `function` is flown; or None for the adaptive lawn-mower over the scenario's
+    survey. arguments: values for the other parameters of a function or of a class with `steps`.
     """
     if mission is None:
         return FlownMission(SURVEY, make=AdaptiveLawnMower)
@@ -126,7 +129,7 @@ def found_mission(
 
 
 def warn_of_left_out(sentence: str | None) -> None:
-    """Warn of omitted lanes."""
+    """Warn that lanes are left out, if there is a sentence about them."""
     if sentence is not None:
         warnings.warn(sentence, SurveyAreaWarning, stacklevel=3)
 
@@ -140,13 +143,13 @@ def _title(found: Callable[..., Any]) -> str:
 
 
 def _name_of(found: Callable[..., Any]) -> str | None:
-    """Return `module:name`, by which a mission can be found again; None if there is no such name."""
+    """Return the `module:name` from which a mission can be imported again; None if it has no such name."""
     module, name = getattr(found, "__module__", None), getattr(found, "__qualname__", None)
     return f"{module}:{name}" if module not in (None, "__main__") and name and "<" not in name else None
 
 
 def _takes(found: Callable[..., Any], count: int) -> bool:
-    """Return whether it can be called with this number of positional arguments."""
+    """Return whether `found` can be called with `count` positional arguments."""
     try:
         inspect.signature(found).bind(*[None] * count)
     except TypeError:
@@ -155,7 +158,10 @@ def _takes(found: Callable[..., Any], count: int) -> bool:
 
 
 def imported(name: str) -> Callable[..., Any]:
-    """Import `package.module:name`, also from the working folder. Raises ValueError."""
+    """Import `package.module:name`, also from the working directory.
+
+    Raises ValueError if it cannot be imported or called.
+    """
     module_name, colon, attribute = name.partition(":")
     if not colon or not module_name or not attribute:
         raise ValueError(f"mission '{name}': must be MODULE:NAME, such as my_package.missions:Spiral")

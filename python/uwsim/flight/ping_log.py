@@ -13,17 +13,16 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.scoring.polygon import inside_polygon
 
-PINGS_PER_CANDIDATE = 50  # one ping in this many is a candidate for the sample
+PINGS_PER_CANDIDATE = 50  # one ping in 50 is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
-"""The warnings of the vehicle's panel, `range_warning` and so on of its telemetry."""
-lit = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
-"""Returns whether each of PANEL_WARNINGS is lit on a panel."""
+"""The warnings on the vehicle's panel, fields `range_warning` and so on of its telemetry."""
+_LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class PingSample:
-    """One ping, stored for the figure of the sonar's fan.
+    """A ping stored for the report's picture of the sonar's fan.
 
     ranges_m: (beams,), inf for no echo. angles_rad: (beams,), in the sonar's x-y plane, positive to port.
     world_from_sonar: (4, 4). points_world_m: (echoes, 3).
@@ -37,10 +36,11 @@ class PingSample:
 
 @dataclass
 class PingLog:
-    """The positions at each ping, the number of echoes, and the ping with the most distinct labels.
+    """The position at each ping, the number of echoes, and a sample: the ping with the most distinct labels.
 
-    area_world_m: polygon in which the sample must lie; None: anywhere. positions_m: the sonar's true ones; mapped_m:
-    those used for the map. pings_with_warning: the number of pings during which each of PANEL_WARNINGS was on.
+    area_world_m: polygon in which the sample must have been taken; None allows any place. positions_m: the sonar's true
+    positions. mapped_m: its positions as used for the map. pings_with_warning: the number of pings during which each of
+    PANEL_WARNINGS was on.
     """
 
     area_world_m: Array | None = None
@@ -59,10 +59,9 @@ class PingLog:
         world_from_sonar: Array,
         mapped_from_m: Array | None = None,
     ) -> None:
-        """Log a ping's position, echoes and warnings; every few pings, store it as the sample if it is better.
+        """Log a ping's position, echoes and warnings; one ping in PINGS_PER_CANDIDATE may replace the sample.
 
-        world_from_sonar: the ping's pose. mapped_from_m: (3,) the sonar's position used for the map, if different from
-        the true one.
+        mapped_from_m: (3,), the sonar's position used for the map, if it differs from the true one.
         """
         if True in (are_lit := lit(panel)):
             for name, is_lit in zip(PANEL_WARNINGS, are_lit, strict=True):
@@ -75,7 +74,7 @@ class PingLog:
             self._consider(ping, points_world_m, position)
 
     def _consider(self, ping: _core.Ping, points_world_m: NDArray[np.float32], position: list[float]) -> None:
-        """Store a ping as the sample if it is better."""
+        """Store a ping as the sample if it is better than the present one."""
         # The best sample is a full fan that hits solids as well as the bed.
         labels = ping.labels[ping.valid]
         score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)
@@ -89,12 +88,12 @@ class PingLog:
 
     @property
     def path_world_m(self) -> Array:
-        """(n, 3), the sonar's position at each ping."""
+        """The sonar's true position at each ping, (n, 3)."""
         return np.array(self.positions_m, np.float64).reshape(-1, 3)
 
     @property
     def mapped_path_m(self) -> Array:
-        """(n, 3), the sonar's position at each ping as used for the map."""
+        """The sonar's position at each ping as used for the map, (n, 3)."""
         return np.array(self.mapped_m, np.float64).reshape(-1, 3)
 
     def save(self) -> dict[str, NDArray[Any]]:
@@ -106,7 +105,7 @@ class PingLog:
         return arrays | sample
 
     def restore(self, saved: Mapping[str, NDArray[Any]]) -> None:
-        """Continue from the result of `save`. Raises KeyError, ValueError."""
+        """Continue from the result of `save`. Raises KeyError or ValueError if it is incomplete or malformed."""
         self.positions_m = np.asarray(saved["path"], np.float64).reshape(-1, 3).tolist()
         self.mapped_m = np.asarray(saved["mapped"], np.float64).reshape(-1, 3).tolist()
         self.echo_count, *counts = np.asarray(saved["counts"], np.int64).tolist()

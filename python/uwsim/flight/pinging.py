@@ -1,4 +1,4 @@
-"""Builds a map in flight: each mapping vehicle pings at a fixed rate, and every ping passes through the chain."""
+"""Builds a map in flight: each mapping vehicle pings at a fixed rate, and its chain inserts every ping."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ SURVEYED = ("telemetry", "placed_ping")
 """Name endings of the channels that a surveying vehicle sends over a link."""
 Array = NDArray[np.float64]
 TakePing = Callable[[_core.Ping, _core.Telemetry, Array], object]
-"""Called with each ping, the vehicle's panel and the world_from_body (4, 4) used for the map."""
+"""A function called with each ping, the vehicle's panel and the world_from_body (4, 4) used for the map."""
 
 
 @dataclass(frozen=True)
 class MapSetup:
     """How the map of a flight is built.
 
-    occupancy: the map to fill. reference: a second one, which gets every scan one by one, for comparison.
-    outlier_filter: replaces the scenario's. transmit: see depth_string. growth: whether the map is measured as it
-    grows. keep: store all pings, so that the map can be rebuilt. ahead: examines the true surface while the map's
-    thread is idle, so that scoring takes less time. on_ping: see TakePing.
+    occupancy: the map to fill. reference: a second map for comparison, into which every scan is inserted individually.
+    outlier_filter: overrides the scenario's setting. transmit: see depth_string. growth: whether the map is measured as
+    it grows. keep: whether to store all pings, so that the map can be rebuilt. ahead: examines the true surface while
+    the map's thread is idle, so that scoring takes less time. on_ping: called for each ping.
     """
 
     occupancy: OccupancyMap
@@ -64,10 +64,10 @@ class MapSetup:
 
 @dataclass(frozen=True)
 class SavedPinging:
-    """The pings of a saved flight, until `tick`.
+    """The pings of a saved flight up to `tick`.
 
-    logs: see PingLog.save. due: by vehicle, the next ping's tick, and the steps to the one after it; None in flights
-    saved by an earlier version.
+    logs: by vehicle, see PingLog.save. due: by vehicle, the tick of the next ping and the steps from there to the
+    following ping; None in flights saved by an earlier version. growth: measurements of the map so far.
     """
 
     tick: int
@@ -77,7 +77,7 @@ class SavedPinging:
 
 
 class Pinger:
-    """One vehicle's pings: an Observer of the simulator's journal.
+    """Takes one vehicle's pings: an Observer of the simulator's journal.
 
     vehicle: as the mission sees it; the map is built with its estimated poses.
     """
@@ -94,7 +94,7 @@ class Pinger:
         self.due_tick = sim.tick + self.steps
 
     def observe(self) -> None:
-        """Ping, and pass the ping on."""
+        """Take a ping and pass it to the chain, the log and on_ping."""
         self.due_tick = self._sim.tick + self.steps
         with self._rays:
             ping = self._hull.sonar.ping()
@@ -114,10 +114,11 @@ class Pinger:
 
 
 class MapMaker:
-    """The map of a flight, built by one vehicle or by several together. A context manager.
+    """Builds the map of a flight, from one vehicle or from several together. A context manager.
 
-    saved: of the flight being resumed, whose pings are already in the map. With one vehicle the map is filled on a
-    separate thread; several take turns, so that the map's bytes do not depend on threads.
+    saved: pings of the flight being resumed, which are already in the map. With one vehicle the map is filled on a
+    separate thread; several vehicles fill it in turn on the flying thread, so that the map's bytes do not depend on
+    scheduling.
     """
 
     def __init__(
@@ -168,7 +169,7 @@ class MapMaker:
 
     @property
     def growth(self) -> tuple[GrowthRow, ...]:
-        """How the map has grown, as far as it has been measured."""
+        """The measurements of the map so far."""
         return tuple(self._growth.rows)
 
     @property
@@ -182,13 +183,13 @@ class MapMaker:
         return {name: np.array(keeper.true_path_m).reshape(-1, 3) for name, keeper in self._keepers.items()}
 
     def when_mapped(self, job: Callable[[], None]) -> None:
-        """Run a job when the map contains exactly the pings so far."""
+        """Run a job as soon as the map contains exactly the pings so far."""
         for filler in self._fillers[:-1]:
             filler.finish()
         self._fillers[-1].when_mapped(job)
 
     def recorded(self, record: FlightRecord) -> FlightRecord:
-        """Return the record of the flight, completed with the data on its map."""
+        """Return the flight's record with the data on its map filled in."""
         sim, (first, *_) = self._sim, self.pingers
         logs, occupancy = {name: pinger.log for name, pinger in self.pingers.items()}, self.setup.occupancy
         true_m = {name: log.path_world_m for name, log in logs.items()}
@@ -215,7 +216,7 @@ class MapMaker:
         )
 
     def save(self) -> SavedPinging:
-        """Return the data on the pings so far that a resumed flight needs; growth is known once they are in the map."""
+        """Return the data on the pings so far that a resumed flight needs, except growth, which is measured later."""
         logs = {name: pinger.log.save() for name, pinger in self.pingers.items()}
         due = {name: (pinger.due_tick, pinger.steps) for name, pinger in self.pingers.items()}
         return SavedPinging(self._sim.tick, logs, due)

@@ -1,4 +1,4 @@
-"""The result of a flight, whether it finished or was interrupted."""
+"""The record of a flight, whether it was completed or interrupted."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from uwsim.link.table import LinkRow
 
 DONE = "the mission is complete"
-BATTERY_EMPTY = "the battery is used up"  # the same text as in missions that check the battery themselves
+BATTERY_EMPTY = "the battery is used up"  # missions that check the battery themselves use the same text
 INTERRUPTED = "interrupted (Ctrl-C)"
 Array = NDArray[np.float64]
 
@@ -32,19 +32,20 @@ Array = NDArray[np.float64]
 class FlightRecord:
     """The record of a flown mission.
 
-    scenario, seed, step_s: of the simulator; of a remote vehicle its URL and None. estimate: the source of its poses.
-    result: the mission's return value; None if it did not end by itself. ended_because: a sentence. ended_early:
-    whether anything but the mission or --time-limit ended it. error: of the mission. samples: by vehicle. stage_wall_s:
-    wall seconds by stage. link: its traffic, by topic. ashore: the station's data, if there is a link.
+    scenario, seed, step_s: as in the simulator; for remote vehicles, scenario is the URL and the others are None.
+    estimate: source of the poses used. result: the mission's return value; None if it did not end by itself.
+    ended_because: the reason, as a clause. ended_early: whether anything but the mission itself or --time-limit ended
+    the flight. error: the exception that the mission raised, if any. samples: by vehicle. stage_wall_s: wall time of
+    each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a link.
 
-    For the map, if one was built: occupancy; pings_world_m: the sonars' estimated positions at each ping, by vehicle,
-    and true_pings_world_m the true ones; area_world_m: (k, 2), the polygon in which it is scored; score: None before
-    scoring; verified: whether it equals stock OctoMap's byte for byte, None if not compared; ping_interval_s: longer
-    than requested if sound takes longer to the maximum range and back; pings_with_warning: number of pings during which
-    each of the panel's warnings was on, warning_limits_m their limiting distances; sample_ping: one of the pings;
-    closed: by vehicle, the tracks with loops closed, from which the map is then built; map_growth: the map against the
-    true surface while it was being built; planned: whether the mission flew the plan of the scenario's survey,
-    lanes_left_out: a sentence on its lanes that cannot be flown.
+    If a map was built: occupancy: the map. pings_world_m: by vehicle, the sonar's position at each ping as used for the
+    map; true_pings_world_m: its true positions. area_world_m: (k, 2), the polygon in which the map is scored. score:
+    None before scoring. verified: whether the map equals stock OctoMap's byte for byte; None if not compared.
+    ping_interval_s: longer than requested if sound takes longer to the maximum range and back. pings_with_warning:
+    number of pings during which each of the panel's warnings was on; warning_limits_m: the distances at which they come
+    on. sample_ping: one ping, for the report. closed: by vehicle, the track after loop closure, from which the map was
+    rebuilt. map_growth: measurements of the map while it was being built. planned: whether the mission flew the plan of
+    the scenario's survey; lanes_left_out: a sentence about its lanes that could not be flown.
     """
 
     mission: str
@@ -88,7 +89,7 @@ class FlightRecord:
     planned: bool = False
 
     def __repr__(self) -> str:
-        """The mission, the scenario, the duration and the reason for the end."""
+        """Return the mission, the scenario, the duration and why the flight ended."""
         pings = f", {self.ping_count} pings" if self.ping_count else ""
         coverage = "" if self.coverage is None else f", coverage {100 * self.coverage:.1f} %"
         return (
@@ -98,12 +99,12 @@ class FlightRecord:
 
     @property
     def interrupted(self) -> bool:
-        """Whether Ctrl-C ended it."""
+        """Whether Ctrl-C ended the flight."""
         return self.ended_because == INTERRUPTED
 
     @property
     def collisions(self) -> int:
-        """Collisions of all vehicles."""
+        """The total number of collisions of all vehicles."""
         return sum(int(samples["collisions"][-1]) for samples in self.samples.values() if len(samples))
 
     @property
@@ -113,13 +114,16 @@ class FlightRecord:
 
     @property
     def rest_wall_s(self) -> float:
-        """Wall time of the flying thread outside all stages. With several threads the map has its own."""
+        """Wall time of the flying thread outside all stages.
+
+        With several threads, the map's stages run on another thread.
+        """
         flying = [s for stage, s in self.stage_wall_s.items() if stage not in MAP_THREAD_STAGES or self.threads == 1]
         return max(self.wall_s - sum(flying), 0.0)
 
     @property
     def all_pings_world_m(self) -> Array:
-        """The sonars' estimated positions (n, 3) of all vehicles, one after the other."""
+        """The sonar positions (n, 3) used for the map, of all vehicles, vehicle after vehicle."""
         return np.concatenate([*self.pings_world_m.values(), np.empty((0, 3))])
 
     @property
@@ -139,7 +143,7 @@ class FlightRecord:
 
     @property
     def path_length_m(self) -> float:
-        """Length of the lines through the pings' true positions, of all vehicles."""
+        """Total length of the lines through the pings' true positions, over all vehicles."""
         paths = (self.true_pings_world_m or self.pings_world_m).values()
         return sum(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in paths)
 
@@ -150,24 +154,24 @@ class FlightRecord:
 
     @property
     def track(self) -> SurveyTrack | None:
-        """The part of the record that the score of the map depends on; None without an area."""
+        """The part of the record that the map's score depends on; None without a scored area."""
         if self.area_world_m is None:
             return None
         return SurveyTrack(self.path_world_m, self.area_world_m, self.range_max_m, self.scenario)
 
-    # Names of a survey's record, kept for one version.
+    # Names from the former survey record, kept for one version.
 
     @property
     def stopped_because(self) -> str:
-        """ended_because."""
+        """The same as ended_because."""
         return self.ended_because
 
     @property
     def scenario_name(self) -> str:
-        """The scenario."""
+        """The same as scenario."""
         return self.scenario
 
     @property
     def collision_count(self) -> int:
-        """The collisions."""
+        """The same as collisions."""
         return self.collisions

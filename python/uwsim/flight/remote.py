@@ -1,4 +1,4 @@
-"""fly_remote: fly the same mission with a vehicle behind a rosbridge, of `uwsim serve` or any other."""
+"""fly_remote: flies a mission with vehicles at a rosbridge server, either `uwsim serve` or any other."""
 
 from __future__ import annotations
 
@@ -50,20 +50,21 @@ def fly_remote(
     vehicles: Iterable[str] = (),
     odometry: str = "odom",
     lockstep: bool = False,
-    map: bool = False,  # noqa: A002  # as the option is called
+    map: bool = False,  # noqa: A002  # named like the command-line option
     voxel_m: float | None = None,
     time_limit_s: float | None = None,
     truth: str | Path | None = None,
     report: str = "full",
     screen: Silent | None = None,
 ) -> FlightRecord:
-    """Fly a mission with vehicles at a rosbridge server; return its record. Results are the same as those of `fly`.
+    """Fly a mission with vehicles at a rosbridge server; return its record. Results are as with `fly`.
 
     url: such as "ws://127.0.0.1:9090". vehicles: by default all if the mission takes `vehicles`, else the first.
-    odometry: the topic of the pose used for map and samples, since the truth is unknown here. truth: the server's
-    scenario, if it is one of ours and odometry is its truth: the map is scored against it, and the report draws its
-    bed. lockstep: the simulator stands still while the mission computes; only with a simulator. map: whether to build
-    one. Raises ValueError, OSError, and the mission's errors.
+    odometry: topic of the poses used for map and samples, since the true poses are unknown here. truth: the server's
+    scenario, if the server is a uwsim simulator and its odometry is the truth: the map is then scored against it, and
+    the report draws its bed. lockstep: whether the simulator waits while the mission computes; works only with a
+    simulator. map: whether to build a map. Raises ValueError if an argument is invalid, OSError if the connection fails
+    or `out` cannot be written, and the mission's errors.
     """
     file = Path(mission) if isinstance(mission, str | Path) else None
     fly_it = load_mission(file, function) if file is not None else mission
@@ -116,7 +117,7 @@ def fly_remote(
 
 
 class _RemoteFlight:
-    """A flight at a rosbridge: the Clock of its mission, which takes samples and pings between waits."""
+    """A flight over rosbridge; also its mission's Clock, which takes samples and pings between waits."""
 
     def __init__(
         self,
@@ -138,11 +139,14 @@ class _RemoteFlight:
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds."""
+        """Simulated time in seconds."""
         return self._inner.time_s
 
     def wait(self, duration_s: float) -> None:
-        """Let time pass, in parts, so that no ping is missed. Raises FlightOverError, OSError."""
+        """Let time pass, in short intervals so that no ping is missed.
+
+        Raises FlightOverError at the end, OSError if the connection is lost.
+        """
         left_s = min(duration_s, max(self._end_s - self.time_s, 1e-6))
         while left_s > 1e-9:
             part_s = min(left_s, 0.5 * PERIOD_S)
@@ -155,7 +159,7 @@ class _RemoteFlight:
             raise FlightOverError(self._limit)
 
     def fly(self, mission: MissionFunction, own: dict[str, OwnVehicle], file: Path | None, url: str) -> FlightRecord:
-        """Fly to the end, whatever its reason."""
+        """Fly until the flight ends, for whatever reason; return its record."""
         self._own = own
         self._rows, self._paths = {name: [] for name in own}, {name: [] for name in own}
         began_s, name = time.perf_counter(), mission_name(mission, file)
@@ -187,7 +191,7 @@ class _RemoteFlight:
         )
 
     def _look(self) -> None:
-        """Take due samples and new pings."""
+        """Take samples if they are due, and insert new pings."""
         now_s = self.time_s
         if now_s >= self._sampled_s + PERIOD_S - 1e-6:
             self._sampled_s = now_s

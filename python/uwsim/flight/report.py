@@ -32,7 +32,7 @@ def write_report(
 ) -> None:
     """Draw the figures next to the report and write it atomically. Raises OSError.
 
-    rendered: the 3D pictures, if they are already being rendered.
+    sim: None if the true world is unknown. rendered: the 3D pictures, if they are already being rendered.
     """
     figures = map_figures(path.parent, flown, sim.world, sim.scene, rendered) if sim is not None else []
     figures += flight_figures(path.parent, flown, None if sim is None else sim.world)
@@ -67,7 +67,7 @@ def write_page(path: Path, flown: FlightRecord, figures: Sequence[ReportFigure])
 
 
 def _judged_cells(score: MapScore) -> str:
-    """Return a sentence on how many cells of the seabed were evaluated, and how many were not."""
+    """Return a sentence about how many seabed cells were evaluated, and how many were not."""
     if score.seabed is None:
         return "The map is empty."
     judged, obstructed = int(score.seabed.judged.sum()), int(score.seabed.obstructed.sum())
@@ -105,7 +105,7 @@ def _setup(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def _stages(flown: FlightRecord) -> list[tuple[str, str, float]]:
-    """Return rows of (stage, wall time, per cent of the flight's wall time)."""
+    """Return rows of (stage, wall time, percentage of the flight's wall time)."""
     if not flown.stage_wall_s:
         return []
     stages = {**flown.stage_wall_s, "the rest": flown.rest_wall_s}
@@ -115,7 +115,7 @@ def _stages(flown: FlightRecord) -> list[tuple[str, str, float]]:
 
 
 def _thruster_rows(samples: Samples) -> list[tuple[str, float]]:
-    """Return rows of (name, mean command in per cent)."""
+    """Return rows of (name, mean absolute command in per cent)."""
     commands = np.abs(samples.commands)
     return list(zip(samples.command_names, (100.0 * commands.mean(axis=0)).tolist(), strict=True))
 

@@ -1,4 +1,4 @@
-"""The figures of a flight's report: draws them and provides titles and captions."""
+"""Draws the figures of a flight's report, with titles and captions."""
 
 from __future__ import annotations
 
@@ -20,11 +20,14 @@ from uwsim.figures.truth_and_map import TruthAndMap, draw_truth_and_map, render_
 from uwsim.flight.record import FlightRecord
 from uwsim.flight.samples import Samples
 
-MOVED_M = 1e-6  # an estimate that differs by less counts as the truth
+MOVED_M = 1e-6  # an estimate with a smaller error counts as the truth
 
 
 class ReportFigure(NamedTuple):
-    """A PNG on disk, with its title and caption in the report. wide: too wide for a phone, which then scrolls it."""
+    """A PNG on disk, with its title and caption in the report.
+
+    wide: whether it is too wide for a phone, which then scrolls.
+    """
 
     path: Path
     title: str
@@ -39,10 +42,10 @@ def map_figures(
     rays: _core.RayScene,
     rendered: Future[TruthAndMap] | None = None,
 ) -> list[ReportFigure]:
-    """Draw the figures of the map in an existing folder; none if it was not scored. Raises OSError.
+    """Draw the figures of the map into an existing folder; none if the map was not scored. Raises OSError.
 
-    rays: the world's. rendered: the 3D pictures, if they are already being rendered; otherwise they are rendered while
-    the other figures are drawn.
+    rays: the ray scene of the same world. rendered: the 3D pictures, if they are already being rendered; otherwise they
+    are rendered while the other figures are drawn.
     """
     score, area_m = flown.score, flown.area_world_m
     if flown.occupancy is None or score is None or area_m is None:
@@ -82,7 +85,7 @@ def map_figures(
 def _ping_figures(
     folder: Path, flown: FlightRecord, world: _core.World, path_m: NDArray[np.float64]
 ) -> list[ReportFigure]:
-    """Draw the figures that need pings."""
+    """Draw the figures that are based on pings."""
     figures = []
     if flown.sample_ping is not None:
         caption = "One ping of the flight as the sonar sent it: from above over the true seabed, and from the side."
@@ -100,7 +103,7 @@ def _ping_figures(
 
 
 def flight_figures(folder: Path, flown: FlightRecord, world: _core.World | None) -> list[ReportFigure]:
-    """Draw the figures of the samples in an existing folder. Raises OSError."""
+    """Draw the figures of the samples into an existing folder. Raises OSError."""
     if not flown.samples:
         return []
     errors = {name: _errors_m(samples) for name, samples in flown.samples.items()}

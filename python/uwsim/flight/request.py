@@ -1,4 +1,4 @@
-"""A flight as requested, with every default resolved: enough to rebuild its simulator and its maps."""
+"""The request for a flight, with every default resolved: sufficient to rebuild its simulator and its maps."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from uwsim.simulator.simulator import Simulator
 EstimateKind = Literal["truth", "filter"]
 ESTIMATES: tuple[EstimateKind, ...] = ("truth", "filter")
 PATHS = ("mission", "scenario", "sonar_model", "link")
-"""The arguments that may be paths."""
+"""Names of the arguments that may be paths."""
 
 
 @dataclass(frozen=True)
 class FlightRequest:
     """The arguments that determine a flight.
 
-    mission: the path of its file, or `module:name`; None: the scenario's survey. mission_digest: of the file's content.
-    vehicles: by default the scenario's first, or all if the mission flies `vehicles`. link: a modem, replacing the
-    scenario's; carried: name endings of the channels that vehicles send over it. time_limit_s: simulated time, by
-    default the battery's. voxel_m, engine, verify_map, outlier_filter, map_growth: of the map, if there is one.
+    mission: the path of its file, or `module:name`; if None, the scenario's survey. mission_digest: digest of the
+    file's content. vehicles: by default the scenario's first, or all if the mission takes `vehicles`. link: a modem
+    that replaces the scenario's. carried: name endings of the channels that vehicles send over the link. time_limit_s:
+    limit in simulated time; by default the battery life. voxel_m, engine, verify_map, outlier_filter, map_growth:
+    options of the map, if one is built.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")
@@ -52,7 +53,7 @@ class FlightRequest:
     time_limit_s: float | None = None
 
     def new_simulator(self, threads: int | None = None) -> Simulator:
-        """Return the simulator at its start. Raises ScenarioError, ValueError."""
+        """Return a new simulator for the flight. Raises ScenarioError or ValueError if the request is invalid."""
         return Simulator(
             self.scenario,
             seed=self.seed,
@@ -64,7 +65,7 @@ class FlightRequest:
         )
 
     def new_reference(self) -> OccupancyMap | None:
-        """Return an empty stock OctoMap map for verification if requested, else None."""
+        """Return an empty stock OctoMap for verification if requested, else None."""
         assert self.voxel_m is not None or not self.verify_map
         return OccupancyMap(resolution_m=self.voxel_m or 1.0, engine="octomap") if self.verify_map else None
 
@@ -86,7 +87,7 @@ class FlightRequest:
 
 
 def resolved_path(name: Any) -> Any:
-    """Return the absolute path of a file; anything else, such as a packaged scenario's name, unchanged."""
+    """Return the absolute path of a file; return anything else, such as a packaged scenario's name, unchanged."""
     if isinstance(name, str | Path):
         return str(Path(name).resolve()) if Path(name).is_file() else str(name)
     return name

@@ -52,11 +52,12 @@ def write_results(
     ahead: SurfaceAhead | None = None,
     is_saved: bool = False,
 ) -> FlightRecord:
-    """Write map, track, samples, and report or summary; return the record with the map's score. Raises OSError.
+    """Write map, track, samples, summary and report; return the record with the map's score. Raises OSError.
 
-    sim: the flight's simulator, or one of the same world; None if its world is unknown. ahead: the part of the true
-    surface examined so far. is_saved: whether --resume can repeat a failed report. The map is written while it is
-    scored, and the key values are printed before anything that may fail on a full disk.
+    sim: the flight's simulator, or another of the same world; None if the world is unknown. report: "full", "json" (no
+    report.html) or "none" (no summary either). ahead: the part of the true surface examined so far. is_saved: whether
+    --resume can repeat a failed report. The map is written while it is being scored, and the key values are printed
+    before the other files are written, which may fail on a full disk.
     """
     with suppress(OSError):
         out.mkdir(parents=True, exist_ok=True)  # it may have been deleted in flight
@@ -91,7 +92,7 @@ def scored(
         return flown
     survey = sim.scenario.survey
     if survey is None or not np.array_equal(flown.area_world_m, survey.area_m):
-        ahead = None  # it has examined the survey's area
+        ahead = None  # it examined the survey's area, not this one
     score = _score(flown.occupancy, flown, sim, ahead, is_exact=_is_exact(flown, sim))
     ashore_score = None if ashore is None else _score(ashore, flown, sim, ahead, is_exact=False)
     return replace(flown, score=score, ashore_score=ashore_score, free_voxels=flown.occupancy.count().free)
@@ -108,18 +109,18 @@ def _score(
 
 
 def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
-    """Return whether the map is built from exact ranges and true poses."""
+    """Return whether the map was built from exact ranges and true poses."""
     is_true = flown.estimate == "truth" and not flown.closed
     return is_true and all(sim.vehicles[name].sonar.mode == "geometry" for name in flown.pings_world_m)
 
 
 def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:
-    """Return the station's map, with the voxel size of the one aboard."""
+    """Return the station's map, with the voxel size of the map aboard."""
     return ashore.made_map(aboard.resolution_m, aboard.engine)
 
 
 def _render_ahead(flown: FlightRecord, sim: Simulator | None) -> Future[TruthAndMap] | None:
-    """Start rendering the report's 3D pictures on a thread, while the map is scored and written."""
+    """Start rendering the report's 3D pictures on a separate thread, to run while the map is scored and written."""
     if flown.occupancy is None or flown.area_world_m is None or sim is None:
         return None
     pool = ThreadPoolExecutor(1, "render")
@@ -138,7 +139,7 @@ def _rendered(occupancy: OccupancyMap, flown: FlightRecord, sim: Simulator) -> T
 
 
 def _write_map(occupancy: OccupancyMap, path: Path, is_saved: bool) -> None:
-    """Write the map; if that fails, to a temporary folder. Raises OSError that names the paths tried."""
+    """Write the map; if that fails, write it to a temporary folder and raise OSError that names the paths tried."""
     try:
         occupancy.write(path)
     except OSError as error:

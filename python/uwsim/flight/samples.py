@@ -1,4 +1,4 @@
-"""Samples of vehicles in flight, at a fixed rate in simulated time, and events derived from them."""
+"""Samples vehicles in flight at a fixed rate in simulated time, and derives events from the samples."""
 
 from __future__ import annotations
 
@@ -34,19 +34,18 @@ COLUMNS = (
     "released", "range_warning", "proximity_warning", "collision_warning", "collisions",
 )  # fmt: skip
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
-"""Commands that are not logged individually, like set_effort."""
-_FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
+"""Commands that are too frequent to log, as is set_effort."""
 AT = {name: k for k, name in enumerate(COLUMNS)}
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
 Hear = Callable[[str, str, dict[str, Any]], object]
-"""Called with a vehicle's name, an event and its values."""
+"""A function called with a vehicle's name, an event's name and its values."""
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """The samples of one vehicle: `samples["depth_m"]` is (n,).
+    """The samples of one vehicle; a column such as `samples["depth_m"]` has shape (n,).
 
-    The last columns are commands in [-1, 1]: "thruster NAME"; of a vehicle without thrusters, "effort AXIS".
+    The last columns are commands in [-1, 1], named "thruster NAME" or, for a vehicle without thrusters, "effort AXIS".
     """
 
     names: tuple[str, ...]
@@ -74,26 +73,26 @@ class Samples:
 
     @property
     def path_world_m(self) -> NDArray[np.float64]:
-        """(n, 3) true positions."""
+        """True positions in the world, (n, 3)."""
         return self.values[:, AT["x_m"] : AT["z_m"] + 1]
 
     @property
     def estimated_path_world_m(self) -> NDArray[np.float64]:
-        """(n, 3) estimated positions."""
+        """Estimated positions in the world, (n, 3)."""
         return self.values[:, AT["estimated_x_m"] : AT["estimated_z_m"] + 1]
 
     @property
     def commands(self) -> NDArray[np.float64]:
-        """(n, thrusters or axes)."""
+        """Commands in [-1, 1], (n, thrusters or axes)."""
         return self.values[:, len(COLUMNS) :]
 
     @property
     def command_names(self) -> tuple[str, ...]:
-        """The thrusters or axes."""
+        """Names of the thrusters or axes, in the order of `commands`."""
         return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
 
     def lit_s(self, warning: str) -> float:
-        """Return how long a warning of the panel was on, to the resolution of the samples."""
+        """Return how long a warning on the panel was on in seconds, to the resolution of the samples."""
         return float(self[f"{warning}_warning"].sum()) * PERIOD_S
 
     def write(self, path: Path) -> None:
@@ -106,10 +105,10 @@ class Samples:
 
 
 class Sampler:
-    """Samples a simulator's vehicles, and reports changes on their panels as events: an Observer of its journal.
+    """Samples a simulator's vehicles and reports changes on their panels as events: an Observer of its journal.
 
-    vehicles: as the mission sees them, by name. timer: for the samples. saved: the rows (n, columns) of the flight
-    being resumed, which began at begun_tick.
+    vehicles: by name, as the mission sees them. hear: receives the events. timer: times the sampling. saved: by
+    vehicle, the rows (n, columns) of the flight being resumed, which began at begun_tick.
     """
 
     def __init__(
@@ -137,7 +136,7 @@ class Sampler:
                 rows.append(row)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log commands, except steering commands and messages over the link."""
+        """Report a command as an event, unless it is too frequent."""
         if name not in TOO_MANY:
             values = {k: plain(v, k) for k, v in arguments.items() if k != "vehicle" and not isinstance(v, bytes)}
             self._hear(str(arguments.get("vehicle") or ""), name, values)

@@ -25,9 +25,10 @@ Tick = Annotated[int, Field(ge=0)]
 
 
 class SavedMission(BaseModel):
-    """The state from which a mission with `save` continues, in addition to the simulator's state and its samples.
+    """The state from which a mission with `save` continues, besides the simulator's state and the samples.
 
-    state: of the mission. clock: see FlightClock.phase. begun_tick: of the flight. events: of its log.
+    state: the mission's own state. clock: see FlightClock.phase. begun_tick: tick at which the flight began. events:
+    the log so far. ashore: see Ashore.save.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -39,9 +40,12 @@ class SavedMission(BaseModel):
 
 
 class StateFile(BaseModel):
-    """Raising the version makes users' saved flights unreadable: give new fields defaults instead.
+    """The content of flight.json.
 
-    Version 1 had no checksum, and only the pings' positions. due: see SavedPinging. echo_count: of version 1.
+    Raising the version makes users' saved flights unreadable: give new fields defaults instead.
+
+    Version 1 had no checksum and stored only the positions of pings. due: see SavedPinging. echo_count: used only in
+    version 1. files: checksums by file name.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -60,7 +64,7 @@ class StateFile(BaseModel):
     mission: SavedMission | None = None
 
     def sealed(self) -> bytes:
-        """Return the file, including the checksum of the rest of it."""
+        """Return the bytes of the file, including a checksum of the other fields."""
         return json.dumps({**self.model_dump(mode="json"), "checksum": self._checksum()}).encode()
 
     def require_whole(self) -> None:
@@ -92,9 +96,9 @@ def read_state(data: bytes) -> StateFile:
 class SavedFlight:
     """A flight to be resumed.
 
-    tick, state_digest: its tick, and the simulator's state there. pinging: None without a map. mission: None if it is
-    flown again up to `tick`; otherwise it comes with simulation, the bytes of Simulator.save_state, and samples, by
-    vehicle. wall_s: wall time flown so far.
+    tick: when it was saved. state_digest: digest of the simulator's state then. build: fingerprint of the build that
+    saved it. wall_s: wall time used so far. pinging: None without a map. mission: None if the mission must be flown
+    again up to `tick`; otherwise simulation has the bytes of Simulator.save_state, and samples the rows by vehicle.
     """
 
     request: FlightRequest
@@ -111,7 +115,7 @@ class SavedFlight:
     samples: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def state_file(self, files: dict[str, str]) -> StateFile:
-        """Return the content of flight.json. files: the others by name, with their checksums."""
+        """Return the content of flight.json. files: checksums of the other files by name."""
         pinging = self.pinging
         return StateFile(
             build=build_fingerprint(), request=self.request, tick=self.tick, state_digest=self.state_digest,
@@ -121,7 +125,7 @@ class SavedFlight:
         )  # fmt: skip
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the content of flight-N.npz: `pings:VEHICLE:NAME`, `samples:VEHICLE`, `simulation`."""
+        """Return the arrays of flight-N.npz, named `pings:VEHICLE:NAME`, `samples:VEHICLE` and `simulation`."""
         logs = {} if self.pinging is None else self.pinging.logs
         pings = {f"pings:{vehicle}:{name}": array for vehicle, log in logs.items() for name, array in log.items()}
         samples = {f"samples:{vehicle}": rows for vehicle, rows in self.samples.items()}
@@ -133,7 +137,7 @@ class SavedFlight:
         cls, state: StateFile, arrays: Mapping[str, NDArray[Any]], occupancy: OccupancyMap | None,
         reference: OccupancyMap | None,
     ) -> SavedFlight:  # fmt: skip
-        """Return the flight in a file, with its arrays and its maps. Raises KeyError."""
+        """Return the saved flight, from its state file, arrays and maps. Raises KeyError if an array is missing."""
         if state.version == 1:
             arrays = _arrays_of_version_1(arrays, state.echo_count)
         logs: dict[str, dict[str, NDArray[Any]]] = {}
@@ -151,15 +155,18 @@ class SavedFlight:
         )  # fmt: skip
 
     def with_growth(self, growth: tuple[GrowthRow, ...]) -> SavedFlight:
-        """Return a copy with the growth of the map."""
+        """Return a copy with these measurements of the map's growth."""
         return self if self.pinging is None else replace(self, pinging=replace(self.pinging, growth=growth))
 
     def is_state(self, state: bytes) -> bool:
-        """Return whether it was saved in this state of the simulator; that of another build cannot be compared."""
+        """Return whether it was saved in this state of the simulator; True if another build saved it.
+
+        States of different builds cannot be compared.
+        """
         return self.build != build_fingerprint() or state_digest(state) == self.state_digest
 
     def another_flight(self, step_s: float) -> MissionError:
-        """Return the error for a flight that does not reproduce the saved state."""
+        """Return the error to raise if the repeated flight does not reproduce the saved state."""
         at = f"at {self.tick * step_s:g} s it is in another state"
         if self.build != build_fingerprint():
             return MissionError(f"--resume: another build of uwsim saved this flight, and {at}")
@@ -170,12 +177,12 @@ class SavedFlight:
 
 
 def state_digest(state: bytes) -> str:
-    """Return a digest that equal states of a simulator share."""
+    """Return a digest of a simulator's state."""
     return hashlib.blake2b(state, digest_size=16).hexdigest()
 
 
 def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
-    """Return paths by vehicle as arrays of this version; all echoes are counted under the first vehicle."""
+    """Return the paths by vehicle of version 1 as arrays of this version; the first vehicle gets all echoes."""
     found: dict[str, NDArray[Any]] = {}
     for vehicle, path in paths.items():
         log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}

@@ -1,4 +1,4 @@
-"""Where the map of a flight is scored: one rule, so that the same map of the same flight has one score."""
+"""The area in which a flight's map is scored: one rule, so that one map of a flight always gets one score."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ Array = NDArray[np.float64]
 
 
 def scored_area_m(survey_area_m: Array | None, path_world_m: Array) -> Array | None:
-    """Return the polygon (k, 2) in which the map of pings from positions (n, 3) is scored; None if there is none.
+    """Return the polygon (k, 2) in which the map of a flight is scored; None if there is none.
 
-    It is the area of the scenario's survey, unless no ping was taken over it or the scenario has none: then it is the
-    area where the sonar was, with a margin of AREA_MARGIN_M.
+    path_world_m: (n, 3), where its pings were taken.
+
+    This is the area of the scenario's survey. If there is no survey, or no ping was taken over its area, it is the area
+    where the sonar was, with a margin of AREA_MARGIN_M.
     """
     if survey_area_m is not None:
         is_over = not len(path_world_m) or inside_polygon(path_world_m[:, :2], survey_area_m).any()
@@ -27,7 +29,7 @@ def scored_area_m(survey_area_m: Array | None, path_world_m: Array) -> Array | N
 
 
 def flown_area_m(path_world_m: Array) -> Array | None:
-    """Return the polygon (k, 2) within AREA_MARGIN_M of the convex hull of positions (n, 3); None without any."""
+    """Return the convex hull (k, 2) of positions (n, 3), enlarged by AREA_MARGIN_M; None if there are no positions."""
     if not len(path_world_m):
         return None
     from scipy.spatial import ConvexHull, QhullError  # here, since scipy is slow to import

@@ -1,4 +1,4 @@
-"""How much of the bed and of objects on it a flight has seen, over time: columns of 1 m with an echo in them."""
+"""Measures how much of the bed and its objects a flight has seen over time: 1 m x 1 m columns with an echo."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ CELL_M, PERIOD_S = 1.0, 1.0
 
 
 class SeenBed:
-    """Observes a simulator: each vehicle pings once a second from its present pose; see uwsim.base.journal.Observer.
+    """Pings once a second from each vehicle's present pose: an Observer of the simulator's journal.
 
-    Echoes are counted at their true positions, whatever the vehicles' estimates. times_s, areas_m2: at each look.
-    cells: all columns with an echo.
+    Echoes count at their true positions, whatever the vehicles' estimates. times_s: times since the start. areas_m2:
+    the area seen by then. cells: all columns with an echo.
     """
 
     def __init__(self, sim: Simulator, vehicles: Iterable[str]) -> None:
@@ -28,7 +28,7 @@ class SeenBed:
         self.areas_m2: list[float] = []
 
     def observe(self) -> None:
-        """Look."""
+        """Take a ping with each vehicle and add the columns that it sees."""
         self.due_tick = self._sim.tick + self._steps
         for vehicle in self._vehicles:
             if vehicle.released:

@@ -1,4 +1,4 @@
-"""A flight, checked and ready for the engine."""
+"""The checked setup of a flight, ready for the engine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Setup:
-    """The parts of a flight, checked; see fly() for the meaning of each.
+    """The parts of a flight, already checked; see fly() for their meaning.
 
     request: None for a flight that cannot be saved. mapping: None without a map. plan, lanes_left_out: see
     FlownMission.planned. saved: the flight to resume.
@@ -42,5 +42,5 @@ class Setup:
     request: FlightRequest | None = None
     report: str = "full"
     autosave: FlightAutosave | None = None
-    screen: Silent = Silent()  # noqa: RUF009  # it has no state
+    screen: Silent = Silent()  # noqa: RUF009  # Silent has no state
     saved: SavedFlight | None = None

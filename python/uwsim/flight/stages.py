@@ -1,4 +1,4 @@
-"""The stages of a flight's wall time: physics, rays, codec, conversion, samples, mission, map and others."""
+"""Names of the stages into which a flight's wall time is divided: physics, rays, codec, conversion and so on."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from uwsim.mapping.map_filler import MAPPING, VERIFICATION, WAITING
 
 PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION = "physics", "rays", "codec", "conversion", "samples", "mission"
 STAGES = (PHYSICS, RAYS, CODEC, CONVERSION, SAMPLING, MISSION, MAPPING)
-AUTOSAVE = "autosave"  # only listed when used, like VERIFICATION
+AUTOSAVE = "autosave"  # listed only when used, like VERIFICATION
 MAP_THREAD_STAGES = (MAPPING, VERIFICATION, AUTOSAVE)  # run on the map's thread, if it has one
 
 __all__ = [

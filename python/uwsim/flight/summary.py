@@ -19,7 +19,7 @@ from uwsim.scoring.score_text import coverage_text, distance_text, score_rows
 
 WARNING_TEXTS = {"range": "range warning lit", "proximity": "proximity warning lit", "collision": "in contact"}
 ENOUGH_PERCENT = 95.0
-"""Coverage from which a survey that ended early counts as complete."""
+"""Coverage at which a survey that ended early still counts as complete."""
 
 
 def key_figures(flown: FlightRecord) -> list[tuple[str, str]]:
@@ -63,7 +63,7 @@ def _error_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
-    """Return a row for each warning of the panels: its condition, and for which share of the pings it was on."""
+    """Return a row for each warning on the panels: its condition, and the share of the pings during which it was on."""
     limits_m = flown.warning_limits_m
     meanings = {
         "range": f"pings over {limits_m.get('range', 0.0):g} m from the station",
@@ -75,7 +75,7 @@ def warning_rows(flown: FlightRecord) -> list[tuple[str, str]]:
 
 
 def _share_text(share: float) -> str:
-    """Return a share as `63 %`; a share above 0 is not rounded down to 0, nor one below 1 up to 100 %."""
+    """Return a share as `63 %`; a share above 0 is never rounded to 0 %, nor one below 1 to 100 %."""
     percent = f"{100.0 * share:.0f}" if share in (0.0, 1.0) else f"{min(max(100.0 * share, 0.1), 99.9):.3g}"
     return f"{percent} %"
 
@@ -101,7 +101,7 @@ def vehicle_figures(samples: Samples) -> list[tuple[str, str]]:
 
 
 def vehicle_values(samples: Samples) -> dict[str, Any]:
-    """Return the values of one vehicle by name, in SI units, for JSON."""
+    """Return one vehicle's key values by name, in SI units, for JSON."""
     free = samples["released"] > 0
     altitudes = samples["altitude_m"][free & np.isfinite(samples["altitude_m"])]
     steps = np.linalg.norm(np.diff(samples.path_world_m, axis=0), axis=1)
@@ -123,7 +123,7 @@ def vehicle_values(samples: Samples) -> dict[str, Any]:
 
 
 def flight_values(flown: FlightRecord) -> dict[str, Any]:
-    """Return the values of the flight by name, in SI units, for JSON.
+    """Return the flight's key values by name, in SI units, for JSON.
 
     The map's score is in `map`; for one version its values are also at the top level, as in earlier surveys.
     """
@@ -183,7 +183,7 @@ def _closed_values(flown: FlightRecord, name: str) -> dict[str, Any]:
 
 
 def warnings(flown: FlightRecord) -> list[str]:
-    """Return the sentences that a reader should know before trusting the key values."""
+    """Return the warnings that a reader should see before trusting the key values."""
     found = []
     if flown.error is not None:
         found.append(f"The mission failed: {flown.error}")
@@ -213,8 +213,8 @@ def warnings(flown: FlightRecord) -> list[str]:
 def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None = None) -> str | None:
     """Return a sentence if the coverage of the map is below the minimum, else None.
 
-    min_coverage_percent: by default ENOUGH_PERCENT for a flight that ended early, such as by an empty battery, and no
-    minimum for one that flew its mission to the end.
+    min_coverage_percent: by default ENOUGH_PERCENT for a flight that ended early, for example because its battery was
+    empty, and no minimum for a flight that completed its mission.
     """
     least = min_coverage_percent
     if least is None:
@@ -225,12 +225,12 @@ def coverage_shortfall(flown: FlightRecord, min_coverage_percent: float | None =
     why = f"it ended early: {flown.ended_because}" if flown.ended_early else "its mission is complete"
     if flown.coverage is None:
         return f"the survey is incomplete: its coverage is unknown, since the map was not scored; {why}"
-    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, so that it never appears to reach the minimum
+    shown = math.floor(10.0 * coverage) / 10.0  # rounded down, lest it seem to reach the minimum
     return f"the survey is incomplete: coverage is {shown:.1f} %, must be at least {least:g} %; {why}"
 
 
 def ashore_text(flown: FlightRecord, score: MapScore) -> str:
-    """Return a sentence on the map that the station has built."""
+    """Return a summary of the map that the station has built."""
     count = 0 if flown.ashore is None else flown.ashore.ping_count
     share = coverage_text(score) if score.visible_truth_voxels else "-"
     distance = f", mean distance to the truth {distance_text(score.distance_mean_m)}" if score.occupied_voxels else ""
@@ -240,7 +240,7 @@ def ashore_text(flown: FlightRecord, score: MapScore) -> str:
 def summary_table(flown: FlightRecord) -> Table:
     """Return the key values as a table for the terminal, with the warnings below it.
 
-    On a narrow terminal the names are folded and the values stay whole.
+    On a narrow terminal, names wrap and values stay on one line.
     """
     seed = "" if flown.seed is None else f", seed {flown.seed}"
     sonar = "" if flown.sonar_model is None else f", sonar model {flown.sonar_model}"

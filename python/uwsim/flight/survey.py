@@ -1,4 +1,4 @@
-"""run_survey and resume_survey: a survey is a mission, the lawn-mower over the scenario's area, flown with a map."""
+"""run_survey and resume_survey: fly a survey, which maps the scenario's survey area, by default as a lawn-mower."""
 
 from __future__ import annotations
 
@@ -34,9 +34,10 @@ def run_survey(
         record = uwsim.run_survey("pool", "out/", report="json")
         print(record.coverage, record.simulated_s)
 
-    It is `fly` with a map, prints its progress and on Ctrl-C ends with the map so far. mission: by default the adaptive
-    lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError or ValueError for an
-    error in the scenario or the arguments, OSError for `out`. The map is written however the flight ends.
+    Like `fly`, but builds a map and prints progress; on Ctrl-C it stops and keeps the map built so far. mission: by
+    default the adaptive lawn-mower over the survey's area. options: the other arguments of `fly`. Raises ScenarioError
+    or ValueError for an error in the scenario or the arguments, OSError if `out` cannot be written. The map is written
+    even if the mission fails.
     """
     loaded = load(scenario)  # before building the world
     required_survey(loaded)
@@ -49,8 +50,8 @@ def run_survey(
 def resume_survey(out: str | Path, *, screen: Silent | None = None, **options: Any) -> FlightRecord:
     """Continue the survey that `run_survey` last saved in `out`; the map is the same as without the interruption.
 
-    options: see uwsim.flight.fly.resume. Raises ValueError if there is nothing to resume or an argument differs;
-    otherwise like run_survey.
+    options: see uwsim.flight.fly.resume. Raises ValueError if there is nothing to resume or an argument differs, and
+    the errors of run_survey.
     """
     return resume(out, screen=screen or Terminal(), **options)
 
@@ -67,13 +68,14 @@ def fly_survey(
     estimate: EstimateKind = "truth",
     least_share: float = LEAST_SHARE,
 ) -> tuple[OccupancyMap, FlightRecord]:
-    """Fly the scenario's survey in memory, to its end or to Ctrl-C; return the map and the record in both cases.
+    """Fly the scenario's survey without writing files, until it ends or Ctrl-C stops it; return the map and the record.
 
-    occupancy: the map to fill; by default a new one with the scenario's voxel_m. mission: see found_mission.
+    occupancy: the map to fill; by default a new map with the scenario's voxel_m. mission: see found_mission.
     on_progress: called at every ping with the share flown, 0 to 1. transmit: see depth_string. outlier_filter: see
-    filters_outliers. estimate: "filter" flies and maps by Vehicle.estimate. least_share: share of the lanes that must
-    be flyable. Raises ScenarioError if the scenario has no survey, or most of its lanes cannot be flown. Fewer such
-    lanes are left out, with a SurveyAreaWarning.
+    filters_outliers. on_ping_taken: called with every ping. estimate: "filter" flies and maps with the poses of
+    Vehicle.estimate. least_share: share of the lanes that must be flyable. Raises ScenarioError if the scenario has no
+    survey, or less than least_share of its lanes can be flown. Otherwise lanes that cannot be flown are left out, with
+    a SurveyAreaWarning.
     """
     survey = required_survey(sim.scenario)
     filters_outliers(sim, sim.rov.name, outlier_filter)

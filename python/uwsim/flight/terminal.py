@@ -1,4 +1,4 @@
-"""The terminal output of a flight: progress and messages on stderr, results on stdout."""
+"""Terminal output of a flight: progress and messages on stderr, results on stdout."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 Show = Callable[[float | None, float], None]
-"""Shows the share flown, 0 to 1, if it is known, at a simulated time [s]."""
-REDRAW_S = 0.1  # of wall time, between two states of the progress bar
+"""A function that shows the share flown, 0 to 1 or None if unknown, at a simulated time [s]."""
+REDRAW_S = 0.1  # wall time between updates of the progress bar
 
 
 class Silent:
-    """Shows nothing: the base class of all displays of a flight."""
+    """Shows nothing; the base class of all displays of a flight."""
 
     hears_signals = False
-    """Whether Ctrl-C and SIGTERM end the flight it shows, with the results so far."""
+    """Whether Ctrl-C and SIGTERM end the displayed flight and keep its results so far."""
 
     def status(self, activity: str) -> AbstractContextManager[object]:
         """Show an activity, such as "scoring the map", while the block runs."""
@@ -91,7 +91,10 @@ class Terminal(Silent):
 
 @contextmanager
 def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
-    """Yield the function, called at most once per period of wall time, and at the end with the last arguments."""
+    """Yield a function that calls `draw` at most once per period of wall time.
+
+    At the end, `draw` is called with the last arguments if they have not been drawn.
+    """
     drawn_s = -math.inf
     last: tuple[float | None, float] | None = None
 
@@ -108,7 +111,7 @@ def _at_most_each(period_s: float, draw: Show) -> Iterator[Show]:
 
 
 def _notebook_bar(activity: str) -> Show:
-    """Display a bar in a notebook; rich's bar would need ipywidgets there."""
+    """Return a function that shows a progress bar in a notebook, where rich's would need ipywidgets."""
     from IPython.display import DisplayHandle
 
     bar: Any = DisplayHandle()  # type: ignore[no-untyped-call]
@@ -128,9 +131,9 @@ def _notebook_bar(activity: str) -> Show:
 
 
 class _ResultConsole(Console):
-    """Prints to stdout, or nowhere once the reader is gone: `uwsim survey | head` must not prevent the report."""
+    """Prints to stdout, or nowhere once its reader has exited: `uwsim survey | head` must still write the report."""
 
     def on_broken_pipe(self) -> None:
-        """Redirect stdout to nowhere, where rich would end the program."""
+        """Redirect stdout to /dev/null, instead of ending the program as rich does."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""How a scenario's vehicle maps: the chain from pings to a map, its ping rate, and the conditions it must meet."""
+"""How a scenario's vehicle builds a map: the chain from pings to the map, the ping rate, and what the vehicle needs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def chain_of(
 
 
 def filters_outliers(sim: Simulator, vehicle: str, asked: bool | None) -> bool:
-    """Return whether outliers are filtered: as requested, else as in the scenario, else in the sonar's physics mode.
+    """Return whether outliers are filtered: as requested, else as in the scenario, else only in physics mode.
 
     Raises ScenarioError if the scenario limits uncertainties that the sonar does not provide.
     """
@@ -68,13 +68,13 @@ def requested_interval_s(sim: Simulator) -> float:
 
 
 def ping_interval_s(sim: Simulator, vehicle: str) -> float:
-    """Return the scenario's ping interval, or the two-way travel time in whole steps if that is longer."""
+    """Return the scenario's ping interval, or the two-way travel time, rounded up to whole steps, if that is longer."""
     least_s = 1.0 / sim.vehicles[vehicle].sonar.ping_rate_max_hz
     return max(requested_interval_s(sim), math.ceil(least_s / sim.step_s) * sim.step_s)
 
 
 def ping_steps(sim: Simulator, vehicle: str) -> int:
-    """Return the steps between pings: the interval rounded to the nearest step, never less than the travel time."""
+    """Return the number of steps between pings: the ping interval in steps, never below the travel time."""
     return max(1, round(ping_interval_s(sim, vehicle) / sim.step_s))
 
 
@@ -84,7 +84,7 @@ def survey_area_m(sim: Simulator) -> Array | None:
 
 
 def default_voxel_m(sim: Simulator) -> float:
-    """Return the edge of the map's voxels that the scenario requests."""
+    """Return the scenario's voxel edge length, or VOXEL_M without a survey."""
     return sim.scenario.survey.voxel_m if sim.scenario.survey is not None else VOXEL_M
 
 

@@ -1,4 +1,4 @@
-"""Observers of a flight: samples, the map, and the station's end of the link."""
+"""Attaches a flight's observers: samples, the map, and the station's end of the link."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Watched:
-    """A flight that is about to begin or to continue. own: its vehicles, as the mission sees them."""
+    """A flight that is about to begin or continue. own: its vehicles, as the mission sees them."""
 
     setup: Setup
     own: Mapping[str, OwnVehicle]
@@ -31,7 +31,7 @@ class Watched:
 
 @contextmanager
 def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
-    """Take samples during the block."""
+    """Take samples while the block runs."""
     sim, saved = flight.setup.sim, flight.setup.saved
     rows = saved.samples if saved is not None and saved.mission is not None else None
     timer = flight.timer.measure(SAMPLING)
@@ -45,7 +45,7 @@ def sampling(flight: Watched, hear: Hear) -> Iterator[Sampler]:
 
 @contextmanager
 def linked(flight: Watched) -> Iterator[Ashore | None]:
-    """Carry the vehicles' messages to the station during the block, if the scenario has a link."""
+    """Carry the vehicles' messages to the station while the block runs, if the scenario has a link."""
     setup, sim = flight.setup, flight.setup.sim
     if sim.link is None:
         yield None
@@ -74,7 +74,7 @@ def linked(flight: Watched) -> Iterator[Ashore | None]:
 
 @contextmanager
 def mapping(flight: Watched, ashore: Ashore | None) -> Iterator[MapMaker | None]:
-    """Build the map during the block, and collect the pings that arrive ashore."""
+    """Build the map while the block runs, and collect the pings that arrive ashore."""
     setup, journal = flight.setup, flight.setup.sim.journal
     if setup.mapping is None:
         yield None
