@@ -14,34 +14,34 @@ from scipy.spatial import cKDTree
 from uwsim.mapping.difference import map_difference
 from uwsim.mapping.occupancy_map import OccupancyMap
 
-BESIDE = 1.8  # voxels: a voxel this near to an occupied one of the other map belongs to the same surface
-TOGETHER = 2.5  # voxels: between neighbours in a group
+BESIDE = 1.8  # in voxels: this close to an occupied voxel of the other map, a voxel is of the same surface
+TOGETHER = 2.5  # in voxels: largest distance between neighbours in a group
 
 
 @dataclass(frozen=True, eq=False)
 class MapChange:
-    """A group of voxels that appeared or vanished. middle_world_m, size_m (3,): of the box around voxels_m (n, 3)."""
+    """A group of voxels that appeared or vanished. voxels_m: (n, 3), the voxels' centres."""
 
     kind: Literal["appeared", "vanished"]
     voxels_m: NDArray[np.float64]
 
     @property
     def middle_world_m(self) -> NDArray[np.float64]:
-        """The centre of its bounding box."""
+        """The centre of the voxels' bounding box, (3,)."""
         return np.asarray(0.5 * (self.voxels_m.min(axis=0) + self.voxels_m.max(axis=0)))
 
     @property
     def size_m(self) -> NDArray[np.float64]:
-        """The extent of its voxels' centres."""
+        """The extent of the voxels' centres along each axis, (3,)."""
         return np.asarray(np.ptp(self.voxels_m, axis=0))
 
 
 def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -> list[MapChange]:
-    """Return the groups that appeared or vanished between two maps of one area, the largest first.
+    """Return the groups of voxels that appeared or vanished between two maps of the same area, largest first.
 
-    A voxel has appeared if it is occupied now, was known to be free, and had no occupied neighbour; vanished is the
-    reverse. smallest: number of voxels below which a group counts as noise. What only one visit observed is not a
-    change. Raises ValueError unless both maps have the same grid.
+    A voxel has appeared if it is occupied in `after`, and in `before` was known to be free and had no occupied
+    neighbour; vanished is the reverse. Voxels observed on only one visit do not count as changes. smallest: number of
+    voxels below which a group counts as noise. Raises ValueError unless both maps have the same grid.
     """
     differing = map_difference(before, after)
     changes = [
@@ -54,7 +54,7 @@ def map_changes(before: OccupancyMap, after: OccupancyMap, smallest: int = 12) -
 def _groups(
     kind: Literal["appeared", "vanished"], voxels_m: NDArray[np.float64], other: OccupancyMap, smallest: int
 ) -> list[MapChange]:
-    """Return the groups of voxels that are free in the other map and not near anything occupied there."""
+    """Return the groups of those voxels that are free in the other map and not near its occupied voxels."""
     edge_m = other.resolution_m
     free = voxels_m[other.state_at(voxels_m) == 0] if len(voxels_m) else voxels_m
     occupied = other.occupied_voxels()

@@ -1,11 +1,11 @@
-"""Point clouds by PCL: downsample, remove outliers, find the ground plane, register to a map.
+"""Processes point clouds with PCL: downsamples, removes outliers, finds the ground plane, registers to a map.
 
     points_m = voxel_grid(points_m, 0.1)
     points_m = remove_outliers(points_m, neighbours=16, deviations=2.0)
     ground = ground_plane(points_m, distance_m=0.2)
     found = register_to_map(points_m, occupancy_map)        the cloud's pose in the map
 
-Points are (n, 3) float32. C-ordered float32 arrays are passed without a copy, float64 and sequences are converted,
+Points are (n, 3) float32. C-ordered float32 arrays are not copied, float64 arrays and sequences are converted, and
 other dtypes are refused. The same points in the same order give the same bytes. All errors are ValueError. Calls
 release the GIL.
 """
@@ -30,7 +30,7 @@ class RegistrationTarget(Protocol):
 
     @property
     def resolution_m(self) -> float:
-        """Edge of a voxel."""
+        """Edge length of a voxel."""
 
     def occupied_voxels(self) -> NDArray[np.float64]:
         """Return the centres of the occupied voxels, (n, 3), world."""
@@ -38,7 +38,7 @@ class RegistrationTarget(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class GroundPlane:
-    """The plane normal . p + offset_m = 0. normal: (3,), unit, upwards. inliers: (n,) bool, the points fitted."""
+    """The plane normal . p + offset_m = 0. normal: (3,), unit, pointing up. inliers: (n,) bool, the points on it."""
 
     normal: NDArray[np.float64]
     offset_m: float
@@ -53,9 +53,9 @@ class GroundPlane:
 class Registration:
     """A cloud's pose in its target's frame.
 
-    target_from_source: (4, 4), rigid. rms_m: root mean square of the distances from the cloud's points, in this pose,
-    to their nearest target points, over the points within max_distance_m of one; nan if there are none. overlap: share
-    of those points. converged: the steps became negligible before the iterations ran out.
+    target_from_source: (4, 4), rigid. rms_m: root mean square distance between the cloud's points, in this pose, and
+    their nearest target points, over the points that have a target point within max_distance_m; nan if there are none.
+    overlap: the share of such points. converged: whether the steps became negligible before the iterations ran out.
     """
 
     target_from_source: NDArray[np.float64]
@@ -84,20 +84,20 @@ def pass_through(
 
 
 def remove_outliers(points_m: ArrayLike, neighbours: int = 16, deviations: float = 2.0) -> NDArray[np.float32]:
-    """Return the points that are not far from others (Rusu et al. 2008, "Towards 3D point cloud based object maps").
+    """Return the points except outliers (Rusu et al. 2008, "Towards 3D point cloud based object maps").
 
-    A point is an outlier when the mean distance to its nearest `neighbours` points exceeds the cloud's mean of that
-    distance by more than `deviations` standard deviations. Non-finite points are discarded. There must be more points
+    A point is an outlier if the mean distance to its nearest `neighbours` points exceeds the mean of that distance over
+    the cloud by more than `deviations` standard deviations. Non-finite points are discarded. There must be more points
     than neighbours.
     """
     return _core.remove_outliers(points_m, neighbours, deviations)
 
 
 def ground_plane(points_m: ArrayLike, distance_m: float, max_slope_rad: float = math.radians(30.0)) -> GroundPlane:
-    """Return the plane with the most points within distance_m (RANSAC, Fischler and Bolles 1981; least squares).
+    """Return the plane with the most points within distance_m (RANSAC, Fischler and Bolles 1981, then least squares).
 
-    max_slope_rad: the steepest slope that counts as ground, to exclude walls. PCL draws with a fixed seed, so the
-    same points give the same plane. Raises ValueError if a point is not finite or there is no such plane.
+    max_slope_rad: the steepest slope that counts as ground, to exclude walls. PCL's random numbers have a fixed seed,
+    so the same points give the same plane. Raises ValueError if a point is not finite or there is no such plane.
     """
     return GroundPlane(*_core.ground_plane(points_m, distance_m, max_slope_rad))
 
@@ -113,8 +113,8 @@ def register(
     """Register a cloud (n, 3) to another (m, 3) by point-to-point ICP (Besl and McKay 1992).
 
     guess: target_from_source to start from, (4, 4); identity by default. Points without a target point within
-    max_distance_m are ignored: it must be larger than the offset between the clouds. Raises ValueError when a point is
-    not finite or either cloud has fewer than three.
+    max_distance_m are ignored: it must be larger than the offset between the clouds. Raises ValueError if a point is
+    not finite or either cloud has fewer than three points.
     """
     start = np.eye(4) if guess is None else guess
     return Registration(*_core.register_cloud(source_m, target_m, start, max_distance_m, max_iterations))
@@ -130,8 +130,8 @@ def register_to_map(
 ) -> Registration:
     """Register a cloud (n, 3) to the centres of a map's occupied voxels. max_distance_m: REACH_VOXELS by default.
 
-    Accuracy: the centres lie up to half a voxel's diagonal off the mapped surface, so the result is within a fraction
-    of a voxel; along a featureless plane the cloud may slide.
+    Accuracy: the centres lie up to half a voxel's diagonal from the mapped surface, so the result is accurate to a
+    fraction of a voxel; along a featureless plane the cloud may slide.
     """
     reach_m = REACH_VOXELS * occupancy_map.resolution_m if max_distance_m is None else max_distance_m
     centres = occupancy_map.occupied_voxels()

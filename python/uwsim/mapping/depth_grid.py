@@ -1,4 +1,4 @@
-"""A grid of depths (a bathymetric grid), from a map's occupied voxels or a cloud's points."""
+"""A bathymetric grid, from a map's occupied voxels or a cloud's points."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ MAX_CELLS = 100_000_000
 class DepthGrid:
     """Depths below the mean water surface, positive down, in square cells.
 
-    depth_m: (rows, columns), median depth of the points in a cell, nan in empty cells. count: (rows, columns)
-    int64, number of points in the cell. Rows run from south to north, columns from west to east. The cells are
-    cell_m wide, with corners at multiples of cell_m. west_m, south_m: the south-western corner of the grid, world.
+    depth_m: (rows, columns), median depth of the points in a cell, nan in empty cells. count: (rows, columns) int64,
+    number of points in the cell. Rows run from south to north, columns from west to east. The cells are cell_m wide,
+    with corners at multiples of cell_m. west_m, south_m: the grid's south-western corner in the world.
     """
 
     depth_m: NDArray[np.float64]
@@ -27,7 +27,7 @@ class DepthGrid:
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
-        """West, east, south and north borders, world."""
+        """West, east, south and north borders in the world."""
         rows, columns = self.depth_m.shape
         return (
             self.west_m,
@@ -59,7 +59,7 @@ def depth_grid(points_world_m: NDArray[np.floating], cell_m: float) -> DepthGrid
     depths = -points[:, 2]
     rank = np.empty(len(cell), np.int64)
     rank[np.argsort(depths)] = np.arange(len(cell))
-    order = np.argsort(cell * len(cell) + rank)  # equals np.lexsort((depths, cell)), but is much faster
+    order = np.argsort(cell * len(cell) + rank)  # the same as np.lexsort((depths, cell)), but much faster
     cell, depths = cell[order], depths[order]
     first = np.flatnonzero(np.diff(cell, prepend=-1))
     filled, count = cell[first], np.diff(first, append=len(cell))

@@ -1,4 +1,4 @@
-"""A description of a map file: format, size, resolution, counts and bounds."""
+"""Describes a map file: format, size, resolution, counts and bounds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FORMAT_TEXT = {"bt": "bt, occupied or free", "ot": "ot, with all probabilities"}
 
 
 def map_info(path: Path, origin_world_m: Origin) -> list[tuple[str, str]]:
-    """Return rows of (name, value with unit). Raises OSError or ValueError if the map cannot be read."""
+    """Return rows of (name, value with unit) about a map file. Raises OSError or ValueError if it cannot be read."""
     occupancy = open_map(path, origin_world_m)
     statistics, bounds = occupancy.statistics(), known_bounds(occupancy)
     edge_m = occupancy.resolution_m

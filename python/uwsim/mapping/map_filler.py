@@ -1,4 +1,4 @@
-"""Fills a map with scans in order, in batches; with several threads in parallel to the simulation."""
+"""Inserts scans into a map, in order and in batches; with several threads, in parallel with the simulation."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from uwsim.base.wall_timer import WallTimer
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 MAPPING, VERIFICATION, WAITING = "map", "verification", "waiting for the map"
-"""The stages of its wall time; WAITING is that of the inserting thread."""
-SCANS_PER_BATCH = 16  # a map inserts several scans faster than one by one, and threads synchronise less often
+"""Names of the stages of wall time; WAITING is the inserting thread's."""
+SCANS_PER_BATCH = 16  # inserting several scans together is faster than one by one, and threads synchronise less often
 BACKLOG_S, BATCHES_MIN, BATCHES_MAX = 1.0, 4, 512
-"""Limit of the map thread's queue: BACKLOG_S of its work, within these numbers of batches.
+"""Limits of the map thread's queue: work for BACKLOG_S seconds, within BATCHES_MIN to BATCHES_MAX batches.
 
-A save takes about a second, during which the queue fills; Ctrl-C waits until it is empty.
+A save takes about a second, during which the queue fills; Ctrl-C waits until the queue is empty.
 """
 
 Scan = tuple[NDArray[np.float32], NDArray[np.float64]]
-"""Points in the world (n, 3), and the sonar's position (3,)."""
+"""A scan: points in the world (n, 3), and the sonar's position (3,)."""
 
 
 class MapFiller:
     """Inserts scans into a map. A context manager: leaving it waits until the map is filled.
 
-    Scans are inserted in order, so the map's bytes do not depend on the number of threads. reference: a second map,
-    which gets every scan one by one, for comparison. on_mapped: called on the map's thread with points (n, 3) that
-    were inserted, when no other scans wait; with one thread never.
+    Scans are inserted in order, so the map's bytes do not depend on the number of threads. reference: a second map for
+    comparison, into which every scan is inserted individually. on_mapped: called on the map's thread with the points
+    (n, 3) last inserted, if no other scans are waiting; never called with one thread.
     """
 
     def __init__(
@@ -46,18 +46,18 @@ class MapFiller:
         on_mapped: Callable[[NDArray[np.float32]], None] | None = None,
     ) -> None:
         self.occupancy, self.reference = occupancy, reference
-        self._max_range_m = max_range_m  # already applied; float32 points may come out slightly longer
+        self._max_range_m = max_range_m  # already applied; rounded to float32, points may be slightly farther away
         self._timer = timer or WallTimer()
         self._mapping, self._waiting = self._timer.measure(MAPPING), self._timer.measure(WAITING)
         self._thread = ThreadPoolExecutor(1, "map") if threads > 1 else None
-        self._map_threads = max(1, threads - 1)  # one thread is used for flying
+        self._map_threads = max(1, threads - 1)  # one thread is needed for flying
         self._batch: list[Scan] = []
         self._batches_sent = self._batches_mapped = 0
         self._on_mapped = on_mapped if self._thread is not None else None
         self._in_flight: deque[Future[None]] = deque()
 
     def insert(self, points_world_m: NDArray[np.float32], origin_m: NDArray[np.float64]) -> None:
-        """Insert a scan, now or soon."""
+        """Insert a scan, either now or later with its batch."""
         self._batch.append((points_world_m, origin_m))
         if len(self._batch) < SCANS_PER_BATCH:
             return
@@ -69,7 +69,7 @@ class MapFiller:
                 self._in_flight.popleft().result()
 
     def when_mapped(self, job: Callable[[], None]) -> None:
-        """Run a job when the map holds every scan inserted so far and none later: now, or on the map's thread."""
+        """Run a job when the map contains exactly the scans inserted so far: now, or later on the map's thread."""
         self._send_batch()
         self._run_in_order(job)
 
@@ -81,12 +81,12 @@ class MapFiller:
                 self._in_flight.popleft().result()
 
     def _queue_limit(self) -> float:
-        """Return the number of batches that the map inserts in BACKLOG_S, by its average so far."""
+        """Return the number of batches that the map inserts in BACKLOG_S at its average rate so far."""
         batch_s = self._timer.wall_s[MAPPING] / max(1, self._batches_sent - len(self._in_flight))
         return min(max(BACKLOG_S / max(batch_s, 1e-9), BATCHES_MIN), BATCHES_MAX)
 
     def _run_in_order(self, job: Callable[[], None]) -> None:
-        """Run a job after all jobs before it: now, or on the map's thread."""
+        """Run a job after all earlier jobs: now, or later on the map's thread."""
         if self._thread is None:
             job()
         else:
@@ -106,7 +106,7 @@ class MapFiller:
             origins_m = np.array([origin_m for _, origin_m in batch])
             try:
                 self.occupancy.insert_scans(points_world_m, counts, origins_m, self._max_range_m, self._map_threads)
-            except ValueError:  # the whole batch is refused; the scans before the invalid one belong in the map
+            except ValueError:  # the map refused the whole batch, but the scans before the invalid one belong in it
                 self._insert_one_by_one(self.occupancy, batch)
         self._batches_mapped += 1
         if self.reference is not None:
@@ -125,7 +125,10 @@ class MapFiller:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Insert all scans, however the flight ended; an error in doing so is raised only if the flight raised none."""
+        """Insert all scans, however the flight ended.
+
+        An error in this is raised only if the flight itself raised none.
+        """
         try:
             self.finish()
         except Exception:

@@ -1,4 +1,4 @@
-"""Merging of map files of one area, or of its parts: the result's bytes do not depend on their order."""
+"""Merges map files of the same area or of parts of it; the result's bytes do not depend on the order of the files."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from uwsim.mapping.files.map_files import MAP_SUFFIXES, map_format, open_map, re
 from uwsim.mapping.occupancy_map import OccupancyMap
 
 WIDE = (1e-300, 1.0 - 1e-16)
-"""Limits of the intermediate sum, log-odds of -690 to 36.7: ten maps at OctoMap's own limit, 3.5, are below them."""
+"""Clamping limits of the intermediate sum, log-odds -690 to 36.7: ten maps at OctoMap's limit, 3.5, add up to less."""
 OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
-"""Limits that keep a voxel occupied if any map has it occupied (27.6), however many have it free (-4e-7)."""
+"""Clamping limits with which one occupied voxel (27.6) outweighs any number of free ones (-4e-7)."""
 
 
 def merge_files(sources: Sequence[Path], target: Path) -> int:
-    """Merge maps into `target`, .bt or .ot, atomically; return its number of occupied voxels.
+    """Merge maps into `target`, .bt or .ot, which is written atomically; return its number of occupied voxels.
 
-    If all are .ot, the log-odds of each voxel are summed, and the sum is clamped like that of scans: as if one map had
-    received all scans, apart from clamping on the way. A .bt holds states alone, so if any file is one, a voxel is
-    occupied if it is in any map, else free if it is in any. Voxels that are unknown to all maps stay unknown.
+    If all files are .ot, the log-odds of each voxel are added, and the sum is clamped as it is for scans: as if one map
+    had received all scans, apart from clamping in between. A .bt contains only states. So if any file is a .bt, a voxel
+    is occupied if it is occupied in any map, else free if it is free in any. Voxels that are unknown in all maps stay
+    unknown.
 
-    The files are merged in the order of their contents' digests, since floating-point sums depend on the order: the
-    result depends on the files alone. The files hold no origin: all must have been written with the same
-    one. At most two maps are in memory at a time. Raises ValueError, which names the file, or OSError, with nothing
-    written.
+    The files are merged in the order of their contents' digests, since floating-point sums depend on the order; so the
+    result depends only on the files. The files contain no origin: all must have been written with the same origin. At
+    most two maps are in memory at a time. Raises ValueError, which names the file, or OSError, in both cases before
+    anything is written.
     """
     if len(sources) < 2:
         raise ValueError(f"{len(sources)} map given: must be two or more to merge")
@@ -65,7 +66,7 @@ def _any_occupied(sources: Sequence[Path]) -> OccupancyMap:
 
 
 def _states(source: Path, scratch: Path) -> OccupancyMap:
-    """Return a map without probabilities: an .ot is read as its .bt."""
+    """Return a file's map without probabilities: an .ot is converted to a .bt first."""
     if map_format(source) == "ot":
         open_map(source).write(scratch)
         source = scratch

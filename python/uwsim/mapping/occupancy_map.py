@@ -36,28 +36,27 @@ ON_OUTSIDE = ("raise", "count")
 class OccupancyMap(Sealed):
     """A probabilistic voxel map: OctoMap's octree with OctoMap's sensor model.
 
-    resolution_m: edge of a voxel. OctoMap's cube extends 2**15 voxels from its origin along each axis (+-6.5 km at
-    0.2 m); origin_world_m (3,) moves it to the survey area. Files hold world minus origin, so pass the same origin
+    resolution_m: edge length of a voxel. OctoMap's cube extends 2**15 voxels from its origin along each axis (+-6.5 km
+    at 0.2 m); origin_world_m (3,) moves it to the survey area. Files hold world minus origin, so pass the same origin
     to `read`.
 
-    engine: "octomap" is the system's octomap::OcTree and its insertPointCloud, the reference; "bricks" is ours, much
-    faster and smaller. After the same scans both give the same bytes, .bt and .ot. The .bt of either is written by an
-    octomap::OcTree (with a memory_limit_mb, or from 30 million nodes on, by our own writer, since OctoMap's tree would
-    take gigabytes; the bytes are the same).
-    hit: probability that a voxel with a point in it is occupied, in [0.5, 1). miss: the same for a voxel that a ray
-    passes through, in (0, 0.5]. clamping: the limits of the probability that scans can give a voxel. The defaults are
-    OctoMap's.
-    instruction_set: for the bricks' kernels, to be set by tests and benchmarks; the bytes do not depend on it.
-    on_outside: "raise" refuses a scan with points outside the cube, with ValueError and nothing inserted; "count"
-    discards those points (all points, if the origin is outside) and counts them in statistics().
-    memory_limit_mb: approximate limit of the bricks' memory, in addition to one batch of scans and the states kept for
-    changed_voxels. The least recently used parts of the map are moved to an unnamed file in spill_dir (default: the
-    system's folder for temporary files; it must not be a memory file system) and loaded again when used. The file
-    disappears when the process ends, however it ends. The bytes of the map do not depend on the limit. If that file
-    cannot be written, inserting raises OSError with nothing inserted, and the map stays intact. Up to 64 MB of voxels
-    from deleted maps, and the tables of rays, are kept for new maps.
+    engine: "octomap" is the reference: the system's octomap::OcTree and its insertPointCloud. "bricks" is uwsim's
+    engine, which is much faster and smaller. After the same scans, both give the same bytes of .bt and .ot files. A .bt
+    is written by an octomap::OcTree or, with a memory_limit_mb or from 30 million nodes on, by uwsim's writer with the
+    same bytes, since OctoMap's tree would take gigabytes. hit: probability that a voxel with a point in it is occupied,
+    in [0.5, 1). miss: the same for a voxel that a ray passes through, in (0, 0.5]. clamping: the limits of the
+    probability that scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks' kernels,
+    for tests and benchmarks; the bytes do not depend on it. on_outside: "raise" refuses a scan with points outside the
+    cube: ValueError, and nothing is inserted. "count" discards such points (all points, if the scan's origin is
+    outside) and counts them in statistics(). memory_limit_mb: approximate limit of the bricks' memory, not including
+    one batch of scans and the states kept for changed_voxels. The least recently used parts of the map are moved to an
+    unnamed file in spill_dir (by default the system's folder for temporary files; it must not be on a memory file
+    system) and loaded again when needed. The file disappears when the process ends, for whatever reason. The bytes of
+    the map do not depend on the limit. If that file cannot be written, inserting raises OSError with nothing inserted,
+    and the map stays intact. Up to 64 MB of voxels from deleted maps, and the tables of rays, are kept for new maps.
 
-    The bytes of a map depend only on the scans and their order. Calls release the GIL and wait for each other.
+    The bytes of a map depend only on the scans and their order. Calls release the GIL; concurrent calls run one at a
+    time.
     """
 
     _fixed_when = "the map is made or read"
@@ -94,11 +93,11 @@ class OccupancyMap(Sealed):
         memory_limit_mb: float | None = None,
         spill_dir: str | os.PathLike[str] | None = None,
     ) -> Self:
-        """Return the map in a .bt or .ot file; the format is recognised by the first line, not the name.
+        """Return the map in a .bt or .ot file; the format is recognised by the file's first line, not by its name.
 
         Raises OSError if the file cannot be read; ValueError if it is not a valid map, or if it may need more than half
-        of this machine's memory without a memory_limit_mb. A .bt holds only occupied or free: its voxels are read as
-        the clamping limits.
+        of this machine's memory and there is no memory_limit_mb. A .bt only distinguishes occupied from free: its
+        voxels get the clamping limits as probabilities.
         """
         occupancy_map = cls.__new__(cls)
         model = OccupancyModel(hit, miss, clamping)
@@ -108,27 +107,27 @@ class OccupancyMap(Sealed):
 
     @property
     def resolution_m(self) -> float:
-        """Edge of a voxel."""
+        """Edge length of a voxel."""
         return self._map.resolution_m
 
     @property
     def origin_world_m(self) -> NDArray[np.float64]:
-        """The world coordinates of the tree's zero, (3,) float64."""
+        """The tree's origin in world coordinates, (3,) float64."""
         return self._map.origin_world_m
 
     @property
     def engine(self) -> MapEngine:
-        """The engine that holds the map: "bricks" or "octomap"."""
+        """The map's engine: "bricks" or "octomap"."""
         return "octomap" if self._map.engine == _core.MapEngine.OCTOMAP else "bricks"
 
     def insert_scan(self, points_world_m: ArrayLike, origin_world_m: ArrayLike, max_range_m: float = math.inf) -> None:
-        """Insert one ping: voxels between the origin and a point are updated as free, those with a point as occupied.
+        """Insert one ping: voxels between the origin and a point are updated as free, voxels with a point as occupied.
 
         Each voxel is updated once; occupied wins. points_world_m: (n, 3) float32; non-finite points mean no echo and
-        are skipped. origin_world_m: (3,), where the ping was sent. A point farther than max_range_m only frees
-        voxels up to that range; rays and points are float32, so make it a centimetre longer than the longest expected
-        range.
-        Raises ValueError, with nothing inserted, if the origin is not finite, or it or a point lies outside the cube.
+        are skipped. origin_world_m: (3,), where the ping was sent. For a point farther than max_range_m, only the
+        voxels up to that range are updated, as free; rays and points are float32, so choose it a centimetre above the
+        longest expected range. Raises ValueError and inserts nothing if the origin is not finite, or if it or a point
+        lies outside the cube.
         """
         self._map.insert_scan(points_world_m, origin_world_m, max_range_m)
 
@@ -140,31 +139,30 @@ class OccupancyMap(Sealed):
         max_range_m: float = math.inf,
         threads: int = 1,
     ) -> None:
-        """Insert many pings in order: faster than one by one, with the same map as the result.
+        """Insert many pings in order: faster than one by one, with the same result.
 
-        points_world_m: (n, 3) float32, the points of all pings, concatenated; not copied. counts: (m,), number of
-        points of each ping, which add up to n. origins_world_m: (m, 3). threads: used by the bricks; the map does not
-        depend on it.
-        Raises ValueError as insert_scan does, with none of the pings inserted.
+        points_world_m: (n, 3) float32, the concatenated points of all pings; not copied. counts: (m,), number of points
+        of each ping, n in total. origins_world_m: (m, 3). threads: number of threads that the bricks use; the map does
+        not depend on it. Raises ValueError as insert_scan does, and then inserts none of the pings.
         """
         self._map.insert_scans(points_world_m, counts, origins_world_m, max_range_m, threads)
 
     def occupied_voxels(self) -> NDArray[np.float64]:
         """Return the centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order.
 
-        Raises ValueError for more than 100 million.
+        Raises ValueError if there are more than 100 million.
         """
         return self._map.occupied_voxels()
 
     def free_voxels(self) -> NDArray[np.float64]:
         """Return the centres of the free voxels, (n, 3) float64, world, at the finest level, in Morton order.
 
-        Raises ValueError for more than 100 million.
+        Raises ValueError if there are more than 100 million.
         """
         return self._map.free_voxels()
 
     def statistics(self) -> MapStatistics:
-        """Return the numbers of voxels and nodes, and the memory. Visits the whole map."""
+        """Return the numbers of voxels and nodes, and the memory used. Visits the whole map."""
         return MapStatistics(*self._map.statistics())
 
     def count(self) -> VoxelCounts:
@@ -188,17 +186,17 @@ class OccupancyMap(Sealed):
         return Cubes(*self._map.leaves())
 
     def cells(self, depth: int) -> Cubes:
-        """Return the cubes at a depth of the tree, 1 to 16 (the finest), that hold known voxels.
+        """Return the cubes at a depth of the tree, 1 to 16 (the finest), that contain known voxels.
 
         Their log-odds are the maximum over their voxels, as in OctoMap's inner nodes: a cube is occupied if any part of
-        it is. Raises ValueError for more than 100 million.
+        it is. Raises ValueError if there are more than 100 million.
         """
         return Cubes(*self._map.cells(depth))
 
     def voxels_in(self, low_world_m: ArrayLike, high_world_m: ArrayLike) -> Cubes:
-        """Return the known voxels of the finest level with centres in a box, corners (3,), faces included.
+        """Return the known voxels of the finest level with centres in a box with these corners (3,), faces included.
 
-        Raises ValueError for more than 100 million.
+        Raises ValueError if there are more than 100 million.
         """
         return Cubes(*self._map.voxels_in(low_world_m, high_world_m))
 
@@ -211,27 +209,27 @@ class OccupancyMap(Sealed):
     ) -> RayCasts:
         """Cast rays to the first occupied voxel, exactly as octomap::OcTree::castRay does, in float32.
 
-        origins_world_m, directions_world: (n, 3); directions of any length but zero. max_range_m: to a voxel's centre.
-        ignore_unknown: rays pass through unknown voxels. A ray from inside an occupied voxel ends there. Raises
-        ValueError for an origin outside the cube.
+        origins_world_m, directions_world: (n, 3); directions may have any non-zero length. max_range_m: limit of the
+        distance to a voxel's centre. ignore_unknown: whether rays pass through unknown voxels. A ray from inside an
+        occupied voxel ends there. Raises ValueError for an origin outside the cube.
         """
         return RayCasts(*self._map.cast_rays(origins_world_m, directions_world, ignore_unknown, max_range_m))
 
     def changed_voxels(self) -> MapChanges:
-        """Return the voxels whose state (unknown, free, occupied) differs from that at the last call: for a live view.
+        """Return the voxels whose state (unknown, free, occupied) has changed since the last call: for a live view.
 
-        The first call returns all known voxels. A voxel that changed back is not returned, nor one of which only the
-        probability changed. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed
-        areas. Raises ValueError for more than 100 million; the next call then returns them.
+        The first call returns all known voxels. Voxels that changed back, or of which only the probability changed, are
+        not returned. From the first call on, the map keeps a copy of the states, two bits per voxel in mixed areas.
+        Raises ValueError if there are more than 100 million; the next call then returns them.
         """
         return MapChanges(*self._map.changed_voxels())
 
     def changed_occupancy(self) -> OccupancyChanges:
-        """Return the voxels that became occupied, or ceased to be, since the last call: for a live view.
+        """Return the voxels that became occupied, or are no longer occupied, since the last call: for a live view.
 
         The first call returns all occupied voxels. It is much faster than `changed_voxels` and independent of it: each
-        reports the changes since its own last call. Raises ValueError for more than 100 million; the next call then
-        returns them.
+        reports the changes since its own last call. Raises ValueError if there are more than 100 million; the next call
+        then returns them.
         """
         cells, occupied = self._map.changed_occupancy()
         return OccupancyChanges(cells, occupied.view(np.bool_))
@@ -239,10 +237,10 @@ class OccupancyMap(Sealed):
     def merge(self, other: OccupancyMap) -> None:
         """Add another map's log-odds, voxel by voxel; the sum is clamped to this map's limits.
 
-        A voxel that is unknown to one map takes the other's value. The other map must have the same resolution, and an
-        origin that is a whole number of voxels away. Raises ValueError, with nothing changed, if not, if it is this
-        very map or if it extends beyond this map's cube; OSError if voxels cannot be moved to disk; TypeError if it is
-        not an OccupancyMap.
+        A voxel that is unknown in one map takes the other's value. The other map must have the same resolution, and an
+        origin that is a whole number of voxels away. Raises ValueError, and changes nothing, if this is not so, or if
+        `other` is this map itself or extends beyond this map's cube; OSError if voxels cannot be moved to disk;
+        TypeError if `other` is not an OccupancyMap.
         """
         if not isinstance(other, OccupancyMap):
             raise TypeError(f"other = {other!r}: must be an OccupancyMap")
@@ -263,10 +261,10 @@ class OccupancyMap(Sealed):
         return self._map.to_bytes(map_format)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a .bt (occupied or free only, small) or an .ot (all probabilities), chosen by the path's suffix.
+        """Write a .bt (only occupied or free; small) or an .ot (all probabilities), depending on the path's suffix.
 
-        The map does not change, so it may be written during a survey. The file is replaced atomically: after an OSError
-        the old one is unchanged. Raises ValueError for another suffix.
+        The map does not change, so it may be written during a survey. The file is replaced atomically: after an
+        OSError, the old file is unchanged. Raises ValueError for another suffix.
         """
         target = os.fsdecode(path)
         suffix = Path(target).suffix
@@ -275,13 +273,13 @@ class OccupancyMap(Sealed):
         self._map.write(target, suffix.removeprefix("."))
 
     def view(self) -> Figure:
-        """Return a drawing from above, coloured by height: a matplotlib Figure."""
+        """Return a plan view, coloured by height, as a matplotlib Figure."""
         from uwsim.mapping.plan_view import plan_view  # matplotlib takes a while to import
 
         return plan_view(self)
 
     def _repr_png_(self) -> bytes:
-        """Return the view from above, for notebooks."""
+        """Return the plan view as a PNG, for notebooks."""
         from uwsim.mapping.plan_view import png
 
         return png(self)

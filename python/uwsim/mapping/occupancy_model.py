@@ -1,4 +1,4 @@
-"""OctoMap's sensor model: the change of a voxel's log-odds by one observation, and their limits."""
+"""OctoMap's sensor model: how much an observation changes a voxel's log-odds, and within which limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one chain from a ping to a map: depth string, decoded ranges, LaserScan, point cloud, world, OctoMap."""
+"""The processing chain from a ping to a map: depth string, decoded ranges, LaserScan, point cloud, world, OctoMap."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from uwsim.mapping import ranging
 from uwsim.mapping.map_filler import MapFiller
 
 Box = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""A box's low and high corners, (3,) each."""
+"""A box, as its low and high corners, (3,) each."""
 Wire = Callable[[NDArray[np.float32]], NDArray[np.float32]]
-"""Returns the ranges (beams,) that arrive, given those that were sent."""
+"""A function that returns the ranges (beams,) that arrive for the ranges sent."""
 
 
 class PingToMap(Sealed):
     """Passes pings through the chain into a map.
 
-    hull: a box about the vehicle's own hull, body frame; echoes from inside it are discarded. wire: carries the ranges
+    hull: a box around the vehicle's hull, body frame; echoes from inside it are discarded. wire: carries the ranges
     from the sonar to the map; by default a depth string. outlier_filter: whether ranging.reject_outliers is part of the
-    chain. max_uncertainty_m: the limit of ranging.reject_uncertain; None if that is not part of it.
+    chain. max_uncertainty_m: the limit for ranging.reject_uncertain; None leaves that step out.
     """
 
     model: _core.MultibeamModel
@@ -57,9 +57,9 @@ class PingToMap(Sealed):
         stamp_s: float,
         deviation_m: NDArray[np.float32] | None = None,
     ) -> NDArray[np.float32]:
-        """Pass on one ping, ranges (beams,), taken at these poses (4, 4); return its echoes in the world, (n, 3).
+        """Insert a ping with ranges (beams,), taken at these poses (4, 4); return its echoes in the world, (n, 3).
 
-        deviation_m: (beams,), of the echoes' positions, if known: in physics mode.
+        deviation_m: (beams,), standard deviations of the echoes' positions, if known, as in physics mode.
         """
         certain_m = self._certain(ranges_m, deviation_m)
         arrived_m = self._carried(certain_m)
@@ -81,7 +81,7 @@ class PingToMap(Sealed):
 
 
 def depth_string(model: _core.MultibeamModel, transmit: Callable[[str], str] | None = None) -> Wire:
-    """Return the published wire: ranges are converted to a depth string, which is then decoded.
+    """Return the published wire, which encodes ranges as a depth string and decodes it again.
 
     transmit: simulates the channel; receives each depth string and returns the string that arrives.
     """
@@ -99,7 +99,7 @@ def placed_echoes(
     world_from_body: NDArray[np.float64],
     world_from_sonar: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Return a sonar's echoes (n, 3) in the world, without those of the vehicle's own hull."""
+    """Return a sonar's echoes (n, 3) in the world, without echoes from the vehicle's own hull."""
     body_from_sonar = ranging.relative_transform(world_from_body, world_from_sonar)
     echoes_body_m = ranging.transform_points(cloud_sonar_m, body_from_sonar)
     others_body_m = ranging.remove_box(echoes_body_m, *hull)

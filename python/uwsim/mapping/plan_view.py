@@ -1,4 +1,4 @@
-"""A map from above, for notebooks and `map.view()`."""
+"""Plan views of maps, for notebooks and `map.view()`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def plan_view(world: OccupancyMap) -> Figure:
 def highest(
     voxels_m: NDArray[np.float64], edge_m: float
 ) -> tuple[NDArray[np.float64], tuple[float, float, float, float]]:
-    """Return the greatest z in each cell (rows from south to north; NaN: none) and (west, east, south, north).
+    """Return the greatest z in each cell, rows from south to north, NaN if empty, and (west, east, south, north).
 
     A cell is one voxel wide, or several in a large area.
     """

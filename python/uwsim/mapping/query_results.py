@@ -1,4 +1,4 @@
-"""The results of a map's queries: statistics, cubes, changes and ray casts."""
+"""Results of queries on a map: statistics, cubes, changes and ray casts."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class VoxelCounts(NamedTuple):
 class MapStatistics:
     """A map's size. Voxels are counted at the finest level; a pruned leaf counts as all the voxels that it covers.
 
-    nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory of the map; for "octomap", OctoMap's own
-    estimate, which omits the allocator's overhead. outside_points: points discarded so far because they were outside
-    the cube, with on_outside="count". evictions: number of times that a part of the map was moved to disk, with a
-    memory_limit_mb.
+    nodes: nodes of the pruned tree. memory_bytes: for "bricks", all memory of the map; for "octomap", OctoMap's
+    estimate, which omits the allocator's overhead. outside_points: with on_outside="count", the number of points
+    discarded so far because they were outside the cube. evictions: with a memory_limit_mb, the number of times that a
+    part of the map was moved to disk.
     """
 
     occupied_voxels: int
@@ -40,7 +40,7 @@ class MapStatistics:
 class Cubes:
     """Cubes of a map, in Morton order.
 
-    centres_m: (n, 3) float64, world. edges_m: (n,) float64. log_odds: (n,) float32, that the cube is occupied.
+    centres_m: (n, 3) float64, world. edges_m: (n,) float64. log_odds: (n,) float32, of the cube being occupied.
     """
 
     centres_m: NDArray[np.float64]
@@ -61,7 +61,7 @@ class Cubes:
         return probability(self.log_odds)
 
     def only(self, which: NDArray[np.bool_]) -> Cubes:
-        """Return the cubes for which `which`, (n,), is true: `cubes.only(cubes.states == 1)`."""
+        """Return the cubes for which `which`, (n,), is true, as in `cubes.only(cubes.states == 1)`."""
         return Cubes(self.centres_m[which], self.edges_m[which], self.log_odds[which])
 
 
@@ -81,10 +81,10 @@ class MapChanges:
 
 @dataclass(frozen=True, eq=False)
 class OccupancyChanges:
-    """Voxels of the finest level that became occupied, or ceased to be, in Morton order.
+    """Voxels of the finest level that became occupied, or are no longer occupied, in Morton order.
 
-    cells: (n, 3) int16, voxels from the map's origin: the centre is at (cell + 0.5) resolution. occupied: (n,) bool,
-    now.
+    cells: (n, 3) int16, voxel indices from the map's origin; a voxel's centre is at (cell + 0.5) * resolution from it.
+    occupied: (n,) bool, whether the voxel is occupied now.
     """
 
     cells: NDArray[np.int16]
@@ -96,10 +96,10 @@ class OccupancyChanges:
 
 @dataclass(frozen=True, eq=False)
 class RayCasts:
-    """The ends of rays in a map.
+    """Where rays in a map ended.
 
     states: (n,) int8: 1 if the ray reached an occupied voxel, 0 if it reached its maximum range or the cube's edge, -1
-    if it reached an unknown voxel. voxels_m: (n, 3) float64, world, the centre of the last voxel.
+    if it reached an unknown voxel. voxels_m: (n, 3) float64, world, the centre of each ray's last voxel.
     """
 
     states: NDArray[np.int8]

@@ -9,8 +9,8 @@
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
 
-Points are (n, 3) float32, processed by PCL. Float32 arrays in C order are not copied, float64 and sequences are
-converted, other dtypes are refused. All errors are ValueError. model: the number of one of the four published
+Points are (n, 3) float32, processed by PCL. C-ordered float32 arrays are not copied, float64 arrays and sequences are
+converted, and other dtypes are refused. All errors are ValueError. model: the number of one of the four published
 variants, or any sonar's model, such as rov.sonar.model.
 """
 
@@ -30,15 +30,15 @@ MODELS: Mapping[int, _core.MultibeamModel] = MappingProxyType({n: _core.multibea
 """The four EM 2040 variants of the published wire: 600 kHz single, 700 kHz single, 600 kHz dual, 700 kHz dual swath.
 
 Each has beams, field_of_view_rad, angle_min_rad, angle_increment_rad, and two ranges: range_max_m (95 or 55), which
-represents a beam without echo, and range_limit_m (94.9 or 54.9), the LaserScan's range_max: the decoder interprets
-larger values as no echo.
+stands for a beam without echo, and range_limit_m (94.9 or 54.9), which is the LaserScan's range_max and above which the
+decoder takes a value as no echo.
 """
 
 CONFIDENCE = 1.96
 """Half-width of the 95 % interval of a normal distribution, in standard deviations."""
 
 REACH, AGREEING, NOISE_M, STEEPEST_RAD = 4, 3, 0.1, math.radians(83.0)
-"""Settings of `reject_outliers`, assumed: in the valley they keep 99.7 % of a gate's echoes in physics mode."""
+"""Settings of `reject_outliers`, assumed; in the valley they keep 99.7 % of a gate's echoes in physics mode."""
 
 
 NO_INTENSITIES = np.empty(0, dtype=np.float32)
@@ -46,10 +46,10 @@ NO_INTENSITIES = np.empty(0, dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class LaserScan:
-    """One ping as a sensor_msgs/LaserScan, with that message's field names: angles in rad, times in s, ranges in m.
+    """A ping as a sensor_msgs/LaserScan, with that message's field names; angles in rad, times in s, ranges in m.
 
-    Beam i points along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y.
-    ranges: (beams,) float32, inf without echo. intensities: (beams,) or empty.
+    Beam i points along angle_min + i * angle_increment in the x-y plane of frame_id, from +x towards +y. ranges:
+    (beams,) float32, inf if there is no echo. intensities: (beams,) or empty.
     """
 
     frame_id: str
@@ -77,8 +77,8 @@ def encode_depth_string(ranges_m: ArrayLike, model: int | _core.MultibeamModel =
 def decode_depth_string(text: str, model: int | _core.MultibeamModel = 2) -> NDArray[np.float32]:
     """Return the ranges in a `depthArray` text, (beams,) float32.
 
-    As published, a value above the model's range_limit_m means no echo: inf. Raises ValueError, which names the beam,
-    unless the text has one plain decimal for each beam of the model, each followed by "a".
+    As published, a value above the model's range_limit_m means no echo and becomes inf. Raises ValueError, which names
+    the beam, unless the text has one plain decimal for each of the model's beams, each followed by "a".
     """
     variant = _variant(model)
     if not isinstance(text, str):
@@ -122,18 +122,18 @@ def scan_of_decoded(
 
 
 def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
-    """Return the scan's echoes as points in its frame, (n, 3) float32, in the order of the beams.
+    """Return the scan's echoes as points in its frame, (n, 3) float32, in beam order.
 
-    As laser_geometry does, a range counts if range_min <= range < range_max.
+    As in laser_geometry, a range counts if range_min <= range < range_max.
     """
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Replace ranges by inf if their echo's position is uncertain by more than max_uncertainty_m at 95 % confidence.
+    """Replace a range by inf if its echo's position is uncertain by more than max_uncertainty_m at 95 % confidence.
 
-    ranges_m, deviation_m: (beams,), as in a ping of physics mode; the uncertainty is CONFIDENCE deviations, as in
-    IHO S-44. The sonar head applies this before it sends ranges, as instruments do with their quality factors.
+    ranges_m, deviation_m: (beams,), as in a ping in physics mode; the uncertainty is CONFIDENCE standard deviations, as
+    in IHO S-44. The sonar head applies this before it sends ranges, as real instruments do with their quality factors.
     """
     if not max_uncertainty_m > 0.0:  # false for nan, too
         raise ValueError(f"max_uncertainty_m = {max_uncertainty_m} m: must be positive")
@@ -144,11 +144,11 @@ def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertaint
 
 
 def reject_outliers(scan: LaserScan) -> LaserScan:
-    """Replace outliers along the swath, such as false detections, by inf: ranges with which too few neighbours agree.
+    """Replace outliers along the swath, such as false detections, by inf. Too few neighbours agree with an outlier.
 
     A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
     STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if
-    AGREEING of its REACH neighbours to either side agree, which also keeps an object that at least AGREEING + 1 beams
+    AGREEING of its REACH neighbours on either side agree, which also keeps an object that at least AGREEING + 1 beams
     hit.
     """
     ranges = scan.ranges
@@ -166,8 +166,8 @@ def reject_outliers(scan: LaserScan) -> LaserScan:
 def transform_points(points_source_m: ArrayLike, target_from_source: ArrayLike) -> NDArray[np.float32]:
     """Return points in another frame, (n, 3) float32.
 
-    target_from_source: (4, 4), rigid, such as ping.world_from_sonar. Rounding to float32 moves coordinates by up to
-    2 um at 50 m from zero and 0.2 mm at 4 km.
+    target_from_source: (4, 4), rigid, such as ping.world_from_sonar. Rounding to float32 moves coordinates by up to 2
+    um at 50 m from the origin, and 0.2 mm at 4 km.
     """
     return _core.transform_points(points_source_m, target_from_source)
 
@@ -183,7 +183,7 @@ def filter_range(points_m: ArrayLike, min_m: float, max_m: float) -> NDArray[np.
 
 
 def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) -> NDArray[np.float32]:
-    """Return the points (n, 3) outside an axis-aligned box, whose faces belong to it: a self filter in the body frame.
+    """Return the points (n, 3) outside an axis-aligned box, including its faces: a self filter in the body frame.
 
     box_min_m, box_max_m: (3,), opposite corners.
     """

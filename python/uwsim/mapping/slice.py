@@ -1,4 +1,4 @@
-"""A slice through a map: the states of one layer of voxels, horizontal or vertical."""
+"""Slices through a map: the states of one horizontal or vertical layer of voxels."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ MAX_CELLS = 64_000_000
 
 @dataclass(frozen=True, eq=False)
 class MapSlice:
-    """States (rows, columns) int8 on a plane: 1 occupied, 0 free, -1 unknown. Rows run along `up`, from low to high.
+    """States (rows, columns) int8 in a plane: 1 occupied, 0 free, -1 unknown. Rows run along `up`, from low to high.
 
-    axis: the plane's normal. at_m: the middle of the layer of voxels. extent_m: low and high ends along `across`, then
-    along `up`.
+    axis: the plane's normal. at_m: coordinate of the layer's middle. across, up: the axes of the columns and of the
+    rows. extent_m: low and high ends along `across`, then along `up`.
     """
 
     states: NDArray[np.int8]

@@ -1,4 +1,4 @@
-"""Integer keys of voxels on OctoMap's grid, as rows (n, 3) and packed into one integer each."""
+"""Integer keys of voxels on OctoMap's grid, as rows (n, 3) or packed into one integer each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ KEY_OFFSET = 1 << (KEY_BITS - 1)
 
 
 def voxel_keys(points_world_m: NDArray[np.floating], resolution_m: float) -> NDArray[np.int64]:
-    """Return the keys of the voxels that contain points (n, 3): floor(x / resolution) on each axis, as in OctoMap."""
+    """Return the keys of the voxels that contain points (n, 3): floor(x / resolution) per axis, as in OctoMap."""
     return np.floor(np.asarray(points_world_m, np.float64) / resolution_m).astype(np.int64)
 
 
@@ -26,7 +26,7 @@ def pack_keys(keys: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def sorted_unique(packed_keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return packed keys (n,) sorted and unique; np.unique gives the same, ten times as slowly."""
+    """Return packed keys (n,), sorted and unique; np.unique does the same but is ten times slower."""
     keys = np.sort(packed_keys)
     return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys
 
@@ -38,7 +38,7 @@ def unpack_keys(packed_keys: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def are_in(keys: NDArray[np.int64], sorted_keys: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return whether each of the packed keys (n,) is among the sorted ones: (n,) bool."""
+    """Return whether each of the packed keys (n,) is among the sorted keys: (n,) bool."""
     if not len(sorted_keys):
         return np.zeros(len(keys), bool)
     at = np.minimum(np.searchsorted(sorted_keys, keys), len(sorted_keys) - 1)

@@ -1,4 +1,4 @@
-"""Loop closure for a drifted map: overlapping submaps of one flight are matched, and the track is corrected to fit."""
+"""Loop closure: matches overlapping submaps of a flight and corrects the drift of its track accordingly."""
 
 from uwsim.mapping.closure.close_loops import ClosedTrack, close_loops
 from uwsim.mapping.closure.track import PingTrack

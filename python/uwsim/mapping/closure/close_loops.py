@@ -1,4 +1,4 @@
-"""close_loops: corrects a flight's track so that its submaps fit each other."""
+"""close_loops: corrects a flight's track so that its submaps match where they overlap."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from uwsim.mapping.closure.track import PingTrack
 
 Array = NDArray[np.float64]
 CANDIDATES = 2
-LEAST_COMMON = 0.25  # least share of a submap's plan that a candidate shares
-GATE = 4.0  # a match that moves a submap by more standard deviations is rejected
+LEAST_COMMON = 0.25  # least share of the plan that a candidate must have in common
+GATE = 4.0  # in standard deviations: a match that moves a submap farther is rejected
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedTrack:
-    """The corrected track. world_from_body: one (4, 4) per ping; matches: the closed loops.
+    """The corrected track. world_from_body: one (4, 4) per ping. matches: the closed loops.
 
-    corrections: (submaps, 3), x, y [m] and turn [rad]; tried: the number of overlapping pairs of submaps.
+    corrections: (submaps, 3), x, y [m] and rotation [rad]. tried: number of overlapping pairs of submaps.
     """
 
     world_from_body: list[Array]
@@ -33,7 +33,7 @@ class ClosedTrack:
 
 
 def close_loops(track: PingTrack) -> ClosedTrack:
-    """Match the submaps of a flight where they overlap, and correct its track to fit (Lu and Milios 1997)."""
+    """Match the submaps of a flight where they overlap, and correct its track accordingly (Lu and Milios 1997)."""
     maps = submaps(track)
     corrections = np.zeros((len(maps), 3))
     pairs = [(i, j) for j in range(len(maps)) for i in _candidates(maps, j)]
@@ -45,13 +45,13 @@ def close_loops(track: PingTrack) -> ClosedTrack:
 
 
 def _candidates(maps: list[Submap], second: int) -> list[int]:
-    """Return the earlier submaps that share most of their plan with this one, except its neighbours."""
+    """Return the earlier submaps that overlap most with `second`, except its direct predecessor."""
     earlier = [i for i in range(second - 1) if maps[i].overlap(maps[second]) >= LEAST_COMMON]
     return sorted(earlier, key=lambda i: maps[i].overlap(maps[second]), reverse=True)[:CANDIDATES]
 
 
 def _placed(submap: Submap, correction: Array) -> Array:
-    """Return the transform (4, 4) that corrects a submap."""
+    """Return the transform (4, 4) that moves a submap to its corrected place."""
     pose = np.eye(4)
     pose[:2, :2] = turned(np.eye(2), correction[2]).T
     pose[:2, 3] = submap.anchor_m + correction[:2] - pose[:2, :2] @ submap.anchor_m
@@ -64,7 +64,7 @@ def _is_likely(maps: list[Submap], m: Match) -> bool:
 
 
 def _corrected(track: PingTrack, maps: list[Submap], corrections: Array) -> list[Array]:
-    """Return the corrected poses: a mean between the centres of two submaps, but not across a jump."""
+    """Return the corrected poses, interpolated between the centres of adjacent submaps except across a jump."""
     if not maps:
         return list(track.world_from_body)
     middles = np.array([submap.time_s for submap in maps])

@@ -1,7 +1,8 @@
-"""Matching of two submaps of the same ground, with the uncertainty that follows from the ground's shape.
+"""Matches two submaps of the same ground, and derives the match's uncertainty from the shape of the ground.
 
-Point to plane (Chen and Medioni 1992, "Object modelling by registration of multiple range images"), about the vertical
-only: roll and pitch are known from gravity. Points may slide along a surface, as they must on a smooth bed.
+Point-to-plane registration (Chen and Medioni 1992, "Object modelling by registration of multiple range images") with
+rotation about the vertical only, since roll and pitch are known from gravity. Points may slide along a surface, as they
+must on a smooth bed.
 """
 
 from __future__ import annotations
@@ -14,19 +15,19 @@ from numpy.typing import NDArray
 from uwsim.mapping.closure.submaps import CELL_M, Submap
 
 Array = NDArray[np.float64]
-POINTS = 600  # of the second cloud, evenly sampled
-REACHES_M, ITERATIONS = (4.0, 1.5), 8  # farther points have no influence; steps with each
+POINTS = 600  # points taken from the second cloud, evenly sampled
+REACHES_M, ITERATIONS = (4.0, 1.5), 8  # points farther apart are ignored; steps for each reach
 STILL_M = 1e-3
-LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # share of points within the last reach; rms distance from the planes
-POINTS_PER_LOOK = 10.0  # points with a common error, assumed: a beam's footprint over some pings
-LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assumed: submaps are distorted by as much
+LEAST_OVERLAP, MOST_OFF_M = 0.4, 0.3  # least share of points within reach; largest RMS distance from the planes
+POINTS_PER_LOOK = 10.0  # points that share one error, assumed: those in a beam's footprint over some pings
+LEAST_STD_M, LEAST_STD_RAD = 0.15, 3e-3  # smallest uncertainty of a match, assumed: about the distortion of a submap
 
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """Submap `second` matched to `first`: the point here_m (2,) in one is at there_m (2,) in the other.
+    """Submap `second` matched to submap `first`: point here_m (2,) in the first is point there_m (2,) in the second.
 
-    turn_rad: from the first to the second's. covariance: (3, 3) of x, y [m] and the turn [rad].
+    turn_rad: rotation that turns the second onto the first. covariance: (3, 3), of x, y [m] and rotation [rad].
     """
 
     first: int
@@ -39,7 +40,11 @@ class Match:
 
 @dataclass(eq=False)
 class _Fit:
-    """moved_m: the source's moved points; turn_rad: total rotation; information: (4, 4) of x, y, turn and z."""
+    """The state of a registration.
+
+    moved_m: the source's points, as moved so far. turn_rad: total rotation. overlap: share of the points within reach
+    of the target. off_m: RMS distance from the planes. information: (4, 4), of x, y, rotation and z.
+    """
 
     moved_m: Array
     turn_rad: float = 0.0
@@ -49,7 +54,7 @@ class _Fit:
 
 
 def match(maps: list[Submap], first: int, second: int) -> Match | None:
-    """Match two submaps from their estimated poses; None if they do not fit or the ground is featureless."""
+    """Match two submaps from their estimated poses; return None if they do not match or the ground is featureless."""
     source = _common(maps[second], maps[first])
     if len(source) < POINTS // 10:
         return None
@@ -70,7 +75,7 @@ def match(maps: list[Submap], first: int, second: int) -> Match | None:
 
 
 def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
-    """Take one Gauss-Newton step; return its length [m], None if the planes do not determine it."""
+    """Take one Gauss-Newton step; return its length [m], or None if the planes do not determine it."""
     distances, nearest = target.tree.query(fit.moved_m, distance_upper_bound=reach_m)
     near = np.isfinite(distances)
     fit.overlap = float(near.mean())
@@ -97,7 +102,7 @@ def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
 
 
 def _common(submap: Submap, other: Submap) -> Array:
-    """Return at most POINTS points of a submap that lie in the plan of another."""
+    """Return about POINTS points of a submap that lie in the plan of another."""
     cells = np.floor(submap.points_world_m[:, :2] / CELL_M).astype(np.int64).tolist()
     common = submap.points_world_m[[tuple(cell) in other.cells for cell in cells]]
     return np.asarray(common[:: max(1, len(common) // POINTS)], np.float64)

@@ -1,4 +1,4 @@
-"""The pose graph: each submap's pose from its neighbours in time and from matches."""
+"""The pose graph: estimates each submap's pose from its neighbours in time and from matches."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from uwsim.mapping.closure.matching import Match
 from uwsim.mapping.closure.submaps import Submap
 
 Array = NDArray[np.float64]
-WALK_M, WALK_RAD = 0.02, 5e-4  # per root second: the least drift of the estimate, assumed
-HEADING_STD_RAD = 0.01  # of the estimated heading: assumed, as for a compass
-LEAST_STD_M = 0.05  # of a submap at its estimated position
+WALK_M, WALK_RAD = 0.02, 5e-4  # per square root of a second: the least drift of the estimate, assumed
+HEADING_STD_RAD = 0.01  # standard deviation of the estimated heading, assumed, as for a compass
+LEAST_STD_M = 0.05  # least standard deviation of a submap's estimated position
 ROBUST = 2.0  # residuals beyond this many standard deviations lose weight (Cauchy)
 
 
 def drift_std_m(maps: Sequence[Submap], first: int, second: int) -> float:
-    """Return the possible drift between two submaps, per axis, according to the filter's covariance."""
+    """Return the standard deviation of the drift between two submaps, per axis, from the filter's covariance."""
     grown = maps[second].std_m ** 2 - maps[first].std_m ** 2
     return float(np.sqrt(max(grown, 0.0) + WALK_M**2 * abs(maps[second].time_s - maps[first].time_s)))
 
 
 def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
-    """Return the corrections (n, 3): x, y [m] and turn [rad] of each submap about its anchor, robustly.
+    """Return the corrections (n, 3): x, y [m] and rotation about its anchor [rad] of each submap.
 
-    A submap with a certain position stays. Least squares by SciPy, with Cauchy's loss.
+    A submap whose position is certain hardly moves. Robust least squares by SciPy, with Cauchy's loss.
     """
     n = len(maps)
     anchors = np.array([submap.anchor_m for submap in maps])
@@ -35,7 +35,7 @@ def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
     steps = np.diff(anchors, axis=0) - jumps  # the vehicle's own motion, without the estimate's corrections
     walked_s = np.diff([submap.time_s for submap in maps])
     step_std = np.array([drift_std_m(maps, k, k + 1) for k in range(n - 1)])
-    # The errors of neighbours are correlated, so each counts less.
+    # The errors of neighbouring submaps are correlated, so each counts less.
     held_std = np.sqrt(n) * np.maximum([submap.std_m for submap in maps], LEAST_STD_M)
     firsts, seconds = (np.array([getattr(m, name) for m in matches], int) for name in ("first", "second"))
     here, there = (np.array([getattr(m, name) for m in matches]).reshape(-1, 2) for name in ("here_m", "there_m"))
@@ -61,6 +61,6 @@ def solve(maps: Sequence[Submap], matches: Sequence[Match]) -> Array:
 
 
 def turned(vectors: Array, angle_rad: Array | float) -> Array:
-    """Return vectors (n, 2) rotated by angles (n,) or one angle."""
+    """Return vectors (n, 2), rotated by one angle each, (n,), or all by the same."""
     cos, sin = np.cos(angle_rad), np.sin(angle_rad)
     return np.column_stack([cos * vectors[:, 0] - sin * vectors[:, 1], sin * vectors[:, 0] + cos * vectors[:, 1]])

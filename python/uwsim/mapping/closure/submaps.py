@@ -1,4 +1,4 @@
-"""Submaps: pieces of a flight that are too short to drift in themselves."""
+"""Submaps: parts of a flight so short that drift within them is negligible."""
 
 from __future__ import annotations
 
@@ -13,20 +13,22 @@ from uwsim.mapping.closure.track import PingTrack
 from uwsim.mapping.clouds import voxel_grid
 
 Array = NDArray[np.float64]
-LENGTH_S = 25.0  # assumed: the estimate drifts by some centimetres in it, and it is tens of metres long
-CELL_M = 2.0  # of the plan in which overlaps are searched
-FINE_M = 0.6  # voxels of the clouds to be matched
-NEIGHBOURS = 12  # fitted by a plane
-TURN_RAD = 1.0  # a submap ends where the vehicle has turned by this much
-JUMP_M = 0.3  # and where the estimate jumps by more than this between two pings
-AROUND = 3  # pings before and after, whose median step is taken as the vehicle's own
+LENGTH_S = 25.0  # assumed: the vehicle moves tens of metres in this time, and its estimate drifts by some centimetres
+CELL_M = 2.0  # cells of the plan in which overlaps are found
+FINE_M = 0.6  # voxels of the point clouds that are matched
+NEIGHBOURS = 12  # points to which each plane is fitted
+TURN_RAD = 1.0  # a submap ends where the vehicle has turned by more than this
+JUMP_M = 0.3  # a submap also ends where the estimate jumps by more than this between two pings
+AROUND = 3  # pings before and after, whose median step is taken as the vehicle's true motion
 
 
 @dataclass(frozen=True, eq=False)
 class Submap:
-    """Pings from `first` until before `end`. anchor_m: (2,), the vehicle's position halfway; points by the estimate.
+    """The pings from `first` up to but excluding `end`, at their estimated poses.
 
-    jump_m: (2,), the estimate's jump at the beginning of the submap; mostly zero.
+    time_s, anchor_m (2,), std_m: the vehicle's time, estimated position and its standard deviation at the middle ping.
+    jump_m: (2,), the estimate's jump at the start of the submap; mostly zero. cells: the cells of CELL_M that contain
+    points.
     """
 
     first: int
@@ -45,14 +47,14 @@ class Submap:
 
     @cached_property
     def normals(self) -> Array:
-        """Normals of the planes through each point's nearest neighbours, (n, 3): the direction of least spread."""
+        """Normals (n, 3) of the planes fitted to each point's nearest neighbours: the directions of least spread."""
         points = np.asarray(self.points_world_m, np.float64)
         around = points[self.tree.query(points, k=min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1)]
         around -= around.mean(axis=1, keepdims=True)
         return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))[1][:, :, 0])
 
     def overlap(self, other: Submap) -> float:
-        """Return the share of the smaller plan that lies in both."""
+        """Return the share of the smaller submap's plan that both have in common."""
         return len(self.cells & other.cells) / max(min(len(self.cells), len(other.cells)), 1)
 
 
@@ -73,7 +75,7 @@ def submaps(track: PingTrack) -> list[Submap]:
 
 
 def _jumps_m(track: PingTrack) -> Array:
-    """Return the estimate's jump just before each ping, (n, 2); zero without a jump."""
+    """Return the estimate's jump just before each ping, (n, 2); zero where there is none."""
     steps = np.diff(
         [pose[:2, 3] for pose in track.world_from_body], axis=0, prepend=track.world_from_body[0][None, :2, 3]
     )

@@ -1,4 +1,4 @@
-"""PingTrack: the input of a flight's map, kept so that the map can be made again from a better track."""
+"""PingTrack: the pings of a flight, stored so that the map can be rebuilt from a better track."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ Array = NDArray[np.float64]
 class PingTrack:
     """The pings of a flight and the vehicle's estimated poses; about 4 kB per ping.
 
-    times_s; world_from_body and body_from_sonar (4, 4); ranges_m (beams,); deviation_m (beams,) or None; points_body_m
-    (n, 3): the echoes inserted into the map. std_m: of the horizontal position, per axis, according to the filter.
+    For each ping: its time; world_from_body and body_from_sonar, (4, 4); ranges_m, (beams,); deviation_m, (beams,), or
+    None if unknown; points_sonar_m, (n, 3), the echoes of every BEAM_STEP-th beam, for matching; std_m, the filter's
+    standard deviation of the horizontal position, per axis.
     """
 
     times_s: list[float] = field(default_factory=list)
@@ -36,7 +37,7 @@ class PingTrack:
         std_m: float,
         deviation_m: NDArray[np.float32] | None = None,
     ) -> None:
-        """Add a ping. points_sonar_m: (beams, 3), not finite without an echo."""
+        """Add a ping. points_sonar_m: (beams, 3), not finite for beams without echo."""
         self.times_s.append(time_s)
         self.world_from_body.append(np.array(world_from_body))
         self.body_from_sonar.append(np.array(body_from_sonar))
@@ -51,9 +52,9 @@ class PingTrack:
         return len(self.times_s)
 
     def points_world_m(self, ping: int) -> Array:
-        """Return a ping's echoes for matching, by the estimated pose, (n, 3)."""
+        """Return a ping's echoes for matching, (n, 3), placed in the world by the estimated pose."""
         world_from_sonar = self.world_from_body[ping] @ self.body_from_sonar[ping]
         return np.asarray(self.points_sonar_m[ping] @ world_from_sonar[:3, :3].T + world_from_sonar[:3, 3])
 
 
-BEAM_STEP = 4  # step of the beams kept as points for matching; all are kept as ranges for the map
+BEAM_STEP = 4  # every fourth beam is stored as a point, for matching; all beams are stored as ranges, for the map

@@ -1,4 +1,4 @@
-"""Files of maps and of point clouds: .bt and .ot; .pcd, .ply, .las and .xyz; depth grids as GeoTIFF."""
+"""Files of maps (.bt, .ot), of point clouds (.pcd, .ply, .las, .xyz) and of depth grids (GeoTIFF)."""
 
 from uwsim.mapping.files.cloud_files import CLOUD_FORMATS, read_cloud, write_cloud
 

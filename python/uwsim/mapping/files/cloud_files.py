@@ -1,4 +1,4 @@
-"""Point cloud files: PCD, PLY, LAS and plain XYZ text, chosen by the suffix.
+"""Point cloud files: PCD, PLY, LAS and plain XYZ text, selected by the path's suffix.
 
 write_cloud("bed.ply", points_m)
 points_m = read_cloud("bed.ply")
@@ -29,8 +29,8 @@ MAX_HEADER = 65_536
 class _CloudFormat:
     """A file format.
 
-    encode: returns finite points (n, 3), n > 0, float32 or float64, as bytes. decode: the reverse; may raise anything.
-    text_mark: the text in a header that announces numbers as text; None for binary formats.
+    encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes. decode: the reverse; may raise any
+    exception. text_mark: the part of a header that marks a file with numbers as text; None if all files are binary.
     """
 
     name: str
@@ -50,8 +50,8 @@ CLOUD_FORMATS = {
 def write_cloud(path: str | os.PathLike[str], points_m: ArrayLike) -> None:
     """Write points (n, 3) atomically, in the format of the path's suffix: .pcd, .ply, .las or .xyz.
 
-    PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, with nothing written, for another suffix
-    or shape, for no points and for non-finite points; OSError when the file cannot be written.
+    PCD and PLY hold float32, as PCL and most programs do. Raises ValueError, before writing anything, for another
+    suffix or shape, or if there are no points or non-finite points; OSError if the file cannot be written.
     """
     target = Path(path)
     encode = _format_of(target).encode
@@ -72,7 +72,7 @@ def read_cloud(path: str | os.PathLike[str]) -> Points:
         raise OSError(f"'{source}': cannot be read: {error.strerror or error}") from None
     try:
         points = cloud_format.decode(data)
-    except Exception as error:  # a malformed file can make the libraries raise anything
+    except Exception as error:  # a malformed file can make the libraries raise any exception
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"'{source}': not a valid {cloud_format.name} file: {reason}") from None
     if cloud_format.text_mark is not None and cloud_format.text_mark in data[:MAX_HEADER]:

@@ -1,4 +1,4 @@
-"""Export of a depth grid as a GeoTIFF for GIS programs: band 1 the median depth, band 2 the number of points."""
+"""Exports a depth grid as a GeoTIFF for GIS programs: band 1 is the median depth, band 2 the number of points."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MIN_TILED_SIZE = 512
 class Georeference:
     """The world's place on Earth: its origin in a coordinate system, and that system's units per simulated metre.
 
-    crs: None for a world without a place on Earth; files then have metres east and north of its origin.
+    crs: None for a world without a place on Earth; files then use metres east and north of the world's origin.
     """
 
     crs: CRS | None = None
@@ -29,7 +29,7 @@ class Georeference:
 
 
 def write_depth_tiff(path: Path, grid: DepthGrid, place: Georeference) -> None:
-    """Write two float32 bands, rows from north to south: "depth" [m], positive down, nan where empty; and "count".
+    """Write two float32 bands, rows from north to south: "depth" [m], positive down, nan in empty cells; and "count".
 
     Written atomically. Raises OSError.
     """

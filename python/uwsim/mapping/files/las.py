@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 SCALE_M = 0.001
-NO_DATE = date(1970, 1, 1)  # a fixed date: the same points give the same bytes on any day
+NO_DATE = date(1970, 1, 1)  # a fixed date, so that the same points give the same bytes on any day
 
 
 def encode(points_m: NDArray[np.floating]) -> bytes:
-    """Return the points as a file, in whole millimetres from a corner of the cloud.
+    """Return a LAS file of the points, in whole millimetres from a corner of the cloud.
 
-    Raises ValueError beyond 2,147 km.
+    Raises ValueError if the cloud extends over more than 2,147 km.
     """
     points = np.asarray(points_m, np.float64)
     header = laspy.LasHeader(point_format=0, version="1.2")
@@ -49,10 +49,10 @@ def decode(data: bytes) -> NDArray[np.float64]:
 
 
 def _require_records(data: bytes) -> None:
-    """Refuse a header with more variable-length records than the file can hold: laspy would try to read them all.
+    """Raise ValueError if the header lists more variable-length records than fit: laspy would try to read them all.
 
-    Offsets, as in laspy: header size and start of the points at 94, number of records at 100, number of extended
-    records at 243.
+    Byte offsets, as in laspy: 94 for the header's size and the start of the points, 100 for the number of records, 243
+    for the number of extended records.
     """
     if not data.startswith(b"LASF") or len(data) < 227:
         raise ValueError("no LAS header")

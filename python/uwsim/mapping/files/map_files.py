@@ -1,4 +1,4 @@
-"""Opening of map files, points from a map or a cloud file, and comparison of maps' grids and bounds."""
+"""Opens map files, reads points from map or cloud files, and determines maps' grids and bounds."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ ZERO: Origin = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """The bounding box of a map's known voxels, corners (3,), world."""
+    """The bounding box of a map's known voxels: its low and high corners (3,) in the world."""
 
     low_m: NDArray[np.float64]
     high_m: NDArray[np.float64]
 
 
 def open_map(path: Path, origin_world_m: Origin = ZERO) -> OccupancyMap:
-    """Return a map. Raises OSError if the file cannot be read, ValueError if it is not a valid map."""
+    """Read a map. Raises OSError if the file cannot be read, ValueError if it is not a valid map."""
     return OccupancyMap.read(path, origin_world_m)
 
 
@@ -38,7 +38,7 @@ def map_format(path: Path) -> str:
 
 
 def open_points(path: Path, origin_world_m: Origin = ZERO) -> tuple[NDArray[np.float64], float | None]:
-    """Return a map's occupied centres (n, 3) and resolution, or a cloud's points and None; the suffix decides."""
+    """Return a map file's occupied centres (n, 3) and resolution, or a cloud file's points and None."""
     if path.suffix.lower() in CLOUD_FORMATS:
         return read_cloud(path), None
     occupancy = open_map(path, origin_world_m)
