@@ -1,4 +1,4 @@
-"""Sonars and cameras whose readings are placed in the world by the vehicle's estimate instead of the truth."""
+"""Sonars and cameras whose readings are placed in the world by the vehicle's estimated pose instead of the true one."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from uwsim.navigation.control.protocols import PoseLike
 
 
 def believed(world_from_part: NDArray[np.float64], truth: PoseLike, estimate: PoseLike) -> NDArray[np.float64]:
-    """Return the pose of a part of the vehicle in the world, (4, 4), assuming the vehicle's estimated pose."""
+    """Return the world pose (4, 4) of a sensor on the vehicle, assuming that the vehicle is at its estimated pose."""
     true_body, body = np.asarray(truth.world_from_body), np.asarray(estimate.world_from_body)
     return np.asarray(body @ np.linalg.inv(true_body) @ world_from_part, np.float64)
 
 
 class EstimatedPing:
-    """A ping with its estimated pose; all other attributes are those of the ping."""
+    """A ping placed at its estimated pose; all other attributes are forwarded to the ping."""
 
     def __init__(self, ping: Any, world_from_sonar: NDArray[np.float64]) -> None:
         self._ping, self.world_from_sonar = ping, world_from_sonar
@@ -28,7 +28,7 @@ class EstimatedPing:
 
 
 class EstimatedSonar:
-    """A sonar of a vehicle that uses its estimate; all attributes except `ping` are those of the sonar."""
+    """A sonar on a vehicle that relies on its estimate; all attributes except `ping` are forwarded to the sonar."""
 
     def __init__(self, sonar: Any, hull: Any, estimate: Any) -> None:
         self._sonar, self._hull, self._estimate = sonar, hull, estimate
@@ -43,7 +43,7 @@ class EstimatedSonar:
 
 
 class EstimatedCamera:
-    """A camera of a vehicle that uses its estimate; everything but the frames' poses is that of the camera."""
+    """A camera on a vehicle that relies on its estimate; only the poses of its frames differ from the camera's."""
 
     def __init__(self, camera: Any, hull: Any, estimate: Any) -> None:
         self._camera, self._hull, self._estimate = camera, hull, estimate
@@ -55,7 +55,7 @@ class EstimatedCamera:
         return replace(frame, world_from_camera=pose)
 
     def resized(self, *arguments: Any, **options: Any) -> EstimatedCamera:
-        """Return the camera with pictures of another size."""
+        """Return the same camera with a different picture size."""
         return EstimatedCamera(self._camera.resized(*arguments, **options), self._hull, self._estimate)
 
     def __getattr__(self, name: str) -> Any:

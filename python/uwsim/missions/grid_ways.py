@@ -1,4 +1,4 @@
-"""Paths over a grid of square or cubic cells: the geometry of the cells, and the cheapest paths between them."""
+"""Paths over a grid of square or cubic cells: the grid's geometry, and the cheapest paths between cells."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Cells = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Cells of edge_m in any number of dimensions d, counted from the corner low_m (d,)."""
+    """A grid of cells with edge length edge_m in any number of dimensions d; its lower corner is low_m (d,)."""
 
     low_m: Floats
     edge_m: float
@@ -32,7 +32,7 @@ class Grid:
         return cells
 
     def holds(self, cells: Cells) -> NDArray[np.bool_]:
-        """Return whether each of the cells (n, d) is in the grid."""
+        """Return whether each of the cells (n, d) is inside the grid."""
         return np.asarray(((cells >= 0) & (cells < self.shape)).all(axis=1))
 
     def centres(self, cells: NDArray[Any]) -> Floats:
@@ -40,25 +40,25 @@ class Grid:
         return np.asarray(self.low_m + (cells + 0.5) * self.edge_m, np.float64)
 
     def all_centres(self) -> Floats:
-        """Return the centres (n, d) of all cells, the last axis running fastest."""
+        """Return the centres (n, d) of all cells; the last axis varies fastest."""
         return self.centres(np.indices(self.shape).reshape(len(self.shape), -1).T)
 
     def line(self, start_m: Floats, end_m: Floats) -> Cells:
-        """Return the cells (n, d) of points at most half an edge apart on a straight line, including both ends."""
+        """Return the cells (n, d) along a straight line, sampled at most half an edge apart, including both ends."""
         count = max(2, math.ceil(2.0 * float(np.linalg.norm(end_m - start_m)) / self.edge_m) + 1)
         return self.cells_of(start_m + np.linspace(0.0, 1.0, count)[:, None] * (end_m - start_m))
 
 
 class GridWays:
-    """The cheapest paths to every cell of a grid from the nearest of several sources, by Dijkstra.
+    """The cheapest path to each cell of a grid from the nearest of several source cells, by Dijkstra's algorithm.
 
-    cost: of each cell, with one axis per dimension; inf closes it. A step to a neighbour costs its length in cells
-    times the mean cost of both. sources: cells (n, d). diagonal: whether cells that only touch at an edge or a corner
-    are neighbours as well.
+    cost: cost of each cell, one axis per dimension; inf makes a cell impassable. A step to a neighbour costs its length
+    in cells times the mean cost of the two cells. sources: cells (n, d). diagonal: whether cells that touch only at an
+    edge or a corner are also neighbours.
     """
 
     def __init__(self, cost: Floats, sources: Cells, *, diagonal: bool = True) -> None:
-        from scipy.sparse.csgraph import dijkstra  # here, since scipy is slow to import, and few missions need it
+        from scipy.sparse.csgraph import dijkstra  # imported here: slow to import, and needed by few missions
 
         costs, self._before, _ = dijkstra(
             _graph(cost, diagonal),
@@ -71,7 +71,7 @@ class GridWays:
         """The cost of the path to each cell; inf if there is none."""
 
     def to(self, cell: Cells) -> Cells | None:
-        """Return the cells (n, d) of the path to a cell (d,), including both ends; None if there is none."""
+        """Return the cells (n, d) of the path to a cell (d,), including both ends, or None if there is no path."""
         if not math.isfinite(self.costs[tuple(cell)]):
             return None
         way = [int(np.ravel_multi_index(tuple(cell), self.costs.shape))]
@@ -81,7 +81,7 @@ class GridWays:
 
 
 def straightened(points: Floats, clear: Callable[[Floats, Floats], bool]) -> Floats:
-    """Remove the points of a path (n, d) between which a straight line is clear."""
+    """Remove points from a path (n, d) wherever a straight line between the remaining ones is clear."""
     kept, k = [points[0]], 0
     while k < len(points) - 1:
         k = next((j for j in range(len(points) - 1, k + 1, -1) if clear(points[k], points[j])), k + 1)
@@ -90,7 +90,7 @@ def straightened(points: Floats, clear: Callable[[Floats, Floats], bool]) -> Flo
 
 
 def _graph(cost: Floats, diagonal: bool) -> csr_array:
-    """Return the graph of cells, with an edge from each to those neighbours that come after it."""
+    """Return the graph of cells; each cell has edges to those neighbours that come after it."""
     from scipy.sparse import coo_array
 
     number = np.arange(cost.size).reshape(cost.shape)

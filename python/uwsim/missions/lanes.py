@@ -28,7 +28,7 @@ class Lane:
 
     @cached_property
     def heading_rad(self) -> float:
-        """Direction of the lane from east, counter-clockwise."""
+        """Direction of the lane, counter-clockwise from east."""
         return math.atan2(self.direction[1], self.direction[0])
 
     @cached_property
@@ -37,14 +37,14 @@ class Lane:
         return (self.end_m - self.start_m) / self.length_m
 
     def locate(self, point_m: Point) -> tuple[float, float]:
-        """Return (along, across) of a point: metres past the start, metres to port of the line."""
+        """Return (along, across) of a point: metres past the start, and metres to port of the line."""
         along_x, along_y, start_x, start_y = self._line
         dx, dy = float(point_m[0]) - start_x, float(point_m[1]) - start_y
         return along_x * dx + along_y * dy, along_x * dy - along_y * dx
 
     @cached_property
     def _line(self) -> tuple[float, ...]:
-        """Direction and start as plain numbers, which are faster than arrays in a control loop."""
+        """Direction and start as Python floats, which are faster than arrays in a control loop."""
         return (*self.direction.tolist(), *np.asarray(self.start_m, np.float64).tolist())
 
 
@@ -53,10 +53,10 @@ def lawn_mower_lanes(
 ) -> list[Lane]:
     """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
-    Where the polygon is concave, a line across it becomes several lanes, and these are grouped into cells that are
-    flown one after the other. The lanes run along the polygon's longest edge, at most spacing_m apart and half of that
-    from its sides, and extend run_out_m past it at both ends, so that a forward-looking sonar sees the polygon's rim.
-    Raises ValueError if no lane fits.
+    Where the polygon is concave, a line across it is split into several lanes, which are grouped into cells that are
+    flown one after the other. The lanes run parallel to the polygon's longest edge, at most spacing_m apart and at most
+    half of that from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking sonar sees the
+    polygon's rim. Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
     edges = np.roll(area, -1, axis=0) - area
@@ -80,7 +80,10 @@ def lawn_mower_lanes(
 
 
 def spans(along: Point, across: Point, offset: float) -> list[Span]:
-    """Return where the line at `offset` is inside a polygon, given its corners along and across the line."""
+    """Return the intervals of the line at `offset` that lie inside a polygon.
+
+    along, across: the polygon's corners, in coordinates along and across the line.
+    """
     crossings = []
     for k in range(len(along)):
         a, b = across[k - 1], across[k]
@@ -91,7 +94,7 @@ def spans(along: Point, across: Point, offset: float) -> list[Span]:
 
 
 def cells_of(sweeps: Sequence[tuple[float, list[Span]]]) -> list[list[tuple[float, Span]]]:
-    """Join spans of neighbouring lines into cells: a cell ends where the polygon splits or merges."""
+    """Group the spans of neighbouring lines into cells; a cell ends where the polygon splits or merges."""
     cells: list[list[tuple[float, Span]]] = []
     open_cells: list[list[tuple[float, Span]]] = []
     for offset, here in sweeps:
@@ -114,7 +117,7 @@ def _overlap(a: Span, b: Span) -> bool:
 
 
 def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
-    """Return the lanes in order, always continuing with the cell and corner nearest to the end of the last one."""
+    """Return the lanes in flight order: each cell is followed by the one with the nearest possible start."""
     flown: list[Lane] = []
     here, left = near_m, list(cells)
     while left:
@@ -127,7 +130,7 @@ def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
 
 
 def _ways_to_fly(lanes: list[Lane]) -> list[list[Lane]]:
-    """Return the lanes back and forth, starting at either end of the first or the last one."""
+    """Return the lanes in alternating directions, starting at either end of the first or the last lane."""
     turned = [Lane(lane.end_m, lane.start_m) for lane in lanes]
     both = [(lanes, turned), (lanes[::-1], turned[::-1]), (turned, lanes), (turned[::-1], lanes[::-1])]
     return [[pair[k % 2] for k, pair in enumerate(zip(*ways, strict=True))] for ways in both]

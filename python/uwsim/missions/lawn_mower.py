@@ -1,10 +1,10 @@
-"""The seed paper's adaptive lawn-mower over a polygon, written only with a vehicle's public names.
+"""The seed paper's adaptive lawn-mower over a polygon, written only against a vehicle's public interface.
 
 As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more than
 7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less
-than 7 m at a turn. This version adds the polygon (a lane ends at its edge, the mission with its last lane), keeps a
-height above the bed and above the obstacles that the sonar sees ahead, and goes around shoals that it cannot pass over.
-Copy it to write another mission.
+than 7 m at a turn. This version adds the polygon (a lane ends at its edge, and the mission after the last lane), stays
+at a height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over.
+It can serve as a template for other missions.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ from uwsim.navigation.control.protocols import Clock, PingLike, SurveyVehicle, W
 COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mission
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
-ARRIVED_M = 0.5  # a point is reached within this distance
+ARRIVED_M = 0.5  # a point counts as reached within this distance
 PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle goes around
-HALF_WIDTH_M = 3.0  # of the corridor ahead in which it stays above everything seen
-LOOK_AHEAD_M = 6.0  # a lane ends this far before a shoal
-SIDE_STEPS = 3.0  # in line spacings: a lane farther away is reached in a transit, facing the direction of travel
+HALF_WIDTH_M = 3.0  # half the width of the corridor ahead whose obstacles it stays above
+LOOK_AHEAD_M = 6.0  # a lane ends this far in front of a shoal
+SIDE_STEPS = 3.0  # line spacings; a lane farther away is reached by a transit, facing the direction of travel
 STUCK_AFTER_S = 60.0
 TURN_FIRST_RAD = math.radians(30.0)
 
@@ -48,10 +48,10 @@ TURN_FIRST_RAD = math.radians(30.0)
 class AdaptiveLawnMower(Sealed):
     """Flies a plan with a vehicle and a clock, as defined in `navigation/control/protocols.py`.
 
-    `run` needs a clock that waits. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow" for
-    each lane; a distant lane is preceded by a "transit" and another "tilt". On a long way to a lane the sonar looks
-    farther ahead than on lanes. Everything carried from one control period to the next is in `state`, so that `save`
-    and `restore` are possible at any time.
+    `run` needs a clock that can wait. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow"
+    for each lane; a distant lane is preceded by a "transit" and another "tilt". During a long transit the sonar looks
+    farther ahead than on lanes. Everything carried from one control period to the next is in `state`, so `save` and
+    `restore` are possible at any time.
     """
 
     vehicle: SurveyVehicle
@@ -94,22 +94,22 @@ class AdaptiveLawnMower(Sealed):
 
     @property
     def lanes(self) -> list[Lane]:
-        """The lanes to fly, in order."""
+        """The lanes in flight order."""
         return self._lanes
 
     @property
     def progress(self) -> float:
-        """Share of the lanes' length that has been flown, 0..1."""
+        """Fraction of the total lane length flown so far, 0..1."""
         return min(1.0, (self._length_before_m[self.state.lane] + self.state.along_m) / self._length_before_m[-1])
 
     def save(self) -> dict[str, Any]:
-        """Return, as JSON values, everything that the rest of the mission depends on apart from vehicle and clock."""
+        """Return all state that the rest of the mission depends on, except vehicle and clock, as JSON values."""
         seen = self.lookout
         peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
         return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells))
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from the result of `save`; `run` then continues from there. Raises ValueError."""
+        """Load a state returned by `save`; `run` then continues from there. Raises ValueError for an invalid state."""
         saved = checked_state(SavedMission, state)
         remember(self.autopilot, saved.autopilot)
         self._state = saved.mower
@@ -118,13 +118,13 @@ class AdaptiveLawnMower(Sealed):
         self.lookout.shoals.restore(saved.shoals)
 
     def run(self) -> str:
-        """Fly until the last lane ends (COVERED) or something else ends the mission; return the reason."""
+        """Fly until the last lane ends (COVERED) or the mission stops for another reason; return the reason."""
         if not hasattr(self.clock, "wait"):
             raise ValueError("run: the clock cannot wait: use `yield from mower.steps()`")
         return drive(self.steps(), cast(Clock, self.clock))
 
     def steps(self) -> Steps[str]:
-        """Return the mission as steps with the same effect as `run`: `ended = yield from mower.steps()`."""
+        """Return the mission as steps, equivalent to `run`: `ended = yield from mower.steps()`."""
         legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
             "undock": self._undock,
             "approach": self._approach,
@@ -164,7 +164,7 @@ class AdaptiveLawnMower(Sealed):
         self.vehicle.sonar.aim(-min(tilt_rad, math.radians(self.plan.tilt_deg)))
 
     def _back_to(self, start: LegStart) -> tuple[float, float]:
-        """Velocity towards the position where the leg began."""
+        """Return a horizontal velocity towards the position where the leg began."""
         x, y, _ = self._position().tolist()
         return 0.3 * (start.position_world_m[0] - x), 0.3 * (start.position_world_m[1] - y)
 
@@ -173,10 +173,10 @@ class AdaptiveLawnMower(Sealed):
         self.state.furthest_m, self.state.furthest_s = 0.0, self.clock.time_s
         return LegStart(self.clock.time_s, (x, y, z), float(self.vehicle.pose.yaw_rad))
 
-    # The legs: each one flies until it is done and returns the name of the next.
+    # The legs: each flies until it is complete and returns the name of the next one.
 
     def _undock(self, start: LegStart) -> Steps[LegName]:
-        """Go straight ahead and level until clear of the dock."""
+        """Go straight ahead at constant height until clear of the dock."""
         ahead = (UNDOCK_SPEED_M_S * math.cos(start.yaw_rad), UNDOCK_SPEED_M_S * math.sin(start.yaw_rad))
         while math.dist(self._position(), start.position_world_m) < UNDOCK_M:
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
@@ -191,13 +191,13 @@ class AdaptiveLawnMower(Sealed):
         return "tilt"
 
     def _skip_lane(self, leg: LegName) -> LegName:
-        """Skip a lane that is surrounded by shoals, and continue with a leg to the next one."""
+        """Skip a lane that cannot be reached because of shoals, and return the leg that leads to the next one."""
         self.state.lane += 1
         self.state.skipped += 1
         return leg
 
     def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
-        """Wait on the spot until the sonar's head has reached its elevation, if the sonar reports one."""
+        """Wait on the spot until the sonar's head reaches its elevation, if the sonar reports it."""
         target_rad = -math.radians(self.plan.tilt_deg)
         while not is_at(self.vehicle.sonar, target_rad):
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
@@ -206,7 +206,7 @@ class AdaptiveLawnMower(Sealed):
         return "turn"
 
     def _turn(self, start: LegStart) -> Steps[LegName]:
-        """Turn on the spot to the lane's heading: half turns to port and to starboard alternate."""
+        """Turn on the spot to the lane's heading; half turns alternate between port and starboard."""
         lane = self.lanes[self.state.lane]
         direction = 1.0 if self.state.lane % 2 == 0 else -1.0
         while abs(left := wrap_angle(lane.heading_rad - self.vehicle.pose.yaw_rad)) > math.radians(5.0):
@@ -220,13 +220,13 @@ class AdaptiveLawnMower(Sealed):
         return "abreast"
 
     def _require_clearance_to_port(self) -> None:
-        """Stop, as in the paper, if something is close to port at a turn."""
+        """Stop, as in the paper, if there is an obstacle close to port at a turn."""
         port_m = self.vehicle.sensors["proximity_port"].read()
         if port_m < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
 
     def _side_step(self, start: LegStart) -> Steps[LegName]:
-        """Side-step to the lane: to its start, or further along it if the last lane was cut short."""
+        """Side-step to the lane: to its start, or to a point further along if the last lane was cut short."""
         point_m = self._nearest_on_lane(start)
         if math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m:
             return "transit"
@@ -241,13 +241,13 @@ class AdaptiveLawnMower(Sealed):
         return "tilt"
 
     def _nearest_on_lane(self, start: LegStart) -> NDArray[np.float64]:
-        """The point of the lane that is nearest to where the leg began."""
+        """Return the point on the lane nearest to where the leg began."""
         lane = self.lanes[self.state.lane]
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
         return lane.start_m + along_m * lane.direction
 
     def _mow(self, start: LegStart) -> Steps[LegName]:
-        """Go forward along the lane while there is water ahead."""
+        """Go forward along the lane as long as there is water ahead."""
         state, lane = self.state, self.lanes[self.state.lane]
         (ahead_x, ahead_y), speed = lane.direction.tolist(), self.plan.speed_m_s
         while True:
@@ -280,10 +280,10 @@ class AdaptiveLawnMower(Sealed):
         return self.lookout.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
-        """Go to a point, around shoals; return whether there is a way. On a long way the sonar looks farther ahead.
+        """Go to a point, around shoals; return False if there is no path.
 
-        The vehicle holds the heading if one is given and the way is straight; otherwise it faces the direction of
-        travel.
+        In a long transit the sonar looks farther ahead. If heading_rad is set, the vehicle holds it as long as the path
+        is straight; otherwise it faces the direction of travel.
         """
         to_x, to_y = point_m.tolist()
         total_m = math.dist((to_x, to_y), start.position_world_m[:2])

@@ -1,4 +1,4 @@
-"""The plan of a lawn-mower: the area to cover, the height, the speed and the density of lanes."""
+"""The plan of a lawn-mower survey: area, altitude, speed and lane spacing."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ import numpy as np
 
 from uwsim.missions.lanes import Lane
 
-TRANSIT_VIEW_S = 20.0  # time ahead at which the fan hits a flat bed in transits, so that a rise is seen in time
+TRANSIT_VIEW_S = 20.0  # in transits the fan hits a flat bed this many seconds ahead, so that a rise is seen in time
 
 
 @dataclass(frozen=True)
 class LawnMowerPlan:
-    """How to mow an area. area_m: the polygon's corners (k, 2). altitude_m: above the bed. tilt_deg: nose down.
+    """How to survey an area in lanes.
 
-    lanes: flown in this order instead of lanes that cover the whole area.
+    area_m: the polygon's corners (k, 2). altitude_m: height above the bed. tilt_deg: the sonar's tilt, nose down.
+    lanes: flown in this order; by default, lanes that cover the whole area.
     """
 
     area_m: Sequence[Sequence[float]]
@@ -33,5 +34,5 @@ class LawnMowerPlan:
 
     @property
     def transit_view_m(self) -> float:
-        """Distance ahead at which the fan hits a flat bed on a long way to a lane."""
+        """Distance ahead at which the fan hits a flat bed during a long transit to a lane."""
         return TRANSIT_VIEW_S * self.speed_m_s

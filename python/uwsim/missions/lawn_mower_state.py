@@ -1,4 +1,4 @@
-"""The state of an adaptive lawn-mower: plain data, from which another process can continue."""
+"""The state of an adaptive lawn-mower: plain data that another process can continue from."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ class LegStart:
 class MowerState:
     """The progress of a mission.
 
-    lanes_near_m: where the mission began, which determines the order of lanes. lane: index of the present one. leg: the
-    part of it being flown. leg_start: None before the leg has begun. along_m: distance along the lane. furthest_m: the
-    largest such distance so far, reached at furthest_s. skipped: number of lanes that could not be reached.
+    lanes_near_m: position at the start of the mission, which determines the order of the lanes. lane: index of the
+    current lane. leg: the leg being flown for that lane. leg_start: None until the leg has begun. along_m: current
+    distance along the lane. furthest_m: the largest such distance so far, reached at furthest_s. skipped: number of
+    unreachable lanes.
     """
 
     lanes_near_m: tuple[float, float]
@@ -40,7 +41,7 @@ class MowerState:
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its state, its pilot's memory, the obstacle memory's echoes, the shoals' cells."""
+    """A saved lawn-mower: its own state, and that of its pilot, obstacle memory and shoal chart."""
 
     mower: MowerState
     autopilot: tuple[float, ...]

@@ -1,4 +1,4 @@
-"""Lookout: how high and how fast to fly over what the sonar has seen ahead, and which shoals are in the way."""
+"""Lookout: how high and how fast to fly over obstacles that the sonar has seen, and which shoals are in the way."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
-"""The vehicle never climbs above this height on its own."""
+"""The vehicle never climbs above this height of its own accord."""
 CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero over the second value
-SLOWEST = 0.1  # of the speed
+SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 
 class Lookout(Sealed):
-    """Steers a vehicle altitude_m above the bed and above what its sonar has seen ahead, and charts shoals.
+    """Steers a vehicle altitude_m above the bed and above obstacles its sonar has seen ahead, and charts shoals.
 
-    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: of the corridor in which echoes count.
-    passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which it turns before moving.
-    most_climb_m: limit of the height error used for steering. autopilot: used for steering; by default the vehicle's
-    own. Raises ValueError.
+    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: size of the corridor in which echoes
+    count. passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which the vehicle turns before
+    moving. most_climb_m: limit on the height error used for steering. autopilot: by default the vehicle's own. Raises
+    ValueError if the altitude sensor is missing.
     """
 
     vehicle: OwnVehicle
@@ -57,18 +57,18 @@ class Lookout(Sealed):
     def head_for(
         self, point_world_m: tuple[float, float], speed_m_s: float, heading_rad: float | None = None
     ) -> Steps[None]:
-        """Fly one control period towards a point, at a heading, by default facing it; turn before moving."""
+        """Fly one control period towards a point, by default facing it; turn before moving."""
         pose = self.vehicle.pose
         x, y, _ = pose.position_world_m.tolist()
         to_x, to_y = point_world_m
         heading = math.atan2(to_y - y, to_x - x) if heading_rad is None else heading_rad
         if abs(wrap_angle(heading - pose.yaw_rad)) > self._turn_first_rad:
-            speed_m_s = 0.0  # so that the sonar sees what lies ahead
+            speed_m_s = 0.0  # so that the sonar sees ahead before the vehicle moves
         away_m = max(math.dist((to_x, to_y), (x, y)), 1e-9)
         yield from self.steer(heading, (speed_m_s * (to_x - x) / away_m, speed_m_s * (to_y - y) / away_m))
 
     def steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Steps[None]:
-        """Look ahead, then fly one control period at a heading and a velocity (2,), slower before a climb."""
+        """Look ahead, then fly one control period at a heading and a velocity (2,), more slowly before a climb."""
         self.look()
         z_m = self.safe_height_m()
         share = self.share_of_speed(z_m)
@@ -76,21 +76,21 @@ class Lookout(Sealed):
         yield from self.steer_at(heading_rad, (share * east, share * north), z_m)
 
     def steer_at(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Steps[None]:
-        """Fly one control period at a heading, a velocity (2,) and a height z, without looking."""
+        """Fly one control period at a heading, a velocity (2,) and a height z, without looking ahead."""
         return steer(
             self.vehicle, heading_rad, velocity_world_m_s, z_world_m, most_climb_m=self._most_climb_m,
             autopilot=self._autopilot,
         )  # fmt: skip
 
     def look(self) -> PingLike:
-        """Ping, and record what is ahead; part of `steer`."""
+        """Ping, and record the obstacles and shoals ahead; called by `steer`."""
         ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
         self.obstacles.add(ping, pose.position_world_m, pose.yaw_rad)
         self.shoals.add(ping)
         return ping
 
     def safe_height_m(self) -> float:
-        """Return the height z that is altitude_m above the bed below and above what is known ahead."""
+        """Return the height z that is altitude_m above both the bed below and the obstacles known ahead."""
         pose = self.vehicle.pose
         z_m = float(pose.position_world_m[2])
         bed_m = z_m - float(self.vehicle.sensors["altitude"].read())
@@ -98,6 +98,6 @@ class Lookout(Sealed):
         return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
 
     def share_of_speed(self, z_world_m: float) -> float:
-        """Return the share of its speed at which the vehicle reaches a height in time: lower while it must climb."""
+        """Return the fraction of its speed at which the vehicle reaches a height in time: below 1 during a climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
         return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)

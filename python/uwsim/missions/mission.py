@@ -1,4 +1,4 @@
-"""The interface of a mission: steps that fly it, and a state from which another process can continue it."""
+"""The interface of a mission: the steps that fly it, and a saved state that another process can continue from."""
 
 from __future__ import annotations
 
@@ -9,35 +9,35 @@ from uwsim.missions.steps import Steps
 
 
 class SteppedMission(Protocol):
-    """A mission whose steps fly it. A generator function is the short form of one that cannot be restored."""
+    """A mission flown by its steps. A mission that cannot be restored may simply be a generator function."""
 
     def steps(self) -> Steps[Any]:
-        """Return the steps, which yield waits; they return the mission's result."""
+        """Return a generator of steps, which yields waits and returns the mission's result."""
 
 
 class Mission(SteppedMission, Protocol):
-    """A mission that a survey can fly; AdaptiveLawnMower is one."""
+    """A mission that a survey can fly, such as AdaptiveLawnMower."""
 
     @property
     def progress(self) -> float:
-        """Share of the mission that has been flown, 0..1."""
+        """Fraction of the mission flown so far, 0..1."""
 
     def run(self) -> str:
-        """Fly all steps by a clock that can wait; return why it ended."""
+        """Fly all steps with a clock that can wait; return the reason why the mission ended."""
 
 
 @runtime_checkable
 class ResumableMission(Protocol):
-    """A mission that another process can continue. Any other mission is continued by flying it again."""
+    """A mission that another process can continue. Any other mission is resumed by flying it again from the start."""
 
     def save(self) -> dict[str, Any]:
-        """Return, as JSON values, everything that the rest of the mission depends on apart from vehicle and clock.
+        """Return, as JSON values, all state that the rest of the mission depends on except that of vehicle and clock.
 
-        Called while its steps are in a `yield`: their further actions must follow from this state.
+        Called while `steps` is suspended at a `yield`; its further actions must follow from this state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from the result of `save`: `steps` continue as if that `yield` had just ended.
+        """Load a state returned by `save`: `steps` then continues as if that `yield` had just returned.
 
-        Raises ValueError.
+        Raises ValueError for an invalid state.
         """

@@ -1,4 +1,4 @@
-"""Checks the saved state of a mission before it is used."""
+"""Validation of a mission's saved state."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ State = TypeVar("State")
 
 
 def checked_state(kind: type[State], saved: Mapping[str, Any]) -> State:
-    """Make a dataclass from its saved fields.
+    """Build a dataclass from its saved fields.
 
     Raises ValueError, in one line, if a field is missing, unknown or of the wrong type.
     """

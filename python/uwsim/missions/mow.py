@@ -1,4 +1,4 @@
-"""mow: the adaptive lawn-mower as a step of a mission."""
+"""mow: the adaptive lawn-mower as a mission step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.missions.stopped import StoppedError
 
 
 def mow(vehicle: OwnVehicle, plan: LawnMowerPlan) -> Steps[None]:
-    """Fly a plan's lanes with the adaptive lawn-mower. Raises StoppedError if it does not fly all of them."""
+    """Fly a plan's lanes with the adaptive lawn-mower. Raises StoppedError unless all lanes are flown."""
     ended = yield from AdaptiveLawnMower(vehicle, vehicle, plan).steps()
     if ended != COVERED:
         raise StoppedError(ended)

@@ -1,4 +1,4 @@
-"""Memory of the obstacles that the sonar has seen ahead, which determines how high to fly."""
+"""Memory of obstacles that the sonar has seen ahead; it determines how high to fly."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import PingLike
 
 Vector = NDArray[np.float64]
-WORLD = np.eye(4)  # of points that are already in the world
+WORLD = np.eye(4)  # the pose for points that are already in world coordinates
 
 
 class ObstacleMemory(Sealed):
-    """Stores the highest echo of each ping in the corridor ahead of the vehicle, until it has been passed.
+    """Stores, for each ping, its highest echo in the corridor ahead of the vehicle.
 
-    The corridor reaches from half_width_m behind the vehicle to ahead_m in front of it, half_width_m to either side.
-    pings: how many are stored.
+    The corridor extends from half_width_m behind the vehicle to ahead_m in front of it, and half_width_m to either
+    side. pings: capacity; after that, the oldest echo is overwritten.
     """
 
     half_width_m: float
@@ -36,12 +36,15 @@ class ObstacleMemory(Sealed):
 
     @property
     def peaks_world_m(self) -> Vector:
-        """The stored echoes, (n, 3), the oldest first."""
+        """The stored echoes, (n, 3), oldest first."""
         held, next_place = min(self._seen, len(self._ring)), self._seen % len(self._ring)
         return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
 
     def restore(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
-        """Replace the stored echoes by these (n, 3), the oldest first. Raises ValueError."""
+        """Replace the stored echoes by peaks_world_m (n, 3), oldest first.
+
+        Raises ValueError if too many, or not finite.
+        """
         peaks = np.asarray(peaks_world_m, np.float64).reshape(-1, 3)
         if len(peaks) > len(self._ring) or not np.isfinite(peaks).all():
             raise ValueError(f"lookout: {len(peaks)} peaks: must be at most {len(self._ring)}, and finite")
@@ -49,14 +52,14 @@ class ObstacleMemory(Sealed):
         self._seen = len(peaks)
 
     def add(self, ping: PingLike, position_world_m: Vector, heading_rad: float) -> None:
-        """Store the highest echo of a ping in the corridor, if there is one."""
+        """Store a ping's highest echo in the corridor, if any."""
         peak = self._highest(ping.points_sonar_m, ping.world_from_sonar, position_world_m, heading_rad)
         if peak is not None:
             self._ring[self._seen % len(self._ring)] = peak
             self._seen += 1
 
     def highest_m(self, position_world_m: Vector, heading_rad: float) -> float:
-        """Height (z) of the highest stored echo in the corridor; -inf if there is none."""
+        """Return the height (z) of the highest stored echo in the corridor, or -inf if there is none."""
         peaks = self._ring[: min(self._seen, len(self._ring))]
         peak = self._highest(peaks, WORLD, position_world_m, heading_rad)
         return -math.inf if peak is None else peak[2]
@@ -64,7 +67,7 @@ class ObstacleMemory(Sealed):
     def _highest(
         self, points_m: NDArray[Any], world_from_points: NDArray[Any], position_world_m: Vector, heading_rad: float
     ) -> tuple[float, float, float] | None:
-        """Return the highest of the points (n, 3) that are in the corridor; NaN points are not."""
+        """Return the highest of the points (n, 3) in the corridor; NaN points are ignored."""
         return _core.highest_in_corridor(
             points_m, world_from_points, position_world_m, heading_rad, self.half_width_m, self.ahead_m
         )

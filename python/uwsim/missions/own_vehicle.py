@@ -1,4 +1,4 @@
-"""OwnVehicle: the Vehicle given to a mission, made from a simulated or remote one, a clock and an estimate."""
+"""OwnVehicle: the Vehicle passed to a mission, made from a simulated or remote one, a clock and an estimate."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from uwsim.navigation.control.protocols import EstimateLike, PoseLike, SensorLik
 CONTROL_PERIOD_S = 0.1
 SAME_TIME_S = 1e-6
 Held = tuple[NDArray[np.float64], float]
-"""A position (3,), world, and a heading [rad]."""
+"""A position (3,) in the world frame and a heading in radians."""
 
 
 class Event(NamedTuple):
@@ -39,8 +39,8 @@ class Event(NamedTuple):
 class OwnVehicle(Sealed, Commandable):
     """A mission's vehicle; see Vehicle.
 
-    hull: a vehicle of a Simulator, of a LiveSimulator or of a rosbridge. clock: provides time_s. estimate: by default
-    the hull itself, which is the truth. hear: called with each event of the log.
+    hull: a vehicle of a Simulator, a LiveSimulator or a rosbridge. clock: provides time_s. estimate: by default the
+    hull itself, that is, the truth. hear: called with each logged event.
     """
 
     name: str
@@ -65,7 +65,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds."""
+        """Simulated time in seconds."""
         return self._clock.time_s
 
     @property
@@ -87,29 +87,29 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def autopilot(self) -> Autopilot | Controller:
-        """The autopilot shared by goto, hold and the others, so that it keeps its estimates of trim and current.
+        """The autopilot shared by goto, hold and the other moves, so that its estimates of trim and current persist.
 
-        A Controller with the model and the gains of the vehicle's file; for a remote vehicle, which provides neither,
-        an Autopilot. Both have `steer` and `period_s`.
+        A Controller with the model and gains from the vehicle's file; an Autopilot for a remote vehicle, which provides
+        neither. Both have `steer` and `period_s`.
         """
         return self._autopilot
 
     def held(self) -> Held | None:
-        """Return the place held by `hold` until this very time; None if the vehicle has done something else since."""
+        """Return the place that `hold` has held until now, or None if the vehicle has done anything else since."""
         return self._held[1] if self._held is not None and abs(self.time_s - self._held[0]) < SAME_TIME_S else None
 
     def note_held(self, held: Held) -> None:
-        """Record that `hold` holds this place until now."""
+        """Record that `hold` has held this place up to the current time."""
         self._held = (self.time_s, held)
 
     @property
     def authority(self) -> Any:
-        """The effect of full efforts, (6,), or None if unknown; see uwsim.simulator.vehicle.Vehicle."""
+        """The effect of full effort on each axis, (6,), or None if unknown; see uwsim.simulator.vehicle.Vehicle."""
         return getattr(self._hull, "authority", None)
 
     @property
     def control(self) -> Any:
-        """The model and the gains of its file, for a Controller, or None if unknown."""
+        """The model and gains from the vehicle's file, for a Controller; None if unknown."""
         return getattr(self._hull, "control", None)
 
     @property
@@ -119,7 +119,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def sonar(self) -> SonarLike:
-        """The first of the sonars; its pings are placed by the estimate. Raises ValueError if there is none."""
+        """The first sonar; its pings are placed at the estimated pose. Raises ValueError if there is none."""
         return self._seen_by_estimate(EstimatedSonar, self._hull.sonar)  # type: ignore[no-any-return]
 
     @property
@@ -139,7 +139,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def lamps(self) -> Mapping[str, LampLike]:
-        """The lamps by their switch's name."""
+        """The lamps by the name of their switch."""
         return self._hull.lamps  # type: ignore[no-any-return]
 
     def _seen_by_estimate(self, view: Callable[[Any, Any, Any], Any], part: Any) -> Any:
@@ -152,7 +152,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def released(self) -> bool:
-        """Whether it is free of the station."""
+        """Whether the vehicle has left the station."""
         return bool(self._hull.released)
 
     @property
@@ -161,7 +161,7 @@ class OwnVehicle(Sealed, Commandable):
         return bool(getattr(self._hull, "all_stopped", False))
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command that a real vehicle could accept. Raises ValueError."""
+        """Issue a command that a real vehicle could accept. Raises ValueError for any other command."""
         if (method := self._methods.get(name)) is None:
             method = self._methods[name] = self._method(name)
         result = method(**arguments)
@@ -170,7 +170,7 @@ class OwnVehicle(Sealed, Commandable):
         return result
 
     def _method(self, name: str) -> Callable[..., Any]:
-        """Return the hull's method for a command. Raises ValueError."""
+        """Return the hull's method for a command. Raises ValueError if missions may not issue it."""
         if not command_named(name).crosses_link:
             raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
@@ -178,7 +178,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def effort(self) -> tuple[float, ...]:
-        """Surge, sway, heave, roll, pitch, yaw as last commanded by this mission."""
+        """Surge, sway, heave, roll, pitch and yaw as last commanded by this mission."""
         return tuple(self._efforts.get(axis, 0.0) for axis in AXES)
 
     def telemetry(self) -> Panel:
@@ -186,6 +186,6 @@ class OwnVehicle(Sealed, Commandable):
         return self._hull.telemetry()  # type: ignore[no-any-return]
 
     def log(self, event: str, **values: Any) -> None:
-        """Write an event with values of JSON types to the mission's log. Raises ValueError for other values."""
+        """Write an event to the mission's log. Raises ValueError for values that are not of JSON types."""
         kept = {key: plain(value, f"log '{event}': {key}") for key, value in values.items()}
         self._hear(Event(self.time_s, self.name, str(event), kept))

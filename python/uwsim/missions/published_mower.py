@@ -1,8 +1,8 @@
-"""The adaptive lawn-mower of the published simulator, as flown by its node: observations in, commands out.
+"""The published simulator's adaptive lawn-mower, as its ROS node flies it: observations in, commands out.
 
 Source: UWRoboticsSimulator, ROS/controllerpkg/src/lawn_mower.py. It steers by three beams of the level sonar and by the
-distance to port, with the published wire's signs, and uses neither the depth nor a polygon: it assumes that the yaw is
-0 at the start, and ends a turn 5 degrees early.
+distance to port, with the sign conventions of the published messages. It uses neither depth nor a polygon, assumes that
+the yaw is 0 at the start, and ends each turn 5 degrees early.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ BEAMS = (0, 256, 512)
 
 
 class Seen(NamedTuple):
-    """The node's inputs: propPos, three of decodedDepth, proximitySensor."""
+    """The node's inputs: propPos, three beams of decodedDepth, and proximitySensor."""
 
     position_m: tuple[float, float, float]
     yaw_rad: float
@@ -33,7 +33,7 @@ class Seen(NamedTuple):
 
 
 class Key(NamedTuple):
-    """A `key` message: efforts with the published signs (sway and yaw to starboard), and the function."""
+    """A `key` message: efforts in the published sign convention (sway and yaw to starboard), and the function code."""
 
     surge: float = 0.0
     sway: float = 0.0
@@ -47,9 +47,9 @@ RELEASE = Key(function=1.0)
 
 
 def published_mower(start_m: tuple[float, float, float] = START_M) -> Generator[Key, Seen, None]:
-    """Yield the key message of each control period, given the observation then; return at the last lane's end.
+    """Yield one key message per control period, given that period's observation; return at the end of the last lane.
 
-    start_m: where lanes begin, in the frame of propPos.
+    start_m: where the lanes begin, in the frame of propPos.
     """
     seen = yield RELEASE
     seen = yield from _go_to(start_m, seen)

@@ -1,4 +1,4 @@
-"""run: flies a mission with a vehicle, or several, and a clock."""
+"""run: flies a mission with a clock and one or several vehicles."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.missions.steps import Steps, drive, parallel
 from uwsim.navigation.control.protocols import Clock
 
 MissionFunction = Callable[..., Steps[Any] | SteppedMission]
-"""A generator function, or a class with `steps`, of one vehicle or of several by name."""
+"""A generator function, or a class with `steps`, that takes one vehicle or a dict of several by name."""
 
 
 def run(
@@ -25,8 +25,8 @@ def run(
 ) -> Any:
     """Fly a mission to its end; return its result.
 
-    mission: see `begin`. vehicles: one, or a dict of several, of a Simulator, a LiveSimulator or a rosbridge. hear:
-    called with each event that it logs.
+    mission: see `begin`. vehicles: one vehicle of a Simulator, a LiveSimulator or a rosbridge, or a dict of several.
+    hear: called with each event that the mission logs.
     """
     hulls = vehicles if isinstance(vehicles, Mapping) else {getattr(vehicles, "name", "vehicle"): vehicles}
     own = {
@@ -37,15 +37,15 @@ def run(
 
 
 def begin(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> Steps[Any]:
-    """Return the steps of a mission from its start; see `made`."""
+    """Return the steps of a mission from its start; see `made` for the permitted missions."""
     return steps_of(made(mission, vehicles))
 
 
 def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[Steps[Any] | SteppedMission]:
-    """Return one mission for all vehicles if its first parameter is called `vehicles`, else one for each of them.
+    """Return one mission for all vehicles if its first parameter is called `vehicles`, otherwise one per vehicle.
 
-    A ResumableMission may be restored before it is flown. Raises ValueError for anything but a generator function of
-    one argument or such a class with `steps`.
+    A ResumableMission may be restored before it is flown. Raises ValueError for anything other than a generator
+    function of one argument, or a class of one argument with `steps`.
     """
     if first_parameter(mission) == "vehicles":
         return [mission(dict(vehicles))]
@@ -53,13 +53,13 @@ def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[S
 
 
 def steps_of(missions: list[Steps[Any] | SteppedMission]) -> Steps[Any]:
-    """Return the steps that fly all missions at once."""
+    """Return steps that fly all missions at once."""
     steps = [one if isinstance(one, Generator) else one.steps() for one in missions]
     return steps[0] if len(steps) == 1 else parallel(*steps)
 
 
 def first_parameter(mission: MissionFunction) -> str:
-    """Return the name of a mission's only required parameter. Raises ValueError if it is no mission."""
+    """Return the name of a mission's only required parameter. Raises ValueError if the argument is not a mission."""
     name = getattr(mission, "__name__", "mission")
     if not (inspect.isgeneratorfunction(inspect.unwrap(mission)) or _makes_steps(mission)):
         raise ValueError(f"{name}: has no `yield`: a mission is a generator: `yield wait(0.1)` lets time pass")

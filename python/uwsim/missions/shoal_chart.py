@@ -1,4 +1,4 @@
-"""A chart of the shoals that the sonar has seen, and the way around them."""
+"""A chart of the shoals that the sonar has seen, and the paths around them."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ Point = tuple[float, float]
 Cell = tuple[int, int]
 
 CELL_M = 4.0
-ECHOES_IN_A_CELL = 4  # in one ping: a single echo may be a false detection
-# a cell next to a shoal costs as much as this many others, so that it is only crossed to get away
+ECHOES_IN_A_CELL = 4  # needed in one ping, since a single echo may be a false detection
+# cost of a cell next to a shoal: high, so that such cells are crossed only to leave a shoal
 BESIDE_A_SHOAL = 20.0
-MARGIN_CELLS = 15  # around start, goal and shoals, when searching for a way
-STEPS_TO_LEAVE = 4  # of half a cell
+MARGIN_CELLS = 15  # margin of the search grid around start, goal and shoals
+STEPS_TO_LEAVE = 4  # steps of half a cell
 
 
 class ShoalChart(Sealed):
     """Square cells of the horizontal plane that contain anything higher than top_z_m.
 
-    A vehicle cannot pass over them, and keeps one cell away from them.
+    A vehicle cannot pass over them, and stays at least one cell away from them.
     """
 
     top_z_m: float
@@ -36,15 +36,15 @@ class ShoalChart(Sealed):
         self.top_z_m = top_z_m
         self._shoals: set[Cell] = set()
         self._near: set[Cell] = set()
-        self._known_way: tuple[Cell, Cell, list[Cell] | None] | None = None  # from, to, cells; for the present chart
+        self._known_way: tuple[Cell, Cell, list[Cell] | None] | None = None  # start, goal, path; for the current chart
 
     @property
     def cells(self) -> list[Cell]:
-        """The shoals: each cell's east and north number, sorted."""
+        """The indices (east, north) of all shoal cells, sorted."""
         return sorted(self._shoals)
 
     def restore(self, cells: Iterable[Cell]) -> None:
-        """Replace the charted shoals by these."""
+        """Replace the charted shoals by the given cells."""
         self._shoals, self._near = set(), set()
         self._chart(cells)
 
@@ -57,13 +57,13 @@ class ShoalChart(Sealed):
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
     def close(self, point_m: Point) -> None:
-        """Chart the cell of a point that is closed to the vehicle for a reason other than its height."""
+        """Chart the cell of a point that the vehicle cannot enter for a reason other than its height."""
         self._chart([_cell(point_m)])
 
     def blocks(self, start_m: Point, end_m: Point) -> bool:
-        """Return whether a shoal lies on or beside the straight line between two points.
+        """Return whether a shoal lies on, or in a cell next to, the straight line between two points.
 
-        A start beside a shoal may be left within two cells.
+        A start next to a shoal does not count as blocked, provided that the line leaves the shoal within two cells.
         """
         if not self._near:
             return False
@@ -78,9 +78,9 @@ class ShoalChart(Sealed):
         return False
 
     def next_point(self, start_m: Point, goal_m: Point) -> Point | None:
-        """Return the point to head for on the way to a goal: the goal, or the last visible point of a way around.
+        """Return the point to head for: the goal, or the last visible point of a path around shoals.
 
-        None if there is no way.
+        None if there is no path.
         """
         if not self.blocks(start_m, goal_m):
             return goal_m
@@ -99,7 +99,10 @@ class ShoalChart(Sealed):
                 self._known_way = None
 
     def _way(self, start: Cell, goal: Cell) -> list[Cell] | None:
-        """Return the cheapest way over cells that are not shoals, including both ends; it depends only on the chart."""
+        """Return the cheapest path over cells that are not shoals, including both ends.
+
+        It depends only on the chart.
+        """
         if self._known_way is None or self._known_way[:2] != (start, goal):
             self._known_way = start, goal, self._search(start, goal)
         return self._known_way[2]

@@ -1,4 +1,4 @@
-"""A sonar head that takes time to tilt."""
+"""Waiting for a sonar head that takes time to tilt."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ TIMEOUT_S = 60.0
 
 
 def is_at(sonar: Any, elevation_rad: float) -> bool:
-    """Return whether the head is at an elevation; true for a sonar that does not report one."""
+    """Return whether the head has reached an elevation; always true for a sonar that does not report one."""
     return bool(abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD)
 
 
 def until_at(sonar: Any, elevation_rad: float) -> Steps[bool]:
-    """Wait on the spot until the head is at an elevation; return whether it got there in time."""
+    """Wait on the spot until the head reaches an elevation; return False on timeout."""
     return until(lambda: is_at(sonar, elevation_rad), timeout_s=TIMEOUT_S)

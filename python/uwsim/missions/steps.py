@@ -1,4 +1,4 @@
-"""Simulated time for missions: a mission is a generator that yields waits; steps are parts of it that compose.
+"""Simulated time for missions: a mission is a generator that yields waits; it is composed of steps, also generators.
 
     def mission(vehicle):
         vehicle.undock()
@@ -7,7 +7,7 @@
         yield wait(10.0)
         yield from until(lambda: vehicle.sensors["altitude"].read() < 4.0, timeout_s=60.0)
 
-`parallel` and `race` run several steps at once. Simultaneous events happen in the order of the arguments.
+`parallel` and `race` run several steps at once. Simultaneous events are processed in the order of the arguments.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LONGEST_S = 1e9
 
 @dataclass(frozen=True)
 class Wait:
-    """Lets a time pass when a mission yields it."""
+    """A pause: simulated time advances by its duration when a mission yields it."""
 
     duration_s: float
 
@@ -45,17 +45,17 @@ Steps = Generator[Wait, None, T]
 
 
 def wait(duration_s: float) -> Wait:
-    """Return a pause, which lets simulated time pass when a mission yields it.
+    """Return a pause, during which simulated time advances when a mission yields it.
 
-    A simulator rounds it to whole steps, at least one. Raises ValueError unless it is positive.
+    A simulator rounds it to whole steps, at least one. Raises ValueError unless 1e-9 <= duration_s <= LONGEST_S.
     """
-    if not 1e-9 <= duration_s <= LONGEST_S:  # false for nan as well
+    if not 1e-9 <= duration_s <= LONGEST_S:  # false for NaN as well
         raise ValueError(f"wait: duration_s = {duration_s} s: must be positive and at most {LONGEST_S:g} s")
     return Wait(float(duration_s))
 
 
 def until(condition: Callable[[], object], *, timeout_s: float = math.inf, every_s: float = 0.1) -> Steps[bool]:
-    """Wait until a condition holds, checked every_s; return True, or False after timeout_s."""
+    """Wait until a condition holds, checking it every every_s; return True, or False after timeout_s."""
     pause, waited_s = wait(every_s), 0.0
     while not condition():
         if waited_s >= timeout_s:
@@ -66,16 +66,16 @@ def until(condition: Callable[[], object], *, timeout_s: float = math.inf, every
 
 
 def parallel(*branches: Steps[Any]) -> Steps[list[Any]]:
-    """Run all branches at once; return their results, in order, when all have ended.
+    """Run all branches at once; when all have ended, return their results in order.
 
-    An error in one ends the others.
+    An error in one branch ends the others.
     """
     results = yield from _at_once(branches, len(branches))
     return [results[k] for k in range(len(branches))]
 
 
 def race(*branches: Steps[Any]) -> Steps[tuple[int, Any]]:
-    """Run all branches at once until the first ends; return its index and its result. The others are closed."""
+    """Run all branches at once until one ends; return its index and result. The others are closed."""
     if not branches:
         raise ValueError("race: must be given at least one branch")
     results = yield from _at_once(branches, 1)
@@ -83,7 +83,7 @@ def race(*branches: Steps[Any]) -> Steps[tuple[int, Any]]:
 
 
 def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, Any]]:
-    """Run branches, each at its own wake-up times, until enough have ended; return their results by index."""
+    """Run branches, each at its own wake-up times, until `enough` have ended; return their results by index."""
     now_ns, results = 0, dict[int, Any]()
     agenda = [(now_ns, k) for k in range(len(branches))]  # a heap: at equal times, the first branch goes first
     try:
@@ -105,7 +105,7 @@ def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, A
 
 
 def checked_wait(yielded: Any) -> Wait:
-    """Return the wait that a mission has yielded. Raises TypeError, with the correct form, if it is not one."""
+    """Return the yielded wait. Raises TypeError, with the correct form, if a mission yielded something else."""
     if isinstance(yielded, Wait):
         return yielded
     if isinstance(yielded, Generator):
@@ -115,7 +115,7 @@ def checked_wait(yielded: Any) -> Wait:
 
 
 def drive(steps: Steps[T], clock: Clock) -> T:
-    """Let a clock's time pass as the steps yield waits, until they end; return their result."""
+    """Run the steps to their end, letting the clock's time pass for each wait that they yield; return their result."""
     try:
         while True:
             try:
@@ -125,4 +125,4 @@ def drive(steps: Steps[T], clock: Clock) -> T:
                 return result
             clock.wait(pause.duration_s)
     finally:
-        steps.close()  # its `finally` blocks run at once, whatever ended it
+        steps.close()  # runs its `finally` blocks now, however it ended

@@ -1,4 +1,4 @@
-"""The pilot of a survey: a Controller for thrusters, an Autopilot for forces along the axes."""
+"""The pilot of a survey: a Controller for vehicles with thrusters, an Autopilot for those without."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Pilot = Autopilot | Controller
 
 
 def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
-    """Return the pilot of a vehicle, to be called once in each period.
+    """Return a pilot for a vehicle; call it once every period_s.
 
-    Thrusters that push below the centre of mass pitch the vehicle, and saturate together. An Autopilot, which has no
-    model of that, pitched a BlueROV2 Heavy over 15 s into the lake's survey at 1.4 m/s; a Controller has a model.
-    Without thrusters the vehicle receives exactly the commanded wrench: there the Autopilot, which does not plan its
-    accelerations, is faster by 2 % and covers that much more.
+    Thrusters that push below the centre of mass pitch the vehicle and saturate together. An Autopilot, which does not
+    model this, made a BlueROV2 Heavy pitch over after 15 s of the lake survey at 1.4 m/s; a Controller models it. A
+    vehicle without thrusters receives exactly the commanded wrench. There the Autopilot, which does not plan its
+    accelerations, is 2 % faster and covers that much more.
     """
     settings = getattr(vehicle, "control", None)
     if settings is not None and getattr(settings, "thrusters", 0) > 0:
@@ -26,12 +26,12 @@ def survey_pilot(vehicle: SteeredVehicle, period_s: float) -> Pilot:
 
 
 def memory_of(pilot: Pilot) -> tuple[float, ...]:
-    """Return the state carried between periods: 3 numbers of an Autopilot, 25 of a Controller."""
+    """Return the state carried between periods: 3 values for an Autopilot, 25 for a Controller."""
     return tuple(pilot.memory.tolist()) if isinstance(pilot, Controller) else pilot.integrals
 
 
 def remember(pilot: Pilot, memory: Sequence[float]) -> None:
-    """Continue from the result of memory_of. Raises ValueError if it belongs to another kind of pilot."""
+    """Restore a state returned by memory_of. Raises ValueError if it comes from the other kind of pilot."""
     expected = len(memory_of(pilot))
     if len(memory) != expected:
         raise ValueError(f"autopilot: {len(memory)} numbers: this vehicle's pilot has {expected}")

@@ -1,4 +1,4 @@
-"""Vehicle: everything that a mission sees of a vehicle, simulated or remote."""
+"""Vehicle: the interface through which a mission uses a vehicle, simulated or remote."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Panel(PanelLike, Protocol):
 
 
 class LampLike(Protocol):
-    """Lamps on one switch."""
+    """One or more lamps on a common switch."""
 
     on: bool
 
 
 class LensLike(Protocol):
-    """The intrinsics of a picture, as in sensor_msgs/CameraInfo: d (5,), k (3, 3); pixels."""
+    """The intrinsics of a picture in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
 
     @property
     def width(self) -> int: ...
@@ -69,17 +69,17 @@ class CameraLike(Protocol):
 
 
 class Vehicle(Commandable, Protocol):
-    """A vehicle as missions see it: readings and commands. Reading does not let time pass: only `yield` does.
+    """A vehicle as missions see it: readings and commands. Reading takes no simulated time; only `yield` does.
 
-    estimate: its position and motion to the best of its knowledge: the truth, or a filter's estimate. pose,
-    velocity: the estimate's. sonar: the first multibeam; sonars, sensors, cameras, lamps: by name.
+    estimate: position and motion to the best of the vehicle's knowledge: the truth, or a filter's estimate. pose,
+    velocity: those of the estimate. sonar: the first multibeam. sonars, sensors, cameras, lamps: dictionaries by name.
     """
 
     @property
     def name(self) -> str: ...
     @property
     def time_s(self) -> float:
-        """Simulated seconds."""
+        """Simulated time in seconds."""
 
     @property
     def estimate(self) -> EstimateLike: ...
@@ -99,10 +99,10 @@ class Vehicle(Commandable, Protocol):
     def lamps(self) -> Mapping[str, LampLike]: ...
     @property
     def released(self) -> bool:
-        """Whether it is free of the station."""
+        """Whether the vehicle has left the station."""
 
     def telemetry(self) -> Panel:
         """Read the vehicle's panel."""
 
     def log(self, event: str, **values: Any) -> None:
-        """Write an event with values of JSON types to the mission's log."""
+        """Write an event to the mission's log; its values must be of JSON types."""

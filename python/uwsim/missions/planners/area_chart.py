@@ -1,8 +1,8 @@
-"""AreaChart: where in an area a vehicle may go, according to its sonar so far, and the ways there.
+"""AreaChart: where a vehicle may go in an area, according to its sonar so far, and the paths there.
 
 A raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from everything too
-high to be passed over; unknown water is open. Ways are found by Dijkstra over open cells, and straightened wherever a
-straight line stays in them, so that no way leaves the area, concave or not.
+high to pass over; unknown water is open. Paths are found with Dijkstra's algorithm over open cells, and straightened
+wherever a straight line stays in them, so that no path leaves the area, concave or not.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from uwsim.mapping import OccupancyMap
 from uwsim.missions.grid_ways import Grid, GridWays, straightened
 
 Floats = NDArray[np.float64]
-BEYOND_M = 2.0  # distance by which ways may leave the area
+BEYOND_M = 2.0  # how far outside the area paths may lead
 KEEP_M = 3.5  # distance from anything that cannot be passed over
-FINEST_M, MOST_CELLS = 1.0, 300  # along a side
+FINEST_M, MOST_CELLS = 1.0, 300  # smallest edge of a cell, and largest number of cells along a side
 PATCH_M = 3.0
-ECHOES_IN_A_CELL = 3  # in one ping: fewer may be false detections
+ECHOES_IN_A_CELL = 3  # fewer echoes in one ping may be false detections
 
 
 class AreaChart:
     """The chart of a polygon (k, 2). Nothing higher than top_z_m can be passed over.
 
-    start_m: the vehicle's position, (2,); if that is outside, it may enter through the convex hull of area and start,
-    until it has visited the area.
+    start_m: the vehicle's position, (2,). If it is outside, the vehicle may approach through the convex hull of area
+    and start until it has reached the area.
     """
 
     def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
@@ -54,7 +54,7 @@ class AreaChart:
         self.visit(start_m)
 
     def visit(self, point_m: Floats) -> None:
-        """Record the vehicle's position, (2,): once it has been in the area, ways stay there."""
+        """Record the vehicle's position, (2,); once it has been in the area, paths no longer leave it."""
         (cell,), (held,) = self.cells_of(point_m[None])
         if held:
             self._been[tuple(cell)] = True
@@ -71,7 +71,7 @@ class AreaChart:
             self._close(found[counts >= ECHOES_IN_A_CELL])
 
     def add_map(self, occupancy: OccupancyMap) -> None:
-        """Chart everything in a map that is too high: rays are cast down from the surface, a voxel apart."""
+        """Chart everything in a map that is too high, by casting rays down from the surface, a voxel apart."""
         step_m = min(occupancy.resolution_m, self.grid.edge_m)
         counts = np.ceil(np.array(self._shoal.shape) * self.grid.edge_m / step_m).astype(int)
         places = Grid(self.grid.low_m, step_m, tuple(counts.tolist())).all_centres()
@@ -86,11 +86,11 @@ class AreaChart:
         self._close(cells[held])
 
     def open_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Return whether a vehicle may be at points (n, 2), as far as is known."""
+        """Return whether a vehicle may be at points (n, 2), as far as known."""
         return self._at(self._allowed & ~self._near, points_m)
 
     def seen_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Return whether the sonar has had an echo in the cells of points (n, 2)."""
+        """Return whether the sonar has received an echo in the cells of points (n, 2)."""
         return self._at(self._seen, points_m)
 
     def open_places(self) -> Floats:
@@ -98,7 +98,7 @@ class AreaChart:
         return self.grid.centres(np.argwhere(self._allowed & ~self._near))
 
     def unseen_patches(self) -> Floats:
-        """Return the centres (n, 2) of squares of PATCH_M in the area in which half of the open cells are unseen."""
+        """Return the centres (n, 2) of squares of PATCH_M in the area whose open cells are at least half unseen."""
         wanted = self._inner & ~self._near
         size = max(1, round(PATCH_M / self.grid.edge_m))
         cells = np.argwhere(wanted)
@@ -109,27 +109,27 @@ class AreaChart:
         return self.grid.centres(middles[wanted[tuple(middles.T)]])
 
     def patch_seen(self, middle_m: Floats) -> bool:
-        """Return whether a square of `unseen_patches` has been seen since."""
+        """Return whether a square from `unseen_patches` has been seen since."""
         return not any((middle_m == other).all() for other in self.unseen_patches())
 
     def straight(self, start_m: Floats, end_m: Floats) -> bool:
-        """Return whether a straight line between two points (2,) stays on open cells or visited ones."""
+        """Return whether a straight line between two points (2,) stays on open or visited cells."""
         return bool(self._in(self._passable, self.grid.line(start_m, end_m)).all())
 
     def ways_from(self, start_m: Floats) -> AreaWays:
-        """Return the ways from a point (2,).
+        """Return the paths from a point (2,).
 
-        If it is too close to a shoal, they first lead back along the vehicle's path.
+        From a point too close to a shoal, they first lead back along the vehicle's track.
         """
         return AreaWays(self, self._passable, self.cells_of(start_m[None])[0][0])
 
     @property
     def _passable(self) -> NDArray[np.bool_]:
-        """Return the cells that are open, or that the vehicle has visited."""
+        """Return a mask of the cells that are open or that the vehicle has visited."""
         return (self._allowed & ~self._near) | (self._been & ~self._shoal)
 
     def cells_of(self, points_m: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return the cells (n, 2) of points (n, 2), and whether each lies in the raster."""
+        """Return the cells (n, 2) of points (n, 2), and whether each lies inside the raster."""
         cells = self.grid.cells_of(points_m)
         return cells, self.grid.holds(cells)
 
@@ -145,7 +145,7 @@ class AreaChart:
         return self._in(raster, self.grid.cells_of(points_m))
 
     def _in(self, raster: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return the values of a raster in cells (n, 2); false outside."""
+        """Return the values of a raster at cells (n, 2); False outside."""
         held = self.grid.holds(cells)
         found = np.zeros(len(cells), bool)
         found[held] = raster[tuple(cells[held].T)]
@@ -153,7 +153,7 @@ class AreaChart:
 
 
 class AreaWays:
-    """All shortest ways from one cell over the open cells of a chart, as of that time."""
+    """All shortest paths from one cell over the open cells of a chart, as charted at that time."""
 
     def __init__(self, chart: AreaChart, open_cells: NDArray[np.bool_], first: NDArray[np.int64]) -> None:
         self._chart = chart
@@ -161,14 +161,14 @@ class AreaWays:
         self._ways = GridWays(np.where(open_cells, 1.0, np.inf), inside[None])
 
     def lengths_m(self, points_m: Floats) -> Floats:
-        """Lengths (n,) of the ways to points (n, 2); inf if there is none."""
+        """Return the lengths (n,) of the paths to points (n, 2); inf if there is none."""
         cells, held = self._chart.cells_of(points_m)
         lengths = np.full(len(points_m), np.inf)
         lengths[held] = self._ways.costs[tuple(cells[held].T)]
         return np.asarray(lengths * self._chart.grid.edge_m)
 
     def to(self, goal_m: Floats) -> Floats | None:
-        """The corners (n, 2) of the way to a point (2,), starting with the first cell; None if there is none."""
+        """Return the waypoints (n, 2) of a path to a point (2,), starting at the first cell, None if none exists."""
         (cell,), (held,) = self._chart.cells_of(goal_m[None])
         cells = self._ways.to(cell) if held else None
         if cells is None:

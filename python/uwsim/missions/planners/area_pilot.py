@@ -1,4 +1,4 @@
-"""AreaPilot: goes from place to place in an area by its chart, and adapts the way when the sonar sees more."""
+"""AreaPilot: goes from place to place in an area by its chart, and changes its path when the sonar reveals more."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
 Floats = NDArray[np.float64]
-ARRIVED_M = 1.0  # from the end of a way
-CLIMB_S = 20.0  # time to climb over what is ahead
+ARRIVED_M = 1.0  # a waypoint counts as reached within this distance
+CLIMB_S = 20.0  # time allowed to climb over an obstacle
 
 
 class AreaPilot:
-    """Flies by a lookout that passes its echoes to the chart."""
+    """Flies by means of a lookout whose echoes are passed to the chart."""
 
     def __init__(self, lookout: Wayfinder, chart: AreaChart) -> None:
         self.lookout, self.chart = lookout, chart
@@ -33,9 +33,10 @@ class AreaPilot:
     def go_to(
         self, goal: Floats, most_m: float = math.inf, enough: Callable[[], bool] = lambda: False
     ) -> Steps[bool | None]:
-        """Go to a point (2,) through open water; return whether it got there before that was closed or time was up.
+        """Go to a point (2,) through open water until there, or until `enough` holds; return whether that succeeded.
 
-        It stops when `enough` holds. None if the remaining way turned out to be longer than most_m.
+        False if the point was closed or time ran out before. None if the remaining path turned out to be longer than
+        most_m.
         """
         here, vehicle = self.here(), self.lookout.vehicle
         way, last = self.chart.ways_from(here).to(goal), here
@@ -60,7 +61,7 @@ class AreaPilot:
         return True
 
     def clear(self) -> Steps[bool]:
-        """Climb over an obstacle close ahead; if that takes too long, close it and return False."""
+        """Climb over an obstacle close ahead; if this takes too long, mark it as closed and return False."""
         lookout, vehicle = self.lookout, self.lookout.vehicle
         end_s = vehicle.time_s + CLIMB_S
         while lookout.must_stop:

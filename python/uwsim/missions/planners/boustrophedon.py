@@ -1,4 +1,4 @@
-"""Boustrophedon over any simple polygon: lanes as far apart as swath and overlap allow, at a height above the bed.
+"""Boustrophedon coverage of any simple polygon, with lane spacing from swath and overlap, at a constant altitude.
 
 Lanes are parallel to the side of the polygon that minimises their number (Huang, "Optimal line-sweep-based
 decompositions for coverage algorithms", ICRA 2001). Where the polygon is concave, they are grouped into cells that are
@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MownArea(FlownLanes):
-    """spacing_m: of the lanes. lanes: their number. See FlownLanes for the rest."""
+    """spacing_m: distance between lanes. lanes: number of lanes. See FlownLanes for the other fields."""
 
     spacing_m: float
     lanes: int
@@ -50,13 +50,13 @@ def mow_area(
     speed_m_s: float = 0.6,
     known: OccupancyMap | None = None,
 ) -> Steps[MownArea]:
-    """Mow a polygon (k, 2) at altitude_m above the bed, around anything that cannot be passed over, and never leave it.
+    """Mow a polygon (k, 2) at altitude_m above the bed, around everything that cannot be passed over.
 
-    overlap: share of the swath that neighbouring lanes both see, in [0, 0.9]. known: a map from an earlier visit;
-    whatever it shows to be too high is left out before the flight. Ways stay within BEYOND_M of the polygon, except for
-    the one that leads in; patches not seen from the lanes are visited at the end. See fly_lanes for its log entries;
-    `shallow` is logged where the water is too shallow for the altitude. Raises ValueError, and StoppedError if no part
-    of the area can be flown.
+    The vehicle does not leave the polygon: paths stay within BEYOND_M of it, except the one that leads into it.
+    overlap: fraction of the swath that neighbouring lanes share, in [0, 0.9]. known: a map from an earlier visit; parts
+    that it shows to be too high are excluded before the flight. Patches not seen from the lanes are visited at the end.
+    See fly_lanes for its log entries; `shallow` is logged where the water is too shallow for the altitude. Raises
+    ValueError for invalid arguments, and StoppedError if no part of the area can be flown.
     """
     if not 0.0 <= overlap <= 0.9:
         raise ValueError(f"overlap = {overlap}: must be in [0, 0.9]")
@@ -81,7 +81,7 @@ def mow_area(
 
 
 def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: float, near_m: Floats) -> list[Lane]:
-    """Cover a simple polygon (k, 2), concave or not, by lanes at most spacing_m apart, in the order to fly them.
+    """Cover a simple polygon (k, 2), concave or not, with lanes at most spacing_m apart, in flight order.
 
     Raises ValueError for a polygon without area, or a spacing that is not positive.
     """
@@ -98,7 +98,7 @@ def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: f
 
 
 def checked_area(area_m: Sequence[Sequence[float]] | Floats) -> Floats:
-    """Return the corners (k, 2) of a simple polygon. Raises ValueError if it is not simple, or has no area."""
+    """Return the corners (k, 2) of a simple polygon. Raises ValueError if it is not simple or has no area."""
     import shapely  # imported here, since it takes 0.2 s
 
     area = np.asarray(area_m, np.float64)
@@ -113,7 +113,7 @@ def checked_area(area_m: Sequence[Sequence[float]] | Floats) -> Floats:
 
 
 def _direction(area: Floats) -> Floats:
-    """Return the unit vector along the side across which the polygon is narrowest."""
+    """Return the unit vector along the side for which the polygon's width is smallest."""
     sides = np.roll(area, -1, axis=0) - area
     lengths = np.linalg.norm(sides, axis=1)
     units = sides[lengths > 1e-9] / lengths[lengths > 1e-9, None]
@@ -122,9 +122,9 @@ def _direction(area: Floats) -> Floats:
 
 
 def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float, list[Span]]]:
-    """Return parallel lines, at most spacing_m apart, and the parts of each that are in the polygon.
+    """Return parallel lines at most spacing_m apart, each with its intervals inside the polygon.
 
-    The outermost ones are half of that away from the polygon's ends and from its inner corners, where cells meet.
+    The outermost lines are at most half of that from the polygon's ends and from its inner corners, where cells meet.
     """
     sweeps = []
     for low, high in pairwise(_ends_and_inner_corners(along, across)):
@@ -135,7 +135,7 @@ def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float
 
 
 def _ends_and_inner_corners(along: Floats, across: Floats) -> list[float]:
-    """Return the offsets, in order, of the polygon's ends and of its concave corners."""
+    """Return the sorted offsets of the polygon's ends and concave corners."""
     into = along - np.roll(along, 1), across - np.roll(across, 1)
     out = np.roll(along, -1) - along, np.roll(across, -1) - across
     turns = into[0] * out[1] - into[1] * out[0]

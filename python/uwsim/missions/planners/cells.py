@@ -1,4 +1,4 @@
-"""Square cells of the horizontal plane: those visited by a vehicle, those closed to it, and the way between them."""
+"""Square cells of the horizontal plane, and the shortest path over them to the nearest cell of interest."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NEIGHBOURS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 class Cells:
-    """Numbers cells of edge_m from the first one, centred on origin_world_m (2,).
+    """A grid of square cells with edge length edge_m; cell (0, 0) is centred on origin_world_m (2,).
 
     The first axis is along heading_rad.
     """
@@ -45,17 +45,17 @@ class Cells:
 
 
 def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Collection[Cell]) -> list[Cell] | None:
-    """Return the shortest way from a cell to the nearest wanted one over passable cells, including both ends.
+    """Return the shortest path from a cell to the nearest wanted one over passable cells, including both ends.
 
-    None if there is none. A wanted cell need not be passable. Among equal ways, the one is chosen that takes the first
-    of NEIGHBOURS for as long as it can, then the second, and so on.
+    None if there is none. A wanted cell need not be passable. Of several shortest paths, the one that keeps to the
+    first direction in NEIGHBOURS for as long as possible is chosen, then to the second, and so on.
     """
     ground = {start, *passable}
     goals = {cell for here in ground for cell in _around(here) if cell != start and wanted(cell)}
     if not goals:
         return None
     cells = np.array([*ground, *goals])
-    low = cells.min(axis=0) - 1  # so that all neighbours of a cell are in the grid
+    low = cells.min(axis=0) - 1  # one cell of margin, so that all neighbours of a cell are in the grid
     cost = np.full(tuple((cells.max(axis=0) - low + 2).tolist()), np.inf)
     cost[tuple((cells - low).T)] = 1.0
     steps_left = GridWays(cost, np.array(sorted(goals)) - low, diagonal=False).costs

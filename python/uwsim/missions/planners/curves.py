@@ -1,8 +1,8 @@
-"""Waypoints with Dubins paths or splines between them: for vehicles that cannot turn on the spot, and smooth tracks.
+"""Flight through waypoints along Dubins paths or splines: smooth tracks, and for vehicles that cannot turn on the spot.
 
 A Dubins path is the shortest one made of arcs of one radius and straight lines (Dubins, "On curves of minimal length
 with a constraint on average curvature", 1957), computed by OMPL. The spline is a cubic through all points, parametrised
-by the chords' lengths, computed by SciPy; its curvature has no limit.
+by chord length, computed by SciPy; its curvature is not limited.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from uwsim.missions.stopped import StoppedError
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
 LOOK_PERIOD_S = 0.2
-UNDER_WAY_M_S = 0.1  # slower than this, it is turning on the spot, and objects ahead are not in its way
+UNDER_WAY_M_S = 0.1  # below this speed it is turning on the spot, and objects ahead are not in its way
 
 
 def fly_through(
@@ -41,9 +41,10 @@ def fly_through(
 ) -> Steps[Floats]:
     """Fly on a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
 
-    radius_m: of the Dubins path's turns; the first leg begins with the vehicle's heading. Returns the path that was
-    followed, (m, 3) or (m, 2). It does not go around obstacles. If altitude_m is given, a vehicle with a sonar and a
-    sensor 'altitude' keeps a lookout, and stops before obstacles at its height. Raises ValueError, StoppedError.
+    radius_m: turning radius of the Dubins path, which begins at the vehicle's heading. Returns the path that was
+    followed, (m, 3) or (m, 2). It does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and a sensor
+    'altitude' looks ahead, and stops before obstacles at its height. Raises ValueError for invalid arguments,
+    StoppedError if stopped.
     """
     width = 3 if altitude_m is None else 2
     points = np.asarray(points_world_m, np.float64)
@@ -68,7 +69,7 @@ def fly_through(
 
 
 def _stop_before_things(lookout: Wayfinder) -> Steps[None]:
-    """Look ahead forever. Raises StoppedError if something is in the way of a moving vehicle."""
+    """Look ahead forever. Raises StoppedError if a moving vehicle has an obstacle in its way."""
     while True:
         lookout.look()
         if lookout.must_stop and float(lookout.vehicle.velocity.linear_body_m_s[0]) > UNDER_WAY_M_S:
@@ -81,8 +82,8 @@ def dubins_path(
 ) -> Floats:
     """Return the Dubins path through points (n, 2) or (n, 3), as points at most step_m apart.
 
-    It leaves the first point at start_heading_rad, the others along the bisector of both chords, and reaches the last
-    along its chord. The height changes evenly with the distance between points. Raises ValueError.
+    It leaves the first point at start_heading_rad, passes the others along the bisector of the two chords, and reaches
+    the last along its chord. Height is interpolated linearly between points. Raises ValueError for invalid arguments.
     """
     points = _checked(points_m, radius_m=radius_m, step_m=step_m)
     need_extra("ompl", "planning", "a Dubins path")

@@ -1,9 +1,9 @@
 """Frontier exploration of the live OctoMap: always go to the nearest column that is unknown in the map.
 
-Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, on columns of the map: a column is known if
-a voxel in it is occupied, at least by the bed; it is closed if one is so high that the vehicle cannot pass over it.
-Ways lead over known, open columns of the map, so obstacles are avoided by means of the map; the sonar still looks
-ahead. It ends when no unknown column within the bound is next to one that can be reached.
+Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, applied to columns of the map: a column is
+known if any voxel in it is occupied (at least the bed), and closed if one is too high for the vehicle to pass over.
+Paths lead over known, open columns, so the map alone avoids obstacles; the sonar still looks ahead. Exploration ends
+when no unknown column within the bound is adjacent to a reachable one.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayf
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.autopilot import wrap_angle
 
-STUCK_S = 30.0  # extra time for a way, on top of four times the time for its length
+STUCK_S = 30.0  # added to the time limit of a path, four times its nominal duration
 
 
 @dataclass(frozen=True, eq=False)
 class Explored:
-    """map: built on the way. known_m2: area of the known columns within the bound. given_up: unknown ones."""
+    """map: built during the flight. known_m2: area of the known columns within the bound.
+
+    given_up: centres of the columns that remained unknown.
+    """
 
     map: OccupancyMap
     known_m2: float
@@ -43,8 +46,8 @@ def explore(
 ) -> Steps[Explored]:
     """Explore all water that can be reached within bound_m of the start, until all of it is in the map.
 
-    resolution_m: of the live map. cell_m: edge of a column. Logs `frontier` for each target, `given_up`, `explored`.
-    Raises ValueError, StoppedError.
+    resolution_m: resolution of the live map. cell_m: edge length of a column. Logs `frontier` for each target,
+    `given_up` and `explored`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     if not resolution_m <= cell_m <= bound_m < math.inf:
         raise ValueError(
@@ -66,14 +69,14 @@ def explore(
 
 
 class _Search:
-    """given_up: columns that stay unknown. closed: known ones that the vehicle cannot enter for another reason."""
+    """given_up: columns that remain unknown. _closed: known columns that cannot be entered for another reason."""
 
     def __init__(self, lookout: Wayfinder, live: LiveMap, cells: Cells, bound_m: float) -> None:
         self._lookout, self._vehicle, self._live, self._cells = lookout, lookout.vehicle, live, cells
         self._bound_m = bound_m
         self.given_up: dict[Cell, None] = {}
         self._closed: set[Cell] = set()
-        self._here: Cell = (0, 0)  # the last known open column that it visited
+        self._here: Cell = (0, 0)  # the last known open column that the vehicle visited
 
     def inside(self, cell: Cell) -> bool:
         return math.dist(self._cells.middle_m(cell), self._cells.middle_m((0, 0))) <= self._bound_m
@@ -86,11 +89,11 @@ class _Search:
         return top_m < PASSABLE_Z_M and cell not in self._closed and self.inside(cell)
 
     def way(self) -> list[Cell] | None:
-        """Return the way over open columns to the nearest unknown one."""
+        """Return the path over open columns to the nearest unknown one."""
         return nearest(self._here, self._unknown, [cell for cell in self._live.tops_m if self._open(cell)])
 
     def go(self, way: list[Cell]) -> Steps[None]:
-        """Follow a way until its last column is known, or give that up, or close the column that is in the way."""
+        """Follow a path until its last column is known; otherwise give that column up, or close the one in the way."""
         vehicle, frontier = self._vehicle, way[-1]
         vehicle.log("frontier", position_m=list(self._cells.middle_m(frontier)), cells_away=len(way) - 1)
         end_s = vehicle.time_s + STUCK_S + 4.0 * len(way) * self._cells.edge_m / self._lookout.speed_m_s
@@ -108,7 +111,7 @@ class _Search:
                 if self._lookout.must_stop and self._facing(middle):
                     return self._close(cell, frontier)
         end_s = vehicle.time_s + 2.0 * LOOK_PERIOD_S
-        while self._unknown(frontier):  # it is above it, so the altimeter sees the bed, if there is one
+        while self._unknown(frontier):  # the vehicle is above the column, so the altimeter sees the bed, if any
             if vehicle.time_s > end_s:
                 return self._give_up(frontier)
             yield from self._lookout.towards(middle)
@@ -119,7 +122,7 @@ class _Search:
         return abs(off_rad) < TURN_FIRST_RAD
 
     def _close(self, cell: Cell, frontier: Cell) -> None:
-        """Close the column that the vehicle was heading for; an unknown one is given up."""
+        """Close the column that the vehicle was heading for; if it is the unknown one, give it up instead."""
         if cell in (frontier, self._here):
             self._give_up(frontier)
         else:

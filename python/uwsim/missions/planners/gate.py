@@ -1,8 +1,8 @@
-"""Gate passing by sonar: finds two posts in a level ping, goes in front of the middle between them, and through.
+"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of the gate's middle, and through.
 
-A post is a narrow group of neighbouring beams whose echo is nearer than those on both sides of it. Two posts as far
-apart as the gate is wide are the gate; its position is the median over several pings. It is measured from afar, and
-again from in front of it.
+A post is a narrow group of neighbouring beams whose echoes are nearer than those on both sides. Two posts whose
+distance matches the gate's width are the gate; its position is the median over several pings. It is measured from afar,
+and again from in front of it.
 """
 
 from __future__ import annotations
@@ -25,17 +25,20 @@ from uwsim.navigation.control.protocols import PingLike
 
 Floats = NDArray[np.float64]
 STAND_OFF_M = 6.0  # in front of and behind the gate
-STEPS_OUT_M = 1.0  # by which a post is nearer than its surroundings
+STEPS_OUT_M = 1.0  # minimum by which a post is nearer than its surroundings
 WIDEST_POST_M = 0.8
-WIDTH_TOLERANCE = 0.2  # of the gate's width
+WIDTH_TOLERANCE = 0.2  # fraction of the gate's width
 LOOKS, LOOK_PERIOD_S = 8, 0.3
-NEAR_M = 8.0  # largest distance of the gate from its given position
-SEARCH_RAD = math.radians(30.0)  # direction of the search to both sides, if it is not seen ahead
+NEAR_M = 8.0  # largest distance between the gate and its expected position
+SEARCH_RAD = math.radians(30.0)  # how far to search to both sides if the gate is not seen ahead
 
 
 @dataclass(frozen=True, eq=False)
 class Gate:
-    """As measured. middle_m: (2,), between the posts. heading_rad: of the passage, away from where it was seen."""
+    """A measured gate. middle_m: midpoint between the posts, (2,).
+
+    heading_rad: direction of passage, away from where the gate was seen.
+    """
 
     middle_m: Floats
     heading_rad: float
@@ -52,7 +55,8 @@ def pass_gate(
 ) -> Steps[Gate]:
     """Find a gate of known width and height near a place (2,), starting from here, and pass through its middle.
 
-    Logs `gate_seen` for each measurement and `gate_passed`. Raises StoppedError if it is not seen; ValueError.
+    Logs `gate_seen` for each measurement, and `gate_passed`. Raises StoppedError if the gate is not seen, and
+    ValueError for invalid arguments.
     """
     require_positive(width_m=width_m, height_m=height_m)
     place = np.asarray(near_m, np.float64)
@@ -66,7 +70,7 @@ def pass_gate(
         ahead = np.array([math.cos(gate.heading_rad), math.sin(gate.heading_rad)])
         before = gate.middle_m - distance_m * ahead
         if float((np.asarray(vehicle.pose.position_world_m[:2]) - before) @ ahead) > 0.0 and distance_m > STAND_OFF_M:
-            continue  # it is already nearer than that
+            continue  # the vehicle is already nearer than that
         yield from goto(vehicle, before, altitude_m=altitude_m, speed_m_s=speed_m_s)
         yield from turn_to(vehicle, gate.heading_rad)
         gate = (yield from _measured(vehicle, gate.middle_m, width_m, altitude_m)) or gate
@@ -78,7 +82,7 @@ def pass_gate(
 
 
 def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate]:
-    """Look towards the expected gate, then to both sides."""
+    """Look towards the expected position of the gate, then to both sides of it."""
     x, y, _ = vehicle.pose.position_world_m.tolist()
     towards_rad = math.atan2(place[1] - y, place[0] - x)
     for aside_rad in (0.0, SEARCH_RAD, -SEARCH_RAD):
@@ -90,10 +94,10 @@ def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float
 
 
 def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate | None]:
-    """Return the gate as the median over several pings from one place; None if fewer than half of them show it."""
+    """Return the gate as the median over several pings from one place, or None if fewer than half of them show it."""
     seen = []
     x, y, z = vehicle.pose.position_world_m.tolist()
-    here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # it may still be sinking
+    here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # the vehicle may still be sinking
     for _ in range(LOOKS):
         yield from hold(vehicle, LOOK_PERIOD_S, position_world_m=here)
         pair = gate_posts(posts(vehicle.sonar.ping()), place, width_m)
@@ -110,7 +114,7 @@ def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: fl
 
 
 def posts(ping: PingLike) -> Floats:
-    """Return the posts in a ping from starboard to port, (k, 2), world; see the module's docstring."""
+    """Return the posts in a ping, ordered from starboard to port, (k, 2), world frame; see the module's docstring."""
     ranges = np.where(np.isfinite(ping.ranges_m), ping.ranges_m, np.inf).astype(np.float64)
     nearer = np.flatnonzero(ranges[:-1] - ranges[1:] > STEPS_OUT_M) + 1  # first beams of groups
     points = np.asarray(ping.points_sonar_m, np.float64)
@@ -127,7 +131,7 @@ def posts(ping: PingLike) -> Floats:
 
 
 def gate_posts(found: Floats, place: Floats, width_m: float) -> Floats | None:
-    """Return the two posts, port first, that form a gate of this width nearest to a place; None if there are none."""
+    """Return the two posts, port first, of the gate of this width nearest to a place, or None if there is none."""
     pairs = [
         np.array([port, starboard])
         for starboard, port in combinations(found, 2)

@@ -1,4 +1,4 @@
-"""The planners that inspect one object, as missions for the objects in the packaged scenario `cove`."""
+"""The planners that inspect a single object, as missions for the objects in the packaged scenario `cove`."""
 
 from __future__ import annotations
 

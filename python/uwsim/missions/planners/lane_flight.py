@@ -1,8 +1,8 @@
-"""fly_lanes: flies the lanes of an area, none of its way outside the area, round what the sonar sees to be too high.
+"""fly_lanes: flies the lanes of an area without leaving it, going around everything that the sonar sees is too high.
 
-A lane is a row of points. What a shoal covers of it is trimmed; what lies behind a shoal is flown at once if the way
-round is short, else after the other lanes, from what has been seen by then. Points that the sonar has seen from
-elsewhere are not flown to.
+A lane is a row of points. The part covered by a shoal is trimmed. The part behind a shoal is flown at once if the
+detour is short; otherwise after the other lanes, with everything that has been charted by then. Points that the sonar
+has seen from elsewhere are skipped.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from uwsim.missions.planners.wayfinder import GRACE_S, Wayfinder
 from uwsim.missions.steps import Steps
 
 Floats = NDArray[np.float64]
-POINT_M = 1.0  # between the points of a lane
-PASSED_M = 2.0  # aside of a point that counts as flown
-AIM_M, LOOK_M = 3.0, 6.0  # ahead on the lane: where it steers to, and as far as the lane must be open
-ROUND, ROUND_M = 2.5, 8.0  # a way round a shoal is short up to ROUND times what it skips, and ROUND_M
+POINT_M = 1.0  # distance between the points of a lane
+PASSED_M = 2.0  # a point passed within this distance counts as flown
+AIM_M, LOOK_M = 3.0, 6.0  # distance ahead on the lane to steer to, and over which the lane must be open
+ROUND, ROUND_M = 2.5, 8.0  # a detour is short up to ROUND times the straight distance, or that plus ROUND_M
 
 
 @dataclass(frozen=True)
 class FlownLanes:
-    """left_out: the lanes of which nothing was flown. trimmed_m: of all lanes, what was too near to a shoal.
+    """left_out: indices of the lanes of which nothing was flown. trimmed_m: total length too close to shoals.
 
-    unreached_m: to which no way led in the area. seen_m: not flown, but seen from elsewhere.
+    unreached_m: length to which there was no path in the area. seen_m: length not flown, but seen from elsewhere.
     """
 
     left_out: tuple[int, ...]
@@ -41,16 +41,20 @@ class FlownLanes:
 
 
 def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
-    """Fly lanes in their order, then what was left of them.
+    """Fly lanes in order, then the parts that were left over.
 
-    Logs `trimmed` for what is known to be too high before the flight, `lane` where each begins, `left_over` where it
-    goes back to one, and `left_out`. The lookout must hand its echoes to the chart. Raises StoppedError.
+    Logs `trimmed` for parts known to be too high before the flight, `lane` at the beginning of each, `left_over` when
+    it returns to one, and `left_out`. The lookout must pass its echoes to the chart. Raises StoppedError if the vehicle
+    cannot continue.
     """
     return (yield from _LaneFlight(lookout, lanes, chart).steps())
 
 
 class _LaneFlight:
-    """left: by lane, which of its points are still to be flown. flown: how many were. next: one past the last flown."""
+    """_left: for each lane, which of its points are still to be flown. _flown: how many were flown.
+
+    _next: for each lane, the index after the last flown point.
+    """
 
     def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:
         self._lookout, self._vehicle, self._chart = lookout, lookout.vehicle, chart
@@ -77,14 +81,14 @@ class _LaneFlight:
         return FlownLanes(left_out, self._trimmed * POINT_M, self._unreached * POINT_M, self._seen * POINT_M)
 
     def _trim(self, k: int) -> int:
-        """Leave out what is known to be too high; return how many points."""
+        """Drop the points known to be too high; return their number."""
         closed = self._left[k] & ~self._chart.open_at(self._points[k])
         self._left[k] &= ~closed
         self._trimmed += int(closed.sum())
         return int(closed.sum())
 
     def _lane(self, k: int) -> Steps[None]:
-        """Fly a lane for the first time, as far as ways round shoals are short: in order, or from its nearest point."""
+        """Fly a lane for the first time while detours around shoals are short: in order, or from its nearest point."""
         in_order = True
         while True:
             self._trim(k)
@@ -100,7 +104,7 @@ class _LaneFlight:
             in_order = short
 
     def _nearest_left(self) -> int | None:
-        """The lane with the nearest point that is left, once those are left out that need not or cannot be flown to."""
+        """Return the lane with the nearest remaining point, after dropping points already seen or unreachable."""
         ways, nearest_m, nearest = self._chart.ways_from(self._pilot.here()), math.inf, None
         for k, points in enumerate(self._points):
             self._trim(k)
@@ -118,15 +122,15 @@ class _LaneFlight:
         return nearest
 
     def _first(self, k: int, here: Floats, *, in_order: bool) -> tuple[Floats, float]:
-        """Return the point of a lane to start at: the next remaining one, or the nearest; and the length of the way."""
+        """Return the point of a lane to start at, the next or the nearest remaining one, and the path length to it."""
         lengths_m = np.where(self._left[k], self._chart.ways_from(here).lengths_m(self._points[k]), np.inf)
         at = self._next[k] + int(np.argmax(self._left[k][self._next[k] :])) if in_order else int(np.argmin(lengths_m))
         return self._points[k][at], float(lengths_m[at])
 
     def _piece(self, k: int, in_order: bool, short_m: float = math.inf) -> Steps[bool]:
-        """Go to what is left of a lane, and fly along it until that ends or something is in the way.
+        """Go to the remaining part of a lane, and fly along it until it ends or an obstacle is in the way.
 
-        Return False if the way to it turned out to be longer than short_m.
+        Return False if the path to it turned out to be longer than short_m.
         """
         goal = self._first(k, self._pilot.here(), in_order=in_order)[0]
         at = int(np.argmin(np.linalg.norm(self._points[k] - goal, axis=1)))
@@ -141,13 +145,13 @@ class _LaneFlight:
         return True
 
     def _give_up(self, k: int, at: int, for_good: bool) -> None:
-        """Leave out a point that is still left after it was tried."""
+        """Drop a point that still remains after an attempt to reach it."""
         if for_good and self._left[k][at]:
             self._left[k][at] = False
             self._unreached += 1
 
     def _along(self, k: int, at: int, step: int) -> Steps[None]:
-        """Fly along a lane from one of its points, up (step = 1) or down (-1), until it ends or is not open ahead."""
+        """Fly along a lane from one of its points, up (step = 1) or down (-1), until it ends or is blocked ahead."""
         points, left = self._points[k], self._left[k]
         end = at + step * int(np.argmin(np.append(left[at::step], False)))  # one past the last point of the run
         direction = step * (points[-1] - points[0]) / max(float(np.linalg.norm(points[-1] - points[0])), 1e-9)

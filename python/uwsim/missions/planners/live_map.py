@@ -1,4 +1,4 @@
-"""LiveMap: the OctoMap that a mission builds from its own pings in flight, and its content in each column of water."""
+"""LiveMap: the OctoMap that a mission builds from its own pings in flight, with queries by column of water."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from uwsim.missions.planners.cells import Cell, Cells
 from uwsim.navigation.control.protocols import PingLike
 
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 2.0
-LONGEST_RAY_M = 30.0  # longer echoes free water up to this distance
+LONGEST_RAY_M = 30.0  # for echoes farther away, water up to this distance is marked as free
 
 
 class LiveMap:
-    """Builds a map of the pings added to it, at the vehicle's estimated poses, and of the bed straight below.
+    """Builds a map from pings at the vehicle's estimated poses, and from the bed straight below.
 
-    cells: the columns of `tops_m` and `certainty`. period_s: between the pings that are inserted.
+    cells: the columns used by `tops_m` and `certainty`. period_s: minimum time between two inserted pings.
     """
 
     def __init__(self, vehicle: OwnVehicle, resolution_m: float, cells: Cells, period_s: float = PING_PERIOD_S) -> None:
@@ -29,35 +29,35 @@ class LiveMap:
         self._tops: dict[Cell, float] = {}
 
     def add(self, ping: PingLike, echoes_world_m: NDArray[np.float64]) -> None:
-        """Insert a ping into the map, if the last one is old enough."""
+        """Insert a ping into the map, unless the previous one was inserted less than period_s ago."""
         now_s = self._vehicle.time_s
         if now_s < self._next_s:
             return
         self._next_s = now_s + self._period_s - 1e-6
         below_m = float(self._vehicle.sensors["altitude"].read())
         bed = np.asarray(self._vehicle.pose.position_world_m, np.float64) - (0.0, 0.0, below_m)
-        # as one scan, so that none of its rays frees the bed
+        # as one scan, so that no ray of the ping marks the bed as free
         points = np.vstack([echoes_world_m, bed]).astype(np.float32)
         self.map.insert_scan(points, ping.world_from_sonar[:3, 3], LONGEST_RAY_M)
 
     @property
     def tops_m(self) -> dict[Cell, float]:
-        """Return the height of the highest occupied voxel by column, if there is one; at most LOOK_PERIOD_S old."""
+        """Height of the highest occupied voxel in each column that has any; at most LOOK_PERIOD_S old."""
         if self._vehicle.time_s >= self._next_look_s:
             self._next_look_s = self._vehicle.time_s + LOOK_PERIOD_S
             self._tops = self._read_tops()
         return self._tops
 
     def certainty(self) -> dict[Cell, float]:
-        """Return the largest probability of an occupied voxel by column, if there is one."""
+        """Return, for each column with occupied voxels, the highest occupancy probability."""
         voxels = self.map.occupied_voxels()
         probabilities = self.map.probability_at(voxels)
-        order = np.argsort(probabilities, kind="stable")  # the most certain last, so that it is kept
+        order = np.argsort(probabilities, kind="stable")  # the most certain last: later entries replace earlier ones
         cells = self._cells.of(voxels[order])
         return {(i, j): p for (i, j), p in zip(cells.tolist(), probabilities[order].tolist(), strict=True)}
 
     def _read_tops(self) -> dict[Cell, float]:
         voxels = self.map.occupied_voxels()
-        voxels = voxels[np.lexsort((voxels[:, 2],))]  # the highest last, so that it is kept
+        voxels = voxels[np.lexsort((voxels[:, 2],))]  # the highest last: later entries replace earlier ones
         cells = self._cells.of(voxels)
         return {(i, j): z for (i, j), z in zip(cells.tolist(), voxels[:, 2].tolist(), strict=True)}

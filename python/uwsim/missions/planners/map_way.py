@@ -1,8 +1,8 @@
-"""A way through an OctoMap: the shortest over voxels that are known to be free and far enough from all others.
+"""Paths through an OctoMap: the shortest over voxels that are known to be free and far enough from all others.
 
-Unknown water counts as an obstacle. The clearance of each voxel is its distance from the nearest one that is not free
-(an exact Euclidean distance transform); the way is found by Dijkstra over the 26 neighbours of voxels with enough
-clearance, and straightened wherever a straight line keeps the clearance.
+Unknown water counts as an obstacle. The clearance of a voxel is its distance from the nearest one that is not free (an
+exact Euclidean distance transform). Paths are found with Dijkstra's algorithm over the 26 neighbours of voxels with
+enough clearance, and straightened wherever a straight line keeps the clearance.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ MOST_VOXELS = 4_000_000
 
 
 class FreeWater:
-    """The free water of a map in a box, and the ways through it. low_world_m, high_world_m: its corners (3,).
+    """The free water of a map within a box, and the paths through it.
 
-    clearance_m: distance of ways from everything that is not known to be free. Raises ValueError.
+    low_world_m, high_world_m: corners of the box, (3,). clearance_m: distance that paths keep from everything that is
+    not known to be free. Raises ValueError for a negative clearance, or an empty or too large box.
     """
 
     def __init__(
@@ -50,9 +51,9 @@ class FreeWater:
         self._open = free & (clear_m >= clearance_m)
 
     def way(self, start_world_m: Sequence[float] | Floats, goal_world_m: Sequence[float] | Floats) -> Floats | None:
-        """Return the corners of the way from start to goal, (n, 3), including both; None if there is none.
+        """Return the waypoints of a path from start to goal, (n, 3), including both, or None if there is no path.
 
-        A start or goal that is too close to something is reached through the nearest open voxel.
+        A start or goal too close to an obstacle is reached through the nearest open voxel.
         """
         start, goal = np.asarray(start_world_m, np.float64), np.asarray(goal_world_m, np.float64)
         if not self._open.any():
@@ -68,11 +69,11 @@ class FreeWater:
         return np.vstack([*ends[:-1], inner, *ends_there[1:]])
 
     def _near(self, point: Floats, centre: Floats) -> bool:
-        """Return whether a point lies in the voxel around a centre."""
+        """Return whether a point lies in the voxel with this centre."""
         return bool((np.abs(point - centre) < 0.5 * self._grid.edge_m).all())
 
     def _nearest_open(self, point: Floats) -> NDArray[np.int64]:
-        """Return the open voxel (3,) that is nearest to a point."""
+        """Return the open voxel (3,) nearest to a point."""
         voxels = np.argwhere(self._open)
         away = np.linalg.norm(self._grid.centres(voxels) - point, axis=1)
         return np.asarray(voxels[int(np.argmin(away))])
@@ -91,9 +92,9 @@ def go_by_map(
     margin_m: float = 15.0,
     speed_m_s: float = 0.4,
 ) -> Steps[Floats]:
-    """Go to a position (3,) through water that is free in a map; return the way's corners (n, 3).
+    """Go to a position (3,) through water that is free in a map; return the path's waypoints (n, 3).
 
-    margin_m: how far around start and goal the way may lead. Raises StoppedError if there is no way.
+    margin_m: how far the path may extend beyond the box around start and goal. Raises StoppedError if there is no path.
     """
     goal = np.asarray(goal_world_m, np.float64)
     start = np.array(vehicle.pose.position_world_m, np.float64)

@@ -1,9 +1,9 @@
-"""The track of a pipe that a vehicle follows, from the observations of its sonar and its camera.
+"""The track of a pipe that a vehicle follows, from observations by its sonar and its camera.
 
-The sonar sees where the pipe crosses its fan, some metres ahead; the camera sees the pipe below. Each new place beyond
-the track's end, from either of them, extends the track. If the camera sees the pipe beside the track laid out by the
-sonar, the difference is the drift of the vehicle's position since then: the part of the track that lies ahead is
-shifted by a share of it, the gain of a Kalman filter for that one offset.
+The sonar sees where the pipe crosses its fan, a few metres ahead; the camera sees the pipe below. Each new point beyond
+the track's end, from either instrument, extends the track. If the camera sees the pipe beside the track laid out by the
+sonar, the difference is the drift of the vehicle's position since then: the part of the track ahead is shifted by a
+fraction of it, which is the gain of a scalar Kalman filter for that offset.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from scipy.ndimage import median_filter
 from uwsim.missions.planners.pipe_view import SeenPipe
 
 Floats = NDArray[np.float64]
-STANDS_OUT = 0.35  # of the diameter, above the bed
+STANDS_OUT = 0.35  # minimum height of a bump above the bed, in diameters
 NARROWEST, WIDEST = 0.3, 3.0  # width of a bump, in diameters
 BED_WINDOW = 6.0  # width of the running median, in diameters
 FEWEST_BEAMS = 20
-FIRST_REACH_M = 4.0  # how far to the side of the way the first sighting may be
+FIRST_REACH_M = 4.0  # how far to the side of the path the first sighting may be
 JUMP_M = 1.5  # how far a sighting may be from the extrapolated track
-STEEPEST = math.cos(math.radians(50.0))  # of the pipe's direction in the picture relative to the track
-NEW_M = 0.3  # distance beyond the track's end from which the camera adds a new place
+STEEPEST = math.cos(math.radians(50.0))  # cosine of the largest angle between pipe in the picture and track
+NEW_M = 0.3  # minimum distance beyond the track's end of a point added by the camera
 PURSUED_M = 3.0  # distance ahead on the track at which the vehicle aims
-TRACK_M = 6.0  # length at the track's end that determines its direction
-BESIDE_M = 2.0  # distance along the track of places compared with the camera's
-SONAR_M, CAMERA_M = 0.25, 0.15  # standard deviations of a place across the pipe
+TRACK_M = 6.0  # length of the last part of the track, which determines its direction
+BESIDE_M = 2.0  # how far along the track its points are compared with the camera's sighting
+SONAR_M, CAMERA_M = 0.25, 0.15  # standard deviations of a sighting across the pipe
 DRIFT = 0.03  # drift of the vehicle's position, relative to the distance travelled
 
 
 class PipeTrack:
-    """The places of a pipe in order, (2,) each, and its direction. length_m: of the track."""
+    """The points of a pipe in order, (2,) each, and its direction. length_m: length of the track."""
 
     def __init__(self, start_m: Floats, heading_rad: float, diameter_m: float) -> None:
         self._end = start_m
         self._direction = np.array([math.cos(heading_rad), math.sin(heading_rad)])
         self._diameter_m = diameter_m
-        self._variance_m2 = SONAR_M**2  # of the offset between track and pipe
+        self._variance_m2 = SONAR_M**2  # variance of the offset between track and pipe
         self._seen_before = False
         self.places: list[Floats] = []
         self.length_m = 0.0
@@ -49,7 +49,7 @@ class PipeTrack:
         return float((position - self._end) @ self._direction)
 
     def ahead(self, position: Floats) -> Floats:
-        """Return the point to aim at: on the track PURSUED_M ahead, or as far beyond its end."""
+        """Return the point to aim at, PURSUED_M ahead on the track or on its extension."""
         for place in self.places[-50:]:
             away = place - position
             if float(away @ self._direction) > 0.0 and float(np.linalg.norm(away)) >= PURSUED_M:
@@ -58,7 +58,7 @@ class PipeTrack:
         return self._end + along_m * self._direction
 
     def add_ping(self, echoes_world_m: Floats) -> bool:
-        """Add the place where the pipe crosses a ping; return whether it is seen."""
+        """Add the point where the pipe crosses a ping; return whether it is seen."""
         bumps = crossings(echoes_world_m, self._diameter_m)
         if not len(bumps):
             return False
@@ -69,7 +69,7 @@ class PipeTrack:
         return True
 
     def add_picture(self, pipe: SeenPipe | None) -> bool:
-        """Process the pipe in a picture (None if none is seen): correct and extend the track; return whether it fits.
+        """Correct and extend the track from the pipe in a picture (None if none is seen); return whether it fits.
 
         Two consecutive pictures must show the pipe, since a single picture of caustics may look like it.
         """
@@ -91,7 +91,7 @@ class PipeTrack:
         return bool(self.places)
 
     def _aside_m(self, points: Floats) -> Floats:
-        """Return how far (n,) points (n, 2) are to the side of the extrapolated track."""
+        """Return how far (n,) the points (n, 2) are to the side of the extrapolated track."""
         return np.asarray(np.abs((points - self._end) @ (-self._direction[1], self._direction[0])))
 
     def _fits(self, place: Floats) -> bool:
@@ -110,7 +110,7 @@ class PipeTrack:
             self._direction = _direction(np.array(near), self._direction)
 
     def _shift(self, offset_m: Floats, since: Floats) -> None:
-        """Move the part ahead of a place by the share of an offset that the filter's gain gives."""
+        """Shift the part of the track ahead of a point by an offset times the filter's gain."""
         gain = self._variance_m2 / (self._variance_m2 + CAMERA_M**2)
         self._variance_m2 *= 1.0 - gain
         moved = [
@@ -121,9 +121,9 @@ class PipeTrack:
 
 
 def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
-    """Return where in a ping, (n, 3) in beam order, something as wide as a pipe stands out of the bed: (k, 2).
+    """Return where a bump as wide as a pipe stands out of the bed in a ping, (n, 3) in beam order: (k, 2).
 
-    The fan hits the bed in a line across the direction of travel. After subtracting the running median, which is the
+    The fan hits the bed along a line across the direction of travel. After subtracting the running median, which is the
     bed, a pipe is a bump.
     """
     if len(echoes_world_m) < FEWEST_BEAMS:

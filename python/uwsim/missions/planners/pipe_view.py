@@ -1,8 +1,8 @@
 """Finds a pipe in a picture of the bed: a straight bar of about its width that differs from the bed on both sides.
 
-The picture is projected onto the level of the pipe's axis, so that lengths are in metres whatever the lens, height and
-tilt. For each direction, values are averaged along all parallel lines (a Radon transform), and each bar of the pipe's
-width is compared with the strips on both sides. The bar that differs most is the pipe. The comparison uses the
+The picture is projected onto the level of the pipe's axis, so that lengths are in metres regardless of lens, height and
+tilt. For each direction, values are averaged along all parallel lines (a Radon transform), and each bar as wide as the
+pipe is compared with the strips on both sides. The bar that differs most is the pipe. The comparison uses the
 logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics, shadows
 and lamps brighten and darken all colours together, so they count little compared with a difference of hue. It needs
 light, water that is clear down to the bed, and both sides of the pipe in the picture.
@@ -22,21 +22,21 @@ from uwsim.missions.vehicle import LensLike, PictureLike
 Floats = NDArray[np.float64]
 DIRECTIONS = 36
 CELLS = 8  # across the pipe's width
-# in cells: half of the bar, and the gap between it and the strips of half its width on its sides
+# in cells: half the bar's width, and the gap to the strips of half its width on both sides
 HALF, GAP = CELLS // 2, 1
-FARTHEST = 1.2  # distance to the side, in multiples of the camera's height above the bed
-SHARPEST = 1.25  # contrast in standard deviations from which a bar is a pipe
-SHORTEST = 2.0  # length of the bar in the picture, in widths
-LEAST_DEVIATION = 0.01  # of a colour's logarithm: anything less is noise of the sensor
-DARK = 2.0  # of 255: a picture with a darker median shows nothing
+FARTHEST = 1.2  # how far around the camera to search, in multiples of its height above the pipe's axis
+SHARPEST = 1.25  # minimum contrast of a pipe, in standard deviations
+SHORTEST = 2.0  # minimum length of the bar in the picture, in widths
+LEAST_DEVIATION = 0.01  # standard deviation of a colour's logarithm below which it is sensor noise
+DARK = 2.0  # of 255; a picture with a lower median is too dark
 
 
 @dataclass(frozen=True, eq=False)
 class SeenPipe:
-    """point_world_m (2,): the point of the pipe's axis nearest to below the camera.
+    """point_world_m (2,): the point on the pipe's axis nearest to the point below the camera.
 
-    direction (2,): along it, either way. reach_m: the visible interval along direction, relative to the point.
-    contrast: in standard deviations.
+    direction (2,): unit vector along the pipe, of either sign. reach_m: the visible interval along it, relative to that
+    point. contrast: in standard deviations.
     """
 
     point_world_m: Floats
@@ -46,9 +46,9 @@ class SeenPipe:
 
 
 def pipe_in_picture(frame: PictureLike, bed_z_m: float, diameter_m: float) -> SeenPipe | None:
-    """Find a pipe in a frame with rgb, info and world_from_camera; None if none is seen.
+    """Find a pipe in a frame with rgb, info and world_from_camera; return None if none is seen.
 
-    bed_z_m: height of the bed below the camera, on which the pipe lies.
+    bed_z_m: height (z) of the bed below the camera, on which the pipe lies.
     """
     camera_m = np.asarray(frame.world_from_camera, np.float64)[:3, 3]
     level_m = bed_z_m + 0.5 * diameter_m
@@ -68,9 +68,9 @@ def pipe_in_picture(frame: PictureLike, bed_z_m: float, diameter_m: float) -> Se
 
 
 def pixels_of(points_world_m: Floats, info: LensLike, world_from_camera: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return where points (n, 3) are in a picture: (n, 2) column and row, and (n,) whether they are in it.
+    """Project points (n, 3) into a picture: return (n, 2) column and row, and (n,) whether each is inside it.
 
-    The lens is Brown and Conrady's (OpenCV's "plumb_bob"); world_from_camera: x ahead, y left, z up.
+    The lens model is Brown and Conrady's (OpenCV's "plumb_bob"). world_from_camera: x ahead, y left, z up.
     """
     seen = (points_world_m - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]
     ahead = np.maximum(seen[:, 0], 1e-6)
@@ -89,7 +89,7 @@ def pixels_of(points_world_m: Floats, info: LensLike, world_from_camera: Floats)
 
 
 def _qualities(rgb: NDArray[np.uint8], pixels: Floats) -> Floats:
-    """Return the logarithms of the colours, (3, n), at pixels (n, 2), whitened: uncorrelated, with deviation 1."""
+    """Return the logarithms of the colours (3, n) at pixels (n, 2), whitened (uncorrelated, with unit variance)."""
     at = pixels.T[::-1]
     logs = np.array([np.log1p(map_coordinates(rgb[:, :, k].astype(np.float32), at, order=1)) for k in range(3)])
     logs -= logs.mean(axis=1, keepdims=True)
@@ -98,7 +98,7 @@ def _qualities(rgb: NDArray[np.uint8], pixels: Floats) -> Floats:
 
 
 def _strongest_bar(x: Floats, y: Floats, values: Floats, edge_m: float, below_m: Floats) -> SeenPipe | None:
-    """Return the pipe, from places x and y (n,), relative to below the camera, and their values (3, n)."""
+    """Return the pipe, if any, from the values (3, n) at x and y (n,), relative to the point below the camera."""
     best, contrast = (0, 0), 0.0
     for k in range(DIRECTIONS):
         line, first = _lines(x, y, k, edge_m)
@@ -117,7 +117,7 @@ def _strongest_bar(x: Floats, y: Floats, values: Floats, edge_m: float, below_m:
 
 
 def _lines(x: Floats, y: Floats, k: int, edge_m: float) -> tuple[NDArray[np.int64], int]:
-    """Return the indices, from 0, of the lines in direction k through places (n,), and which line has index 0."""
+    """Return the indices, from 0, of the lines in direction k through points (n,), and the number of line 0."""
     angle = math.pi * k / DIRECTIONS
     line = np.rint((y * math.cos(angle) - x * math.sin(angle)) / edge_m).astype(np.int64)
     first = int(line.min())
@@ -125,9 +125,9 @@ def _lines(x: Floats, y: Floats, k: int, edge_m: float) -> tuple[NDArray[np.int6
 
 
 def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tuple[float, float]:
-    """Return the interval along a bar in which the values are closer to its own than to those of its sides.
+    """Return the interval along a bar in which the values are closer to the bar's own mean than to that of its sides.
 
-    aside: distance from its middle, in cells.
+    aside: distance from the bar's centre line, in cells.
     """
     inner, outer = aside <= HALF, (aside > HALF + GAP) & (aside <= 2 * HALF + GAP)
     sides = values[:, outer].mean(axis=1)
@@ -142,7 +142,7 @@ def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tup
 
 
 def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
-    """Return the contrast of the bar on each line, from the line indices of all places (n,) and their values (3, n)."""
+    """Return the contrast of the bar on each line, from the line indices of all points (n,) and their values (3, n)."""
     count = np.bincount(line).astype(np.float64)
     sums = np.array([np.bincount(line, weights=row) for row in values])
     inner = np.arange(-HALF, HALF + 1)
@@ -155,7 +155,7 @@ def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
 
 
 def _mean(sums: Floats, count: Floats, shifts: NDArray[np.int64]) -> Floats:
-    """Return the means over the lines at these shifts from each line, (3, lines); NaN if too little of one is seen."""
+    """Return the means over the lines at these shifts from each line, (3, lines); NaN if too little of any is seen."""
     total, seen = np.zeros_like(sums), np.zeros_like(count)
     enough = np.ones(len(count), bool)
     for shift in shifts:

@@ -1,10 +1,10 @@
-"""Pipeline following: steers by what stands out of the bed in the sonar's pings, and by the pipe in camera pictures.
+"""Pipeline following: steers by bumps on the bed in the sonar's pings, and by the pipe in camera pictures.
 
-The tilted fan crosses the pipe some metres ahead, and the camera sees it below (`pipe_view`); both together form the
-pipe's track (`pipe_track`), or either alone if the other sees nothing. The vehicle pursues the track (Coulter,
+The tilted fan crosses the pipe a few metres ahead, and the camera sees it below (`pipe_view`). The pipe's track
+(`pipe_track`) is built from both, or from one alone if the other sees nothing. The vehicle pursues the track (Coulter,
 "Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992). Neither charts nor labels are
-used. A pipe that crosses the path at more than about 60 degrees fills the fan and is not seen as a bump: start roughly
-along it.
+used. A pipe that crosses the path at more than about 60 degrees fills the fan and does not appear as a bump: start
+roughly along it.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from uwsim.missions.vehicle import PictureLike
 
 Floats = NDArray[np.float64]
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 1.0
-LOOK_PIXELS = 320  # width of the pictures in which it looks for the pipe
-FARTHEST = 1.5  # in multiples of the view: hits beyond it, from too high, would leave a gap in the track
-BLIND_S = 15.0  # without a sighting: the instrument counts as not seeing the pipe
+LOOK_PIXELS = 320  # width of the pictures searched for the pipe
+FARTHEST = 1.5  # in multiples of view_m; hits farther away, from too high, would leave a gap in the track
+BLIND_S = 15.0  # time without a sighting after which an instrument counts as not seeing the pipe
 
 
 @dataclass(frozen=True, eq=False)
 class PipelineTrack:
-    """crossings_m: (n, 2), where the pipe was seen, in order. by_sonar, by_camera: number of sightings.
+    """crossings_m: positions where the pipe was seen, in order, (n, 2). by_sonar, by_camera: numbers of sightings.
 
-    pictures: number taken along length_m.
+    pictures: number of pictures taken along length_m.
     """
 
     crossings_m: Floats
@@ -60,12 +60,12 @@ def follow_pipeline(
     camera: str | None = "down",
     picture_every_m: float = 5.0,
 ) -> Steps[PipelineTrack]:
-    """Go to start_m (2,), look for a pipe along heading_rad, and follow it until it is not seen for search_m.
+    """Go to start_m (2,), search for a pipe along heading_rad, and follow it until it is not seen for search_m.
 
-    camera: one that looks down, also used for steering, which takes a picture every picture_every_m; None for none.
-    Logs `pipe_found`, `picture` with the mean brightness and the contrast of its grey levels in 0..255, `unseen` if
-    sonar or camera have not seen the pipe for some time, and `pipe_lost`. Raises StoppedError if no pipe is found in
-    search_m; ValueError.
+    camera: a camera that looks down; it is also used for steering, and takes a picture every picture_every_m. None: no
+    camera. Logs `pipe_found`, `picture` with the mean and the standard deviation of its grey levels (0..255) as
+    brightness and contrast, `unseen` if sonar or camera have not seen the pipe for some time, and `pipe_lost`. Raises
+    StoppedError if no pipe is found within search_m, and ValueError for invalid arguments.
     """
     require_positive(diameter_m=diameter_m, search_m=search_m, picture_every_m=picture_every_m)
     eye = None if camera is None else vehicle.cameras[camera]
@@ -98,7 +98,7 @@ def follow_pipeline(
 
 
 class _Look:
-    """Looks for the pipe with sonar and camera when each is due. sights: number of sightings of each."""
+    """Looks for the pipe with sonar and camera whenever each is due. sights: number of sightings by each."""
 
     def __init__(self, vehicle: OwnVehicle, lookout: Wayfinder, eye: Any, track: PipeTrack, diameter_m: float) -> None:
         self._vehicle, self._lookout, self._track, self._diameter_m = vehicle, lookout, track, diameter_m

@@ -1,7 +1,7 @@
-"""A digital twin: mow an area while its map is built, fly again where the map is thin or uncertain, return, dock.
+"""A digital twin: map an area while mowing it, revisit where the map is thin or uncertain, return and dock.
 
-A column of the map is thin if no voxel in it is occupied, and uncertain if none is occupied with at least `certain`
-probability: observations there contradict each other, or there are only one or two from afar.
+A column of the map is thin if no voxel in it is occupied. It is uncertain if none is occupied with a probability of at
+least `certain`: its observations contradict each other, or there are only one or two from afar.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.protocols import PingLike, PoseLike
 
 PING_PERIOD_S = 0.2
-PATCH = 3  # columns along each side of the patches that are flown again
+PATCH = 3  # columns along each side of the patches that are revisited
 DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """map: of the whole flight; first_map: before anything was flown again.
+    """map: from the whole flight; first_map: before any patch was revisited.
 
-    weak_before, weak_after: share of the area's columns that were thin or uncertain. patches: flown again. docked:
-    whether it is back in the station's dock.
+    weak_before, weak_after: fraction of the area's columns that were thin or uncertain, before and after. patches:
+    number of patches revisited. docked: whether the vehicle is back in the station's dock.
     """
 
     map: OccupancyMap
@@ -61,10 +61,10 @@ def make_twin(
     certain: float = 0.8,
     most_patches: int = 20,
 ) -> Steps[Twin]:
-    """Make the twin of an area (k, 2); a docked vehicle leaves its dock first and docks again afterwards.
+    """Build the twin of an area (k, 2); a docked vehicle first leaves its dock, and docks again at the end.
 
-    Logs `weak` with the share of weak columns after each stage, `patch` for each one that is flown again, and `docked`.
-    Raises ValueError, StoppedError.
+    Logs `weak` with the fraction of weak columns after each stage, `patch` for each revisited patch, and `docked`.
+    Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     if not 0.5 < certain < 1.0:
         raise ValueError(f"certain = {certain}: must be above 0.5 and below 1")
@@ -108,7 +108,7 @@ def make_twin(
 
 
 def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np.float64]) -> Steps[None]:
-    """Go back to the dock's exit, back into the dock, and dock. Raises StoppedError if no way leads back."""
+    """Return to the dock's exit, enter the dock, and dock. Raises StoppedError if there is no path back."""
     vehicle = lookout.vehicle
     if not (yield from lookout.go_to(exit_world_m[:2])):
         raise StoppedError("no way led back to the station")
@@ -123,7 +123,7 @@ def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np
 
 
 def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
-    """Return the columns under lanes that are one column apart: those of the polygon."""
+    """Return the columns inside the polygon, from lanes across it that are one column apart."""
     points = []
     for lane in lanes:
         steps = np.arange(0.0, lane.length_m, 0.5 * cells.edge_m)
@@ -132,7 +132,7 @@ def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
 
 
 def _worst(weak: set[Cell], tried: set[Cell], cells: Cells, vehicle: OwnVehicle) -> Cell | None:
-    """Return the nearest untried patch of which at least half is weak."""
+    """Return the nearest untried patch in which at least half of the columns are weak."""
     counts: dict[Cell, int] = {}
     for i, j in sorted(weak):
         patch = (i // PATCH, j // PATCH)

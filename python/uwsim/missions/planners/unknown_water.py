@@ -1,10 +1,11 @@
-"""The adaptive lawn-mower for unknown water: without polygon and chart, it turns where the sonar sees an end.
+"""The adaptive lawn-mower for unknown water: without polygon or chart, it turns where the sonar sees an obstacle.
 
-It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees something ahead that cannot be
-passed over; then it steps aside and turns. If nothing unflown is left beside it, it goes back over flown water to the
-nearest opening, and continues mowing from there. It is complete when no opening is left within the bound.
+It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees anything ahead that cannot be
+passed over; then the vehicle steps aside and turns. If nothing unflown is left beside it, it returns over flown water
+to the nearest opening, and continues mowing from there. The mission is complete when no opening is left within the
+bound.
 
-The rule for turning is the published simulator's; going back to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
+The rule for turning is the published simulator's; returning to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
 online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
 It leaves out cells containing anything higher than the vehicle may fly, and water that is connected only by passages
 narrower than about two cells.
@@ -24,18 +25,18 @@ from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
-ECHOES_TO_CLOSE = 4  # in one ping
-OVERSHOOT = 1.0  # in cells: how far beyond the next one a lane aims
-STUCK_S = 30.0  # extra time for a cell, on top of four times the time for its length
-STUCK_CELLS = 3  # in a row: the vehicle itself is stuck
+ECHOES_TO_CLOSE = 4  # echoes in one ping that close a cell
+OVERSHOOT = 1.0  # how far beyond the next cell to aim, in cells
+STUCK_S = 30.0  # added to the time limit of a cell, four times its nominal duration
+STUCK_CELLS = 3  # after this many in a row, the vehicle itself counts as stuck
 FIND_BED_S, FIND_BED_M_S = 180.0, 0.3
-ARRIVED = 0.25  # fraction of a cell, past whose centre the next one is chosen
-PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lane before aside
+ARRIVED = 0.25  # distance from a cell's centre, in cells, within which the next one is chosen
+PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lane first, then to the side
 
 
 @dataclass(frozen=True)
 class MownWater:
-    """Flown water: centres of the cells that the vehicle visited, and of those closed to it, (n, 2)."""
+    """Flown water: centres (n, 2) of the cells that the vehicle visited, and of those that it found closed."""
 
     flown_m: tuple[tuple[float, float], ...]
     closed_m: tuple[tuple[float, float], ...]
@@ -58,9 +59,9 @@ def mow_unknown_water(
 ) -> Steps[MownWater]:
     """Mow all water that can be reached within bound_m of the start; return the flown cells.
 
-    line_spacing_m: by default half of the width that the sonar sees of a flat bed. heading_rad: of the lanes; by
-    default the vehicle's. Logs `closed` with a reason for each cell that the sonar closes, `opening` where mowing
-    continues, and `complete`. Raises ValueError, StoppedError.
+    line_spacing_m: by default half of the swath width on a flat bed. heading_rad: direction of the lanes; by default
+    the vehicle's heading. Logs `closed` with a reason for each cell that is closed, `opening` where mowing continues,
+    and `complete`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
@@ -73,7 +74,7 @@ def mow_unknown_water(
 
 
 def find_bed(vehicle: OwnVehicle) -> Steps[None]:
-    """Dive on the spot until the altimeter sees the bed. Raises StoppedError if it does not."""
+    """Dive on the spot until the altimeter sees the bed. Raises StoppedError if it does not see it in time."""
     pose, end_s = vehicle.pose, vehicle.time_s + FIND_BED_S
     while not math.isfinite(float(vehicle.sensors["altitude"].read())):
         if vehicle.time_s > end_s:
@@ -109,9 +110,9 @@ class _Mower:
         return mown
 
     def _next(self, cell: Cell) -> list[Cell] | None:
-        """Return the way to the next unflown cell: along the lane, else aside, else the nearest opening.
+        """Return the path to the next unflown cell: along the lane, else to the side, else the nearest opening.
 
-        None at the end.
+        None if none is left.
         """
         for di, dj in PRIORITY:
             following = (cell[0] + di, cell[1] + dj)
@@ -120,7 +121,7 @@ class _Mower:
         return nearest(cell, self._open, self._flown.keys() - self._closed.keys())
 
     def _open(self, cell: Cell) -> bool:
-        """Return whether a cell is within the bound, not flown and, as far as is known, not closed."""
+        """Return whether a cell is within the bound, not flown, and not known to be closed."""
         return (
             cell not in self._flown
             and cell not in self._closed
@@ -169,7 +170,7 @@ class _Mower:
         return math.cos(yaw_rad) * ahead[0] + math.sin(yaw_rad) * ahead[1] > math.cos(math.radians(30.0))
 
     def _chart(self) -> None:
-        """Close the cells that contain anything that the vehicle cannot pass over."""
+        """Close the cells containing anything that the vehicle cannot pass over."""
         echoes = self._lookout.echoes_world_m
         high = echoes[echoes[:, 2] > PASSABLE_Z_M]
         if len(high) < ECHOES_TO_CLOSE:

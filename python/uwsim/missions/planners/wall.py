@@ -1,8 +1,8 @@
-"""Wall scan by sonar: sideways passes along a wall, facing it at a distance, each at its own depth and tilt.
+"""Wall scan by sonar: sideways passes along a wall, facing it at a fixed distance, each at its own depth and tilt.
 
-Seen from above, the echoes of the middle beams lie on a line: the wall. Its normal is the heading to hold, and the
-distance to it the one to keep. A pass ends after its length, where the wall ends, or at a corner. The wall must be
-steep: seen from above, a tilted fan hits a slope nearer or farther away than it is at the vehicle's depth.
+Seen from above, the echoes of the middle beams lie on a line: the wall. The line's normal gives the heading to hold,
+and the distance to the line is kept constant. A pass ends after its length, where the wall ends, or at a corner. The
+wall must be steep: seen from above, a tilted fan hits a slope nearer or farther away than it is at the vehicle's depth.
 """
 
 from __future__ import annotations
@@ -23,18 +23,21 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.autopilot import wrap_angle
 
 Floats = NDArray[np.float64]
-MIDDLE_SHARE = 0.5  # of the fan's beams, counted as the middle ones
+MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle ones
 FEWEST_ECHOES = 10
-FARTHEST = 2.5  # in distances to keep: anything farther away is not the wall
+FARTHEST = 2.5  # in multiples of the distance to keep; anything farther away is not the wall
 TO_WALL_PER_S, TO_WALL_M_S = 0.5, 0.3
 OFF_M, OFF_RAD, SETTLE_S = 0.3, math.radians(5.0), 90.0
 CORNER_RAD = math.radians(40.0)
-SLOWEST = 5.0  # in multiples of the expected duration of a pass
+SLOWEST = 5.0  # time limit of a pass, in multiples of its expected duration
 
 
 @dataclass(frozen=True)
 class WallPass:
-    """One pass. length_m: along the wall. distance_rms_m: from the one to keep. wall_ended: before the full length."""
+    """One pass. length_m: distance flown along the wall. distance_rms_m: RMS error of the distance to the wall.
+
+    wall_ended: whether the wall ended before the full length.
+    """
 
     depth_m: float
     tilt_deg: float
@@ -52,10 +55,10 @@ def scan_wall(
     tilts_deg: Sequence[float] = (-15.0, 15.0),
     speed_m_s: float = 0.3,
 ) -> Steps[list[WallPass]]:
-    """Scan the wall that the vehicle faces: to starboard, to port, and so on, one pass for each depth and tilt.
+    """Scan the wall that the vehicle faces, one pass per depth and tilt, alternately to starboard and to port.
 
-    tilts_deg: of the head, positive up. Logs `pass`. Raises StoppedError if there is no wall, or the vehicle is stuck;
-    ValueError.
+    tilts_deg: tilts of the sonar head, positive up. Logs `pass`. Raises StoppedError if there is no wall or the vehicle
+    is stuck, and ValueError for invalid arguments.
     """
     require_positive(length_m=length_m, distance_m=distance_m, speed_m_s=speed_m_s)
     passes = []
@@ -72,7 +75,7 @@ def scan_wall(
 
 
 def _settle(vehicle: OwnVehicle, distance_m: float, depth_m: float) -> Steps[None]:
-    """Face the wall at the distance and the depth, and stay until all three are right."""
+    """Face the wall at the required distance and depth, and wait until all three are within tolerance."""
     end_s = vehicle.time_s + SETTLE_S
     while True:
         wall = wall_ahead(vehicle, FARTHEST * distance_m)
@@ -97,7 +100,7 @@ def _pass(
     tilt_deg: float,
     speed_m_s: float,
 ) -> Steps[WallPass]:
-    """Go to port (side = 1) or to starboard (-1) along the wall."""
+    """Move to port (side = 1) or to starboard (-1) along the wall."""
     start, first_rad = np.array(vehicle.pose.position_world_m[:2], np.float64), vehicle.pose.yaw_rad
     end_s, off_m2, flown_m, ended = vehicle.time_s + SLOWEST * length_m / speed_m_s, [], 0.0, False
     while flown_m < length_m:
@@ -115,14 +118,14 @@ def _pass(
 
 
 def _along(vehicle: OwnVehicle, too_far_m: float, heading_rad: float, port_m_s: float, depth_m: float) -> Steps[None]:
-    """Steer for one control period: to the distance, along the wall, facing it."""
+    """Steer for one control period along the wall, facing it and correcting the distance."""
     to_wall = min(max(TO_WALL_PER_S * too_far_m, -TO_WALL_M_S), TO_WALL_M_S)
     cos, sin = math.cos(heading_rad), math.sin(heading_rad)
     yield from steer(vehicle, heading_rad, (to_wall * cos - port_m_s * sin, to_wall * sin + port_m_s * cos), -depth_m)
 
 
 def wall_ahead(vehicle: OwnVehicle, farthest_m: float) -> tuple[float, float] | None:
-    """Return the distance to the wall ahead, seen from above, and the heading that faces it.
+    """Return the horizontal distance to the wall ahead and the heading that faces it.
 
     None if no wall is seen.
     """

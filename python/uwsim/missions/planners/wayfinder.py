@@ -1,4 +1,4 @@
-"""Wayfinder: flies a vehicle from point to point with a lookout, around shoals, and stops before obstacles."""
+"""Wayfinder: flies a vehicle from point to point, looking ahead, going around shoals and stopping before obstacles."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ from uwsim.missions.sonar_head import until_at
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.protocols import PingLike
 
-STOP_M, STOP_S = 2.5, 2.0  # obstacles at the vehicle's height stop it M + S x speed ahead of its middle
-CLEARANCE_M = 1.5  # above the vehicle at its highest
+STOP_M, STOP_S = 2.5, 2.0  # it stops for obstacles at its height within STOP_M + STOP_S x speed of its origin
+CLEARANCE_M = 1.5  # clearance below the vehicle at its highest
 PASSABLE_Z_M = HIGHEST_Z_M - CLEARANCE_M
 """Anything higher is a shoal."""
-GRACE_S = 60.0  # extra time for a way, on top of five times the time for its length
-HALF_WIDTH_M = 1.5  # of the corridor in which objects at the vehicle's height are in its way
+GRACE_S = 60.0  # added to the time limit of a path, five times its nominal duration
+HALF_WIDTH_M = 1.5  # half the width of the corridor in which objects at the vehicle's height block it
 VIEW_S = 12.0  # time ahead at which the sonar's fan hits a flat bed
 TURN_FIRST_RAD = math.radians(25.0)
-ECHOES_OF_A_THING = 3  # fewer at the vehicle's height may be false detections
+ECHOES_OF_A_THING = 3  # fewer echoes at the vehicle's height may be false detections
 
 Floats = NDArray[np.float64]
 OnPing = Callable[[PingLike, Floats], object]
 
 
 class Wayfinder(Lookout):
-    """A lookout that goes to points and charts what it cannot pass over.
+    """A lookout that goes to points and charts the shoals that it cannot pass over.
 
-    A level range finder 'proximity_fore' is used if there is one. view_m: distance ahead at which the tilted fan hits a
-    flat bed. on_ping: called with each ping and its echoes (n, 3) in the world. Raises ValueError.
+    Also uses a level range finder called 'proximity_fore' if the vehicle has one. view_m: distance ahead at which the
+    tilted fan hits a flat bed. on_ping: called with each ping and its echoes (n, 3) in the world frame. Raises
+    ValueError for invalid arguments.
     """
 
     speed_m_s: float
@@ -60,28 +61,28 @@ class Wayfinder(Lookout):
 
     @property
     def swath_m(self) -> float:
-        """Width of the fan where it hits a flat bed, for the beams of the newest ping; see `tilt`."""
+        """Width of the fan where it hits a flat bed, from the beam angles of a new ping; see `tilt`."""
         ping = self.vehicle.sonar.ping()
         angles = np.asarray(getattr(ping, "angles_rad", np.array([-0.5, 0.5])), np.float64)
         return 2.0 * math.hypot(self.view_m, self.altitude_m) * math.tan(0.5 * float(np.ptp(angles)))
 
     @property
     def echoes_world_m(self) -> Floats:
-        """The echoes of the newest ping, (n, 3), world."""
+        """The echoes of the latest ping, (n, 3), world frame."""
         return self._echoes
 
     @property
     def ahead_m(self) -> float:
-        """Distance ahead to anything at the vehicle's height, as last seen; inf if there is nothing."""
+        """Distance ahead to the nearest obstacle at the vehicle's height when last observed; inf if there is none."""
         return self._ahead_m
 
     @property
     def must_stop(self) -> bool:
-        """Whether an obstacle at the vehicle's height is so near ahead that it must turn."""
+        """Whether an obstacle at the vehicle's height is so close ahead that the vehicle must stop."""
         return self._ahead_m < STOP_M + STOP_S * self.speed_m_s
 
     def tilt(self) -> Steps[None]:
-        """Tilt the sonar for the view, and wait on the spot until the head has arrived."""
+        """Tilt the sonar for the view distance, and wait on the spot until the head gets there."""
         tilt_rad = -math.atan2(self.altitude_m, self.view_m)
         sonar = self.vehicle.sonar
         sonar.aim(tilt_rad)
@@ -94,9 +95,9 @@ class Wayfinder(Lookout):
         within_m: float = 1.0,
         enough: Callable[[], bool] = lambda: False,
     ) -> Steps[bool]:
-        """Go to a point (2,), around shoals seen on the way, until within_m of it or until `enough` holds.
+        """Go to a point (2,), around shoals seen on the way, until within within_m of it or until `enough` holds.
 
-        Returns whether it got there; False if no way leads there, or none was found in time.
+        Return False if there is no path to it, or it was not reached in time.
         """
         goal = float(point_world_m[0]), float(point_world_m[1])
         x, y, _ = self.vehicle.pose.position_world_m.tolist()
@@ -115,13 +116,13 @@ class Wayfinder(Lookout):
         return True
 
     def towards(self, point_world_m: Sequence[float] | Floats) -> Steps[None]:
-        """Fly one control period towards a point (2,), slower near it."""
+        """Fly one control period towards a point (2,), more slowly near it."""
         x, y, _ = self.vehicle.pose.position_world_m.tolist()
         to = float(point_world_m[0]), float(point_world_m[1])
         yield from self.head_for(to, min(self.speed_m_s, 0.15 + 0.4 * math.dist(to, (x, y))))
 
     def look(self) -> PingLike:
-        """Ping, and record what is ahead and what is in the way; part of `steer`."""
+        """Ping, and record shoals ahead and obstacles in the way; called by `steer`."""
         ping, pose = super().look(), self.vehicle.pose
         points = np.asarray(ping.points_sonar_m, np.float64)
         points = points[np.isfinite(points[:, 0])]
@@ -132,7 +133,7 @@ class Wayfinder(Lookout):
         return ping
 
     def _distance_ahead_m(self, position: Floats, yaw_rad: float) -> float:
-        """Return the distance ahead to the nearest echo no lower than half the altitude below the vehicle."""
+        """Return the distance to the nearest obstacle ahead that is higher than half the altitude below the vehicle."""
         away = self._echoes - position
         ahead = away @ (math.cos(yaw_rad), math.sin(yaw_rad), 0.0)
         aside = away @ (-math.sin(yaw_rad), math.cos(yaw_rad), 0.0)
@@ -142,6 +143,6 @@ class Wayfinder(Lookout):
         if self._fore is None:
             return seen_m
         fore_m = float(self._fore.read())
-        # farther away it may be the bed, or the sensor's largest reading
+        # a longer reading may be the bed, or the sensor's maximum
         near = fore_m < STOP_M + STOP_S * self.speed_m_s
         return min(seen_m, fore_m) if near else seen_m
