@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 __all__ = ["Simulator"]
 
 
-def __getattr__(name: str) -> Any:  # on first use, since the modules of this room import each other through it
+def __getattr__(name: str) -> Any:  # lazy, since the modules of this package import each other through it
     if name != "Simulator":
         raise AttributeError(f"module 'uwsim.simulator' has no attribute '{name}'")
     from uwsim.simulator.simulator import Simulator

@@ -1,4 +1,4 @@
-"""Whether a vehicle's commands take effect: all stop overrides its failsafe, and that overrides everything else."""
+"""Decides whether a vehicle's commands take effect: all stop overrides the failsafe, and both override all else."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class FailsafeLike(Protocol):
 
     @property
     def state(self) -> str:
-        """Its present reaction."""
+        """Its current reaction."""
 
     @property
     def cause(self) -> str:
-        """The cause of the reaction."""
+        """The cause of its reaction."""
 
     @property
     def alarms(self) -> tuple[str, ...]:
@@ -36,7 +36,7 @@ class FailsafeLike(Protocol):
 
     @property
     def has_control(self) -> bool:
-        """Whether it steers, so that commands have no effect."""
+        """Whether it is steering, so that commands have no effect."""
 
     def heard(self) -> None:
         """Register a command."""
@@ -51,9 +51,9 @@ class FailsafeLike(Protocol):
 class CommandGate:
     """Stands between a vehicle's actuators and every command that moves it.
 
-    vehicle: its name. halt: stops its thrusters and moves its fins to neutral. is_driven: whether the present commands
-    would move it. all_stopped: whether all stop is set. stops: how often it has been set; programs that command
-    repeatedly end when this changes. changed: called when all stop is set or released.
+    vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
+    move it. all_stopped: whether all stop is set. stops: how many times it has been set; programs that command
+    repeatedly stop when this changes. changed: called when all stop is set or released.
     """
 
     def __init__(self, vehicle: str, halt: Callable[[], object]) -> None:
@@ -67,7 +67,7 @@ class CommandGate:
         self._warned: set[type[Warning]] = set()
 
     def all_stop(self, on: bool) -> None:
-        """Set or release all stop. Raises ValueError."""
+        """Set or release all stop. Raises ValueError unless `on` is a bool."""
         if not isinstance(on, bool | np.bool_):
             raise ValueError(f"all_stop.on = {on!r}: must be True or False")
         self.hears()
@@ -77,7 +77,7 @@ class CommandGate:
             self.changed(self.all_stopped)
 
     def restore(self, *, all_stopped: bool) -> None:
-        """Continue with or without all stop, and warn again."""
+        """Continue with or without all stop, and issue each warning again when due."""
         self.all_stopped = all_stopped
         self._warned.clear()
         if all_stopped:
@@ -86,7 +86,7 @@ class CommandGate:
             self._halt()
 
     def require_no_stop(self, command: str) -> None:
-        """Raise ValueError for a command that must not be given while all stop is set."""
+        """Raise ValueError for a command that must not be issued while all stop is set."""
         if self.all_stopped:
             raise ValueError(f"vehicle '{self._vehicle}': {command}: {STOPPED}")
 
@@ -96,9 +96,9 @@ class CommandGate:
             self.failsafe.heard()
 
     def yields(self, *, moves: bool) -> None:
-        """Undo the command just issued if all stop is set, or if the failsafe steers.
+        """Undo the command just issued if all stop is set or the failsafe is steering.
 
-        moves: whether any value is nonzero.
+        moves: whether any commanded value is nonzero.
         """
         failsafe = self.failsafe
         self.is_driven = moves and not self.all_stopped
@@ -117,7 +117,7 @@ class CommandGate:
                 )
 
     def warn_of_dock(self) -> None:
-        """Warn, once, that the vehicle is commanded in its dock."""
+        """Warn, once, that the vehicle is commanded while docked."""
         if self._warns_first(DockedWarning):
             warnings.warn(
                 f"vehicle '{self._vehicle}' is docked: its commands have no effect before release(), undock() or "

@@ -1,4 +1,4 @@
-"""The station's dock: where it holds a vehicle, where a vehicle leaves it, and how close it must be to enter."""
+"""The station's dock: where it holds a vehicle, where a vehicle leaves it, and the conditions for entering it."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class DockedWarning(UserWarning):
 class Dock:
     """The dock of a simulator's station.
 
-    position_world_m (3,): the origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. At both,
-    the vehicle's heading is yaw_rad. hull_radii_m: one for each vehicle, about its origin.
+    position_world_m (3,): origin of a docked vehicle. exit_world_m (3,): its origin just after undocking. The vehicle's
+    heading at both is yaw_rad. hull_radii_m: radius of each vehicle's hull about its origin.
     """
 
     simulation: _core.Simulation
@@ -43,7 +43,7 @@ class Dock:
         return about_z(self.yaw_rad)
 
     def require_exit(self, vehicle: int) -> None:
-        """Raise ValueError unless the exit is clear of obstacles and vehicles for this vehicle's hull."""
+        """Raise ValueError unless the exit is clear of obstacles and other vehicles for this vehicle's hull."""
         needed_m = self.hull_radii_m[vehicle] + CLEARANCE_M
         free_m = float(self.scene.distance_m(self.exit_world_m[None])[0])
         if free_m < needed_m:
@@ -54,7 +54,7 @@ class Dock:
                 raise ValueError(f"{self._exit_text}: another vehicle is {apart_m:.2f} m away")
 
     def require_entry(self, vehicle: int) -> None:
-        """Raise ValueError unless the dock is empty and the vehicle close to it, slow and aligned with it."""
+        """Raise ValueError unless the dock is empty, and the vehicle is close to it, slow and aligned with it."""
         for other in range(len(self.hull_radii_m)):
             if other != vehicle and not self.simulation.released(other):
                 raise ValueError("dock: another vehicle is in it")

@@ -1,4 +1,4 @@
-"""Network: the messages that station and vehicles send each other over a simulator's link."""
+"""Network: the messages that station and vehicles exchange over a simulator's link."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ REPEATS_MAX = 10
 
 
 class Delivery(NamedTuple):
-    """A message that has arrived. given_s, arrived_s: simulated time."""
+    """A delivered message. given_s: when it was submitted; arrived_s: when it arrived (simulated time)."""
 
     sender: str
     receiver: str
@@ -29,10 +29,10 @@ class Delivery(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Message counts for one topic and sender; `lost`: sent but not received, by reason.
+    """Message counts for one topic and sender; `lost` counts messages sent but not received, by reason.
 
-    replaced: by a newer message while queued. refused: the queue was full. late: expired before it could be sent.
-    bytes_sent, bytes_delivered: of payloads. delay_s: mean time from `send` to arrival.
+    replaced: superseded by a newer message while queued. refused: the queue was full. late: expired before it could be
+    sent. bytes_sent, bytes_delivered: payload bytes. delay_s: mean time from `send` to arrival.
     """
 
     topic: str
@@ -52,9 +52,9 @@ class Counts(NamedTuple):
 class Network:
     """The packets between the station and the vehicles, in simulated time; part of a simulator's state.
 
-    modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message arrives as a whole with
-    its last packet, or not at all; nothing is acknowledged, but a message may be sent several times. Topics that begin
-    with `ranging/` are pings and fixes of a USBL that shares the modem.
+    modem: its parameters. nodes: the senders: "station", and the vehicles by name. A message is delivered whole with
+    its last packet, or not at all. There are no acknowledgements, but a message may be sent several times. Topics that
+    begin with `ranging/` are pings and fixes of a USBL that shares the modem.
     """
 
     def __init__(self, core: _core.Simulation, scenario: Scenario, modem: ModemModel, journal: Journal) -> None:
@@ -65,7 +65,7 @@ class Network:
 
     @staticmethod
     def of(core: _core.Simulation, scenario: Scenario, journal: Journal) -> Network | None:
-        """Return a scenario's network, after all vehicles have been added, or None if it has no link."""
+        """Return a scenario's network, or None if it has no link. Call after all vehicles have been added."""
         if scenario.link is None:
             return None
         spec = link_spec(scenario.link, scenario.station)
@@ -88,9 +88,10 @@ class Network:
     ) -> bool:
         """Put a message into the sender's queue; return False if the queue is full.
 
-        priority: 0 goes first. lifetime_s: a message that is still queued after this time is dropped. replaces: whether
-        it replaces an older message of its topic whose sending has not begun. repeats: number of further copies, in
-        case some are lost; only the first copy to arrive counts. Raises ValueError.
+        priority: 0 is sent first. lifetime_s: a message that is still queued after this time is dropped. replaces:
+        whether it replaces an older message on its topic whose transmission has not begun. repeats: number of
+        additional copies, in case some are lost; only the first copy to arrive counts. Raises ValueError for an invalid
+        argument.
         """
         if not isinstance(payload, bytes) or len(payload) > PAYLOAD_BYTES_MAX:
             raise ValueError(f"link: payload of topic '{topic}': must be at most {PAYLOAD_BYTES_MAX} bytes")
@@ -111,7 +112,10 @@ class Network:
         return bool(taken)
 
     def received(self, at: str, after_s: float = 0.0) -> list[Delivery]:
-        """Return messages that arrived at a node after a time, oldest first; of all nodes, the newest 512 are kept."""
+        """Return messages that arrived at a node after a time, oldest first.
+
+        Only the newest 512 of all nodes are kept.
+        """
         topics = self._core.link_topics()
         found = self._core.link_deliveries(self._node(at), max(round(1e9 * after_s), 0))
         return [
@@ -139,7 +143,7 @@ class Network:
         return found
 
     def quality(self, sender: str, at: str) -> _core.LinkQuality:
-        """Return the quality of a link, as last measured: delay, SNR, closing speed, packets sent and lost."""
+        """Return the last measured quality of a link: delay, SNR, closing speed, packets sent and lost."""
         return self._core.link_quality(self._node(sender), self._node(at))
 
     def reception(self, sender: str, receiver: str) -> _core.Reception:
@@ -157,21 +161,21 @@ class Network:
         return 1e-9 * max(self._core.time_ns - heard_ns, 0)
 
     def cut_off(self, vehicle: str, is_cut_off: bool) -> None:
-        """Block all packets to and from a vehicle, or stop blocking them. Faults call this."""
+        """Block all packets to and from a vehicle, or unblock them. Called by faults."""
         self._core.link_cut_off(self._node(vehicle), is_cut_off)
 
     def fault_loss(self, vehicle: str) -> float:
-        """Return the share of packets between a vehicle and the station that faults now drop; 1 is a blackout."""
+        """Return the fraction of packets between a vehicle and the station that faults drop; 1 is a blackout."""
         return self._core.link_fault_loss(self._node(vehicle), self._node(STATION))
 
     @property
     def sending_s(self) -> float:
-        """The total time so far in which a node was transmitting."""
+        """Total time so far during which a node was transmitting."""
         return self._core.link_sending_s()
 
     @property
     def next_arrival_ns(self) -> int:
-        """The earliest simulated time at which a message may arrive, as known now."""
+        """The earliest simulated time at which a message may arrive, as currently known."""
         return self._core.link_next_arrival_ns()
 
     def _node(self, name: str) -> int:

@@ -1,4 +1,4 @@
-"""The navigation aboard a simulated vehicle: a Navigator that starts when its estimate is first read."""
+"""Navigation aboard a simulated vehicle: a Navigator that starts when its estimate is first read."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from uwsim.navigation.estimation import Navigator, Start
     from uwsim.navigation.estimation.protocols import Instrumented
 
-KEPT_SAMPLES_S = 10.0  # samples are processed at least this often, so that few are stored
+KEPT_SAMPLES_S = 10.0  # longest interval between updates, which bounds the number of stored samples
 ALIGNMENT_STD_M, ALIGNMENT_STD_M_S = 0.1, 0.05
-"""Accuracy of position and velocity where navigation starts: assumed, like that of a surveyed dock."""
+"""Assumed accuracy of the initial position and velocity, as of a surveyed dock."""
 MOVES = ("place", "dock", "undock")
 
 
 def new_navigator(
     vehicle: Instrumented, start: Start, water: _core.Water, station_world_m: tuple[float, float, float]
 ) -> Navigator:
-    """Return a started Navigator of a vehicle in this water."""
-    from uwsim.navigation.estimation import Navigator  # here, since scipy is slow to import
+    """Return a started Navigator for a vehicle in this water."""
+    from uwsim.navigation.estimation import Navigator  # imported here: scipy is slow to import
 
     return Navigator(
         vehicle,
@@ -39,7 +39,7 @@ def new_navigator(
 class OnboardNavigation:
     """One vehicle's Navigator, kept up to date as the simulator runs, and restarted when the vehicle is moved.
 
-    make(start): makes the Navigator. start: the present knowledge.
+    make(start): creates the Navigator. start(): returns the current position and velocity with their accuracy.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class OnboardNavigation:
         if self._navigator is None:
             self._navigator = self._make(self._start())
             self._attend()
-            # A replay has to start it at the same tick.
+            # in the journal, since a replay must start it at the same tick
             self._journal.note("start_navigation", vehicle=self._vehicle)
         return self._navigator
 
@@ -78,7 +78,7 @@ class OnboardNavigation:
         return self._navigator is not None
 
     def take_in(self) -> None:
-        """Process the sensors' new samples, if it has begun."""
+        """Process the sensors' new samples if navigation has begun."""
         if self._navigator is not None:
             self._navigator.update()
 
@@ -88,28 +88,28 @@ class OnboardNavigation:
         self.due_tick = self._tick() + self._every_ticks
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Restart where the vehicle was placed."""
+        """Restart at the new position if the command moved this vehicle."""
         if name in MOVES and arguments["vehicle"] == self._vehicle:
             self.restart()
 
     def restart(self) -> None:
-        """Restart now, if it has begun."""
+        """Restart from the current position and velocity if navigation has begun."""
         if self._navigator is not None:
             self._navigator.restart(self._start())
             self._attend()
 
     def save(self) -> str | None:
-        """Save the Navigator's state; None if it has not begun."""
+        """Return the Navigator's state, or None if navigation has not begun."""
         return None if self._navigator is None else self._navigator.save()
 
     def end(self) -> None:
-        """Return to the state before it began: the next access starts another Navigator."""
+        """Return to the state before navigation began: the next access starts another Navigator."""
         self._navigator = None
         self.due_tick = 0
         self._journal.detach(self)
 
     def restore(self, saved: str | None) -> None:
-        """Continue from a saved state; None means that it had not begun. Raises ValueError."""
+        """Continue from a saved state; None means that navigation had not begun. Raises ValueError."""
         if saved is None:
             self.end()
             return
@@ -120,14 +120,14 @@ class OnboardNavigation:
 
 
 def _checked(text: str) -> str:
-    from uwsim.navigation.estimation.saved import NavigatorState  # here, since scipy is slow to import
+    from uwsim.navigation.estimation.saved import NavigatorState  # imported here: scipy is slow to import
 
     NavigatorState.model_validate_json(text)
     return text
 
 
 class Estimates:
-    """The estimates of the vehicles whose navigation has begun, by vehicle, as a part of a saved state."""
+    """The estimates of all vehicles whose navigation has begun, by vehicle, as a part of a saved state."""
 
     STATE: ClassVar[Any] = dict[str, Annotated[str, AfterValidator(_checked)]]
 
@@ -135,12 +135,12 @@ class Estimates:
         self._navigations = navigations
 
     def save(self) -> dict[str, str]:
-        """Return the state, as JSON values."""
+        """Return the state as JSON values."""
         states = {name: navigation.save() for name, navigation in self._navigations.items()}
         return {name: state for name, state in states.items() if state is not None}
 
     def restore(self, state: Mapping[str, str]) -> None:
-        """Continue from the result of `save`. Raises ValueError if it belongs to other vehicles."""
+        """Load a state returned by `save`. Raises ValueError if it belongs to other vehicles."""
         require_names("estimates", {**self._navigations, **state}, self._navigations)
         for name, navigation in self._navigations.items():
             navigation.restore(state.get(name))

@@ -1,4 +1,4 @@
-"""Simulator, the main class: it holds a scenario's world and vehicles and advances them in fixed steps."""
+"""Simulator, the main class: holds a scenario's world and vehicles, and advances them in fixed steps."""
 
 from __future__ import annotations
 
@@ -39,20 +39,21 @@ from uwsim.simulator.onboard_navigation import Estimates, new_navigator
 from uwsim.simulator.parameters import Parameters
 from uwsim.simulator.vehicle import Vehicle
 
-STEP_TOLERANCE = 1e-6  # share of a step by which a duration may differ from a whole number of steps
+STEP_TOLERANCE = 1e-6  # relative amount by which a duration may differ from a whole number of steps
 
 
 class Simulator(Sealed):
     """A running scenario.
 
-    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (of every
-    vehicle: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model with several), mission_time_s,
-    link (a modem's name or path): replace the scenario's values. threads: how many may be used; by default all. Results
-    do not depend on this. Raises ScenarioError (a ValueError) that names file, line, key, value and rule.
+    scenario: a packaged scenario's name ("lake"), the path of a YAML file, or a Scenario. seed, sonar_model (for all
+    vehicles: 1 to 4, a packaged model's name or a path), sonar_frequency_khz (for a model with several),
+    mission_time_s, link (a modem's name or path): override the scenario's values. threads: maximum number of threads;
+    by default one per core. Results do not depend on it. Raises ScenarioError (a ValueError) that names file, line,
+    key, value and rule.
 
-    Reading, pinging and telemetry do not advance time; repeated at the same time they give the same sample. Only one
-    call at a time uses the simulator; others wait. cameras: the station's, by name. events: faults, alarms and
-    failsafes so far. world: as built; it cannot be changed.
+    Reading, pinging and telemetry do not advance time; repeated at the same time, they return the same sample. Calls
+    from several threads run one at a time; the others wait. cameras: the station's cameras, by name. events: the
+    faults, alarms and failsafe reactions so far. world: the world as built; read-only.
     """
 
     threads: int
@@ -166,22 +167,22 @@ class Simulator(Sealed):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, without later changes by `parameters`; after `reset(seed)`, with that seed."""
+        """The scenario, without later changes through `parameters`; after `reset(seed)`, with that seed."""
         return self._scenario
 
     @property
     def parameters(self) -> Parameters:
-        """The parameters that may be changed while it runs, by name, such as "rov.drag.linear.surge"."""
+        """The parameters that may be changed during a run, by name, such as "rov.drag.linear.surge"."""
         return self._parameters
 
     @property
     def world(self) -> _core.FixedWorld:
-        """Terrain, obstacles and water in their present state. It cannot be changed here."""
+        """Terrain, obstacles and water in their current state; read-only."""
         return self._fixed_world
 
     @property
     def link(self) -> Network | None:
-        """The link between station and vehicles, or None if messages pass at once."""
+        """The link between station and vehicles, or None if messages are delivered immediately."""
         return self._link
 
     @property
@@ -191,30 +192,30 @@ class Simulator(Sealed):
 
     @property
     def optics(self) -> Optics:
-        """The light for cameras: the scenario's, or as last set."""
+        """The optical properties used by cameras: the scenario's, or as last set."""
         return self.parameters.scenario.optics
 
     def set_optics(self, **changes: Unpack[OpticsChanges]) -> None:
-        """Change the light from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
+        """Change optical properties from now on, such as jerlov="5C" or sun_elevation_deg=2. Raises ValueError."""
         self.parameters.update({f"optics.{name}": value for name, value in changes.items()})
 
     @property
     def strengths_db(self) -> Named[float]:
-        """Backscatter strength of each surface's material, by label_names, for imaging sonars."""
+        """Backscatter strength of each surface's material for imaging sonars, keyed by the names in label_names."""
         surfaces = zip(self.label_names, backscatter_by_label(self.scenario), strict=True)
         strengths = {name: surface.strength_db for name, surface in surfaces}
         return Named(strengths, "strengths_db", "the sonar model's strengths_db")
 
     @property
     def label_names(self) -> list[str]:
-        """The name of each label that pings and rays return: World.label_names, then the vehicles'."""
+        """The name of each label that pings and rays return: first World.label_names, then the vehicles'."""
         return label_names(self.scenario)
 
     def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return the present surroundings of a sonar: the world and all vehicles except the one that carries it.
+        """Return a sonar's current surroundings: the world and all vehicles except the one that carries the sonar.
 
-        For imaging sonars and depth maps from arbitrary poses. `scene`, without vehicles, is the world alone. Raises
-        ValueError for an unknown vehicle.
+        For imaging sonars and depth maps from arbitrary poses. `scene` contains only the world, without vehicles.
+        Raises ValueError for an unknown vehicle.
         """
         names = list(self.vehicles)
         if vehicle is not None and vehicle not in names:
@@ -224,33 +225,33 @@ class Simulator(Sealed):
 
     @property
     def seed(self) -> int:
-        """The key of every random draw."""
+        """The seed from which all random draws are derived."""
         return self.scenario.seed
 
     @property
     def step_s(self) -> float:
-        """The fixed step, seconds."""
+        """The fixed step size in seconds."""
         return self.scenario.step_s
 
     @property
     def tick(self) -> int:
-        """The number of steps since the start."""
+        """Number of steps since the start."""
         return self._core.tick
 
     @property
     def version(self) -> int:
-        """Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation."""
+        """A counter that changes whenever an observation may: with time, a vehicle's pose or a sonar's elevation."""
         return self._core.version
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start, nanoseconds."""
+        """Simulated time since the start, in nanoseconds."""
         return self._core.time_ns
 
     @property
     def time_s(self) -> float:
-        """Simulated time since the start, seconds."""
-        return self._core.time_ns * 1e-9
+        """Simulated time since the start, in seconds."""
+        return self.time_ns * 1e-9
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
@@ -263,7 +264,7 @@ class Simulator(Sealed):
             self._core.step(steps)
 
     def advance(self, duration_s: float) -> None:
-        """Advance by a duration, which must be a whole number of steps. Raises ValueError."""
+        """Advance by a duration. Raises ValueError unless it is a whole number of steps."""
         steps = number(duration_s, "duration_s", "s") / self.step_s
         if not np.isfinite(steps) or steps < 0:
             raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
@@ -274,17 +275,17 @@ class Simulator(Sealed):
         self.step(round(steps))
 
     def wait(self, duration_s: float) -> None:
-        """Advance, as the clock of a mission, by a duration rounded to whole steps, at least one. Raises ValueError."""
+        """Advance by a duration rounded to whole steps, at least one: the clock of missions. Raises ValueError."""
         steps = number(duration_s, "duration_s", "s") / self.step_s
         if not 0.0 <= steps < 2**53:
             raise ValueError(f"duration_s = {duration_s} s: must be finite and not negative")
         self.step(max(1, round(steps)) if steps else 0)
 
     def reset(self, seed: int | None = None) -> None:
-        """Restart like a new Simulator of this scenario and a seed, by default the same seed.
+        """Restart like a new Simulator of this scenario with a seed, by default the same seed.
 
-        Vehicles, sensors and sonars stay the same objects; vehicles return to their starts, lamps and parameters to the
-        scenario's values. `version` keeps counting. Raises ValueError, changing nothing.
+        Vehicles, sensors and sonars remain the same objects; vehicles return to their starts, lamps and parameters to
+        the scenario's values. `version` keeps counting. Raises ValueError, changing nothing.
         """
         scenario = self.scenario.with_changes(seed=seed)
         self._aboard.restart(scenario)
@@ -305,16 +306,17 @@ class Simulator(Sealed):
     def save_state(self) -> bytes:
         """Save everything that future results depend on, except scenario and seed.
 
-        This includes motion, commands, all stop, clocks, sensors' states, lamps, cameras' aims and changed parameters.
-        A Simulator of the same scenario, seed and build that restores it gives the same poses, samples and pictures to
-        the last bit. The states of missions and maps are not included.
+        This includes motion, commands, all stop, clocks, sensor states, lamps, camera pan and tilt, and changed
+        parameters. A Simulator of the same scenario, seed and build that restores this state produces the same poses,
+        samples and pictures to the last bit. The states of missions and maps are not included.
         """
         return self._saved.save(self._origin)
 
     def restore_state(self, state: bytes) -> None:
-        """Continue from a state that `save_state` returned.
+        """Continue from a state returned by `save_state`.
 
-        Raises ValueError, changing nothing, if the state is damaged or of another scenario; warns if of another build.
+        Raises ValueError, changing nothing, if the state is damaged or belongs to another scenario; warns if it was
+        saved by another build.
         """
         if not isinstance(state, bytes):
             raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
@@ -328,10 +330,7 @@ class Simulator(Sealed):
         return scenario_fingerprint(self.scenario), build_fingerprint()
 
     def _resume_vehicles(self) -> None:
-        """End everything that observed the time before a jump.
-
-        Derive from the actuators whether a vehicle is driven.
-        """
+        """After a jump in time, end all sample streams, and derive from the actuators whether a vehicle is driven."""
         for rov in self.vehicles.values():
             commands = [*rov.effort, *rov.fins.values(), *(thruster.command for thruster in rov.thrusters.values())]
             rov.gate.is_driven = any(commands)
@@ -353,7 +352,7 @@ class Simulator(Sealed):
         sonars = [imaging_models(self, entry) for entry in scenario.vehicles]
         if scenario.model_copy(update={"optics": before.optics}) != before:
             self._core.change(water, simulation_spec(scenario), specs)
-        # Nothing can fail from here on.
+        # Nothing below can fail.
         self._specs = specs
         if other_water:
             self._world.water = water

@@ -1,11 +1,11 @@
-"""A thruster's present state."""
+"""The state of a thruster."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Thruster:
-    """A thruster's state: its command in [-1, 1] and its still-water thrust, which follows with a lag."""
+    """A thruster's state: its command in [-1, 1], and its still-water thrust, which follows the command with a lag."""
 
     command: float
     thrust_n: float

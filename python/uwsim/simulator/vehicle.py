@@ -1,4 +1,4 @@
-"""Vehicle, one of a simulator's: pose, velocity, telemetry and instruments; vehicle_commands has its commands."""
+"""A simulator's Vehicle: pose, velocity, telemetry and instruments; its commands are in vehicle_commands."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
-    sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first. cameras,
-    imaging_sonars: by name. lamps: by the name of their switch. control: the model and the gains of its file, for a
-    Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: the first time that
-    simulated time passes while it is commanded, a DockedWarning is issued.
+    sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them. cameras,
+    imaging_sonars: by name. lamps: by the name of their switch. control: the model and gains from its file, for a
+    Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: if simulated time
+    passes while it is commanded, a DockedWarning is issued once.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Vehicle(CommandedVehicle):
         return f"<Vehicle '{self.name}', {state}, at ({east:.2f}, {north:.2f}, {up:.2f}) m; {floats}>"
 
     def change(self, entry: VehicleEntry, spec: _core.VehicleSpec, imaging_models: Mapping[str, Acoustics]) -> None:
-        """Continue with other parameters. Simulator.parameters calls this."""
+        """Continue with changed parameters. Called by Simulator.parameters."""
         self._craft = spec.craft
         for sensor in spec.sensors:
             self.sensors[sensor.name].change(sensor, entry.model.sensors[sensor.name].on)
@@ -126,37 +126,37 @@ class Vehicle(CommandedVehicle):
 
     @property
     def authority(self) -> Vector:
-        """(6,) acceleration from rest at full effort of each axis alone, deep in still water [m/s2, rad/s2].
+        """(6,) acceleration from rest at full effort on each axis alone, deep in still water [m/s2, rad/s2].
 
-        From the smaller of the wrenches ahead and astern, and the full mass, including added mass.
+        Computed from the smaller of the wrenches ahead and astern, and the full mass, including added mass.
         """
         return authority(self._craft, self.full_wrench_body)
 
     @property
     def failsafe(self) -> FailsafeLike | None:
-        """Its autonomous reaction to silence or to a failure; None unless its YAML file defines one."""
+        """The vehicle's autonomous reaction to silence or failure; None unless its YAML file defines one."""
         return self.gate.failsafe
 
     @property
     def effort(self) -> Vector:
-        """(6,) surge, sway, heave, roll, pitch, yaw as last set; zero after set_wrench or set_thrusters."""
+        """(6,) surge, sway, heave, roll, pitch and yaw as last set; zero after set_wrench or set_thrusters."""
         return read_only(self._simulation.effort(self._index))
 
     @property
     def controllable(self) -> frozenset[str]:
-        """The axes, of surge, sway, heave, roll, pitch, yaw, on which an effort has an effect."""
+        """The axes (of surge, sway, heave, roll, pitch, yaw) on which efforts have an effect."""
         driven = self._simulation.controllable(self._index)
         return frozenset(axis for axis, is_driven in zip(AXES, driven, strict=True) if is_driven)
 
     @property
     def full_wrench_body(self) -> tuple[Vector, Vector]:
-        """The largest wrenches in still water for each axis alone, ahead and astern: (6,) magnitudes, N and N m."""
+        """The largest wrenches on each axis alone, ahead and astern, in still water: (6,) magnitudes, N and N m."""
         ahead, astern = self._simulation.full_wrench_body(self._index)
         return read_only(ahead), read_only(astern)
 
     @property
     def thrusters(self) -> Named[Thruster]:
-        """Each thruster's state, by name."""
+        """The state of each thruster, by name."""
         both = zip(
             self._simulation.thruster_commands(self._index), self._simulation.thrusts_n(self._index), strict=True
         )
@@ -165,23 +165,23 @@ class Vehicle(CommandedVehicle):
 
     @property
     def fins(self) -> Named[float]:
-        """The fins' present deflections [rad] by name; they follow `set_fins` at their rate."""
+        """The current deflections of the fins [rad] by name; they follow `set_fins` at a limited rate."""
         return Named(dict(self._simulation.fin_angles_rad(self._index)), f"{self.name}.fins", "set_fins()")
 
     @property
     def pose(self) -> Pose:
-        """The present pose."""
+        """The current pose."""
         motion = self._last_motion
         return motion[1] if motion[0] == self._simulation.version else self._new_motion()[1]
 
     @property
     def velocity(self) -> Velocity:
-        """The present velocity."""
+        """The current velocity."""
         motion = self._last_motion
         return motion[2] if motion[0] == self._simulation.version else self._new_motion()[2]
 
     def _new_motion(self) -> tuple[int, Pose, Velocity]:
-        """Compute version, pose and velocity once per version: missions read them several times in each period."""
+        """Compute version, pose and velocity once per version, since missions read them several times per period."""
         position, orientation, world_from_body, linear, angular = self._simulation.motion(self._index)
         motion = self._simulation.version, Pose(position, orientation, world_from_body), Velocity(linear, angular)
         self.__dict__["_last_motion"] = motion  # faster than __setattr__, which checks names
@@ -189,21 +189,21 @@ class Vehicle(CommandedVehicle):
 
     @property
     def estimate(self) -> Navigator:
-        """The vehicle's motion by its own instruments: pose, velocity and their covariance, from an error-state filter.
+        """The vehicle's motion by its own instruments: pose, velocity and covariance, from an error-state filter.
 
-        The first access starts it, from the pose and velocity at that time, assumed to be known within 0.1 m and 0.05
-        m/s; place, dock and undock restart it in the same way. It assumes the errors that the sensors had then. Raises
-        ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
+        The first access starts the filter from the pose and velocity at that time, assumed to be known to 0.1 m and
+        0.05 m/s; place, dock and undock restart it in the same way. It assumes the error parameters that the sensors
+        had when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
         """
         return self._navigation.navigator
 
     @property
     def navigation(self) -> OnboardNavigation:
-        """The object that keeps `estimate` up to date, for Simulator."""
+        """The object that keeps `estimate` up to date, used by Simulator."""
         return self._navigation
 
     def _known_start(self) -> Start:
-        from uwsim.navigation.estimation import Start  # here, since scipy is slow to import
+        from uwsim.navigation.estimation import Start  # imported here: scipy is slow to import
 
         position, turn = self.pose.position_world_m, self.pose.world_from_body[:3, :3]
         velocity = turn @ self.velocity.linear_body_m_s
@@ -211,11 +211,11 @@ class Vehicle(CommandedVehicle):
 
     @property
     def collisions(self) -> int:
-        """The number of times that the vehicle has started to touch something."""
+        """Number of times that the vehicle has come into contact with an object."""
         return self._simulation.collisions(self._index)
 
     def telemetry(self) -> _core.Telemetry:
-        """The panel of the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
+        """The panel described in the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""
         version = self._simulation.version
         last = self._last_panel
         if last is None or last[0] != version:

@@ -1,4 +1,4 @@
-"""The commands of a simulated vehicle: their effects on the simulation, and their notes in the journal."""
+"""The commands of a simulated vehicle: their effects on the simulation, and their journal entries."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ PLAIN = {float}
 class CommandedVehicle(Sealed, Placeable):
     """The part of uwsim.simulator.vehicle.Vehicle that accepts commands.
 
-    Commands are held until the next one; a command that raises ValueError changes nothing. gate: decides whether they
-    take effect.
+    A command stays in effect until the next one; a command that raises ValueError changes nothing. gate: decides
+    whether commands take effect.
     """
 
     name: str
@@ -38,7 +38,7 @@ class CommandedVehicle(Sealed, Placeable):
 
     @property
     def released(self) -> bool:
-        """Whether the vehicle is free of the station."""
+        """Whether the vehicle has left the station."""
         return self._simulation.released(self._index)
 
     @property
@@ -60,11 +60,11 @@ class CommandedVehicle(Sealed, Placeable):
         pitch: float = 0.0,
         yaw: float = 0.0,
     ) -> None:
-        """Command efforts in [-1, 1] along and about the body axes (REP 103: forward, left, up), held until the next.
+        """Command efforts in [-1, 1] along and about the body axes (REP 103: forward, left, up) until the next command.
 
-        Full effort of one axis alone is the largest wrench about it that the vehicle can produce, or its fins' largest
-        deflection; efforts that together exceed the thrusters' limits are scaled down together. Efforts of axes that
-        are not `controllable` have no effect. Raises ValueError for an effort outside [-1, 1] or not finite.
+        Full effort on one axis alone is the largest wrench that the vehicle can produce on it, or the largest
+        deflection of its fins; efforts that together exceed the thrusters' limits are scaled down together. Efforts on
+        axes that are not `controllable` have no effect. Raises ValueError for an effort outside [-1, 1] or not finite.
         """
         efforts: tuple[float, ...] = (surge, sway, heave, roll, pitch, yaw)
         if set(map(type, efforts)) != PLAIN:
@@ -78,10 +78,10 @@ class CommandedVehicle(Sealed, Placeable):
     def set_wrench(
         self, force_body_n: Sequence[float] | Vector, torque_body_nm: Sequence[float] | Vector = (0.0, 0.0, 0.0)
     ) -> None:
-        """Command the thrusters' force (3,) and torque (3,) in still water, body axes, about the origin; fins stay.
+        """Command the thrusters' force (3,) and torque (3,) about the origin, in still water and body axes.
 
-        A wrench beyond the thrusters' limits keeps its direction and is scaled to the largest possible one. Raises
-        ValueError.
+        Fins are not affected. A wrench beyond the thrusters' limits is scaled down, keeping its direction. Raises
+        ValueError for wrong shapes and for values that are not finite.
         """
         given = (("force_body_n", force_body_n, "N"), ("torque_body_nm", torque_body_nm, "N m"))
         parts: list[float] = []
@@ -95,7 +95,7 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_wrench", force_body_n=parts[:3], torque_body_nm=parts[3:])
 
     def set_thrusters(self, commands: Mapping[str, float]) -> None:
-        """Command thrusters in [-1, 1] by name; unnamed thrusters stop; fins stay. Raises ValueError."""
+        """Command thrusters in [-1, 1] by name; unnamed thrusters stop. Fins are not affected. Raises ValueError."""
         known = [name for name, _ in self._simulation.thruster_commands(self._index)]
         pairs = numbers_by_name(commands, "thrusters", known)
         self.gate.hears()
@@ -104,9 +104,9 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_thrusters", commands=dict(pairs))
 
     def set_fins(self, angles_rad: Mapping[str, float]) -> None:
-        """Command deflections by name, right-handed about each fin's span; unnamed fins return to 0; thrusters stay.
+        """Command deflections by name, right-handed about each fin's span; unnamed fins return to 0.
 
-        Raises ValueError.
+        Thrusters are not affected. Raises ValueError.
         """
         known = [name for name, _ in self._simulation.fin_angles_rad(self._index)]
         pairs = numbers_by_name(angles_rad, "fins", known, "rad")
@@ -116,20 +116,21 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("set_fins", angles_rad=dict(pairs))
 
     def steer_silently(self, efforts: Sequence[float]) -> None:
-        """Set efforts, saturated, without a note: a program's actions follow from what has already been noted."""
+        """Set efforts, clipped to [-1, 1], without a journal entry: they follow from events already in the journal."""
         if not self.all_stopped:
             self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
 
     def override_failsafe(self) -> None:
-        """Take control back from the failsafe, which does not act again on this cause. ValueError if there is none."""
+        """Take control back from the failsafe, which will not act on this cause again. ValueError if there is none."""
         self.gate.override()
         self._note("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
-        """Stop the thrusters and move the fins to neutral, against all commands, until False releases them. ValueError.
+        """Stop the thrusters and centre the fins, overriding all commands until all_stop(False).
 
-        Until then commands have no effect, with one AllStopWarning, and the dock keeps a docked vehicle. Afterwards the
-        vehicle is idle until the next command; a failsafe that steers continues from there.
+        Until then commands have no effect, with a single AllStopWarning, and a docked vehicle stays in the dock.
+        Afterwards the vehicle is idle until the next command; a failsafe that is steering continues from there. Raises
+        ValueError.
         """
         self.gate.all_stop(on)
         self._note("all_stop", on=bool(on))
@@ -137,7 +138,7 @@ class CommandedVehicle(Sealed, Placeable):
     def release(self) -> None:
         """Leave the station; the mission time starts.
 
-        Does nothing if already free; ValueError if all stop prevents it.
+        Does nothing if already free. Raises ValueError if all stop prevents it.
         """
         if not self.released:
             self.gate.require_no_stop("release")
@@ -145,10 +146,10 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("release")
 
     def undock(self) -> None:
-        """Leave the station at once: release the vehicle and place it, at rest, at the dock's exit (station.exit_m).
+        """Leave the station: release the vehicle and place it, at rest, at the dock's exit (station.exit_m).
 
-        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if it is not docked, the
-        water there is not free, or all stop is set.
+        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if the vehicle is not docked,
+        the exit is not clear, or all stop is set.
         """
         if self.released:
             raise ValueError(f"vehicle '{self.name}': undock: is not docked")
@@ -159,11 +160,11 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("undock")
 
     def dock(self) -> None:
-        """Enter the station's dock from nearby: it holds the vehicle, at rest, until the next release or undock.
+        """Enter the station's dock from nearby; the dock holds the vehicle, at rest, until the next release or undock.
 
-        The vehicle must be within 1.5 m of its place in the dock, slower than 0.5 m/s and within 30 degrees of the
-        dock's heading, and the dock must be empty; otherwise a ValueError states how far away it is. Its commands end
-        and its battery is charged at once: the next release starts another mission.
+        The vehicle must be within 1.5 m of its docked position, slower than 0.5 m/s and within 30 degrees of the dock's
+        heading, and the dock must be empty; otherwise a ValueError states by how much it fails. Docking ends its
+        commands and charges its battery immediately: the next release starts another mission.
         """
         if not self.released:
             raise ValueError(f"vehicle '{self.name}': dock: is docked already")
@@ -179,11 +180,11 @@ class CommandedVehicle(Sealed, Placeable):
         orientation_xyzw: Sequence[float] | Vector = (0.0, 0.0, 0.0, 1.0),
         velocity_body: Sequence[float] | Vector = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Place the vehicle at a pose at once, at rest unless velocity_body (6,) is given; a docked one is released.
+        """Place the vehicle at a pose, at rest unless velocity_body (6,) is set; a docked vehicle is released.
 
-        Commands remain held, propellers keep turning, and sensors keep their samples. Raises ValueError for numbers
-        that are not finite or too large, and if the vehicle's origin is not above the ground, however slightly, or is
-        inside a closed obstacle. The hull is not checked: if it overlaps a surface, contacts push it out.
+        Commands remain in effect, propellers keep turning, and sensors keep their samples. Raises ValueError for values
+        that are not finite or too large, and if the vehicle's origin is not above the ground, or is inside a closed
+        obstacle. The hull is not checked: if it overlaps a surface, contact forces push it out.
         """
         self._put(_core.BodyState(position_world_m, orientation_xyzw, velocity_body))
         self._note(
@@ -204,11 +205,11 @@ class CommandedVehicle(Sealed, Placeable):
             raise ValueError(f"vehicle '{self.name}': {error}") from None
 
     def _note(self, command: str, **arguments: Any) -> None:
-        """Report a command that has taken effect to the observers of the simulator."""
+        """Report a command that has taken effect to the simulator's observers."""
         if self._journal.observers:
             self._journal.note(command, vehicle=self.name, **arguments)
 
     def warn_if_docked(self) -> None:
-        """Warn, once, if the vehicle is commanded while docked. Simulator.step calls this."""
+        """Warn, once, if the vehicle is commanded while docked. Called by Simulator.step."""
         if self.gate.is_driven and not self.released:
             self.gate.warn_of_dock()

@@ -1,4 +1,4 @@
-"""Failures and a vehicle's reactions to them: faults that occur, alarms that it raises, its failsafe."""
+"""Failures and reactions to them: faults that occur, alarms that a vehicle raises, its failsafe."""
 
 from uwsim.simulator.failures.aboard import Aboard
 from uwsim.simulator.failures.events import Event, EventLog

@@ -1,4 +1,4 @@
-"""The autonomous reactions of a simulator's vehicles, and their faults."""
+"""The faults and autonomous reactions of a simulator's vehicles."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ FAILSAFE_OF = "failsafe of "
 
 
 class AboardState(State):
-    """The faults, each vehicle's failsafe under "failsafe of NAME", and the vehicles with all stop set."""
+    """The faults, each vehicle's failsafe under "failsafe of NAME", and the vehicles for which all stop is set."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, FailsafeState]
-    all_stopped: list[str] = Field(default=[])  # version 1 had no all stop
+    all_stopped: list[str] = Field(default=[])  # version 1 did not have all stop
     faults: FaultsState
 
 
 class Aboard:
-    """The faults of a simulator, its vehicles' failsafes and their all stop: saved, restored and restarted together."""
+    """A simulator's faults, and its vehicles' failsafes and all stops, saved, restored and restarted together."""
 
     STATE: ClassVar[Any] = AboardState
 
@@ -51,7 +51,7 @@ class Aboard:
         events: EventLog,
         agenda: Agenda,
     ) -> dict[str, Failsafe]:
-        """Give each vehicle the failsafe of the scenario or of its own file; return them by vehicle."""
+        """Give each vehicle the failsafe from the scenario or from its own file; return them by vehicle."""
         self._vehicles = vehicles
         for name, vehicle in vehicles.items():
             vehicle.gate.changed = partial(_note_all_stop, events, agenda, name)
@@ -85,7 +85,7 @@ class Aboard:
         return {"all_stopped": stopped, "faults": self._faults.save(), **failsafes}
 
     def restore(self, state: AboardState) -> None:
-        """Continue from the result of `save`. Raises ValueError if it belongs to other vehicles."""
+        """Load a state returned by `save`. Raises ValueError if it belongs to other vehicles."""
         failsafes = state.__pydantic_extra__
         require_names("programs", failsafes, (FAILSAFE_OF + name for name in self._failsafes))
         require_names("all_stopped", {*self._vehicles, *state.all_stopped}, self._vehicles)

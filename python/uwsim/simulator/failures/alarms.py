@@ -1,6 +1,6 @@
-"""A vehicle's alarms about itself, from what it can measure aboard: its charge, bilges, motors and readings.
+"""A vehicle's alarms about itself, from what it can measure aboard: battery, bilges, motors and sensor readings.
 
-They do not use the truth: a bias, which looks like any reading, goes unnoticed.
+They do not use the truth: a bias, which looks like any other reading, is not detected.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from uwsim.scenario.spec.sensor import SensorMount
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 Cause = Literal["battery", "leak", "thruster", "sensor"]
-LOOK_S = 0.5  # between two checks
+LOOK_S = 0.5  # time between two checks
 WET_KG = 0.05  # mass of water that a leak sensor in the bilge detects
-WEAK = 0.7  # share of the commanded thrust below which a motor's telemetry counts as a failure
-WORKING = 0.1  # share of full command below which a motor is not checked
-SILENT_LOOKS = 4  # for a sensor without a valid sample, or a thruster that does not obey
-STUCK_LOOKS = 20  # for a sensor with noise that repeats the same value to the last bit
+WEAK = 0.7  # fraction of the commanded thrust below which a motor counts as failed
+WORKING = 0.1  # commands smaller than this are not checked
+SILENT_LOOKS = 4  # consecutive checks without a valid sample, or with too little thrust, before an alarm
+STUCK_LOOKS = 20  # consecutive checks with bit-identical values of a noisy sensor, before an alarm
 
 
 class Watched(Protocol):
-    """The attributes of a vehicle that alarms check."""
+    """The attributes of a vehicle that the alarms check."""
 
     @property
     def thrusters(self) -> Mapping[str, Any]:
-        """Each thruster's command and thrust."""
+        """The command and thrust of each thruster."""
 
     @property
     def sensors(self) -> Mapping[str, Any]:
@@ -42,7 +42,7 @@ class Watched(Protocol):
 
 @dataclass
 class Alarms:
-    """The alarms of one vehicle. lit: active ones as text, by name. counts, last: state carried between checks."""
+    """The alarms of one vehicle. lit: active alarms as text, with their causes. counts, last: state between checks."""
 
     model: VehicleModel
     figures: Failsafe
@@ -51,7 +51,7 @@ class Alarms:
     last: dict[str, list[float]] = field(default_factory=dict)
 
     def look(self, vehicle: Watched, water_kg: float) -> dict[str, Cause]:
-        """Check everything that is monitored; return the active alarms. water_kg: inside the hull."""
+        """Check everything that is monitored; return the active alarms. water_kg: mass of water inside the hull."""
         lit: dict[str, Cause] = {}
         if vehicle.telemetry().battery_percent < self.figures.battery_percent:
             lit["battery low"] = "battery"
@@ -67,7 +67,7 @@ class Alarms:
         return lit
 
     def _weak_thrusters(self, vehicle: Watched) -> list[str]:
-        """Compare the thrust derived from each motor's revolutions with that of its command, once spun up."""
+        """Compare each motor's thrust, derived from its revolutions, with the thrust expected from its command."""
         weak = []
         for name, state in vehicle.thrusters.items():
             expected_n = abs(self._expected_n(name, state.command))
@@ -98,13 +98,13 @@ class Alarms:
         return failing
 
     def _counted(self, what: str, fails: bool) -> int:
-        """Count the consecutive checks at which something failed."""
+        """Return the number of consecutive checks at which something failed, including this one."""
         self.counts[what] = self.counts.get(what, 0) + 1 if fails else 0
         return self.counts[what]
 
 
 def _never_repeats(mount: SensorMount) -> bool:
-    """Return whether a sensor's noise makes all samples different: some channel has noise that is not rounded."""
+    """Return whether a sensor's noise makes successive samples differ: some channel has noise that is not rounded."""
     if mount.noise_std is not None:
         return mount.noise_std > 0
     errors = [mount.noise, *mount.channels.values()]

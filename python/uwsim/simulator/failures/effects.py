@@ -1,4 +1,4 @@
-"""The effects of each kind of fault: which parameters it changes, and by how much."""
+"""The effect of each kind of fault: which parameters it changes, and by how much."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from uwsim.simulator.vehicle import Vehicle
 
 CURRENT = "water.current_world_m_s"
 COORDINATES = ("x", "y", "z")
-FASTEST_M_S = 5.0  # of a current: the limit in scenarios
+FASTEST_M_S = 5.0  # limit on a current's velocity components, as in scenarios
 
 
 def check(spec: FaultModel, vehicle: Vehicle, scenario: Scenario) -> None:
-    """Raise ValueError for parts that the vehicle does not have."""
+    """Raise ValueError if a fault refers to parts that the vehicle does not have."""
     if isinstance(spec, ThrusterFault):
         _check_thruster(spec, _model(scenario, vehicle.name), vehicle)
     if isinstance(spec, SensorFault):
@@ -68,7 +68,7 @@ def _check_sensor(spec: SensorFault, vehicle: Vehicle) -> None:
 
 
 def lay(spec: FaultModel, vehicle: str, water_kg: float, scenario: Scenario, over: dict[str, Any]) -> None:
-    """Apply a fault's effect on top of a scenario's parameters. over: parameters by name, with the faults so far."""
+    """Apply a fault's effect on top of a scenario's parameters. over: parameters by name, including earlier faults."""
     model = _model(scenario, vehicle)
     if isinstance(spec, ThrusterFault):
         if spec.thruster is not None:
@@ -97,7 +97,7 @@ def lay(spec: FaultModel, vehicle: str, water_kg: float, scenario: Scenario, ove
 
 
 def distort(spec: SensorFault, vehicle: Vehicle) -> None:
-    """Make a sensor's readings wrong from now on."""
+    """Falsify a sensor's readings from now on."""
     sensor = vehicle.sensors[spec.sensor]
     if spec.mode == "stuck":
         sensor.stick()
@@ -111,7 +111,7 @@ def _weaken_thruster(vehicle: str, thruster: str, share: float, model: VehicleMo
 
 
 def _weaken_axis(vehicle: str, axis: int, share: float, model: VehicleModel, over: dict[str, Any]) -> None:
-    """Reduce the force or torque of a vehicle without thrusters."""
+    """Reduce the maximum force or torque on one axis of a vehicle without thrusters."""
     figures, key = (model.max_force_n, "max_force_n") if axis < 3 else (model.max_torque_nm, "max_torque_nm")
     assert figures is not None
     name = f"{vehicle}.{key}.{COORDINATES[axis % 3]}"
@@ -121,7 +121,7 @@ def _weaken_axis(vehicle: str, axis: int, share: float, model: VehicleModel, ove
 def _add_water(
     vehicle: str, water_kg: float, at_m: tuple[float, float, float], model: VehicleModel, over: dict[str, Any]
 ) -> None:
-    """Add water as ballast: weight and inertia without buoyancy. Combined with other ballast at their common centre."""
+    """Add water as ballast: weight and inertia without buoyancy, combined with other ballast at the common centre."""
     if water_kg <= 0.0:
         return
     mass, place = f"{vehicle}.ballast_kg", f"{vehicle}.ballast_position_m"

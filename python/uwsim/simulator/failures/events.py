@@ -1,4 +1,4 @@
-"""Spontaneous events in a run: faults, alarms, failsafes."""
+"""Spontaneous events in a run: faults, alarms, failsafe reactions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.base.saved_state import State, Tick
 
 @dataclass(frozen=True)
 class Event:
-    """An event at a tick. vehicle: "" for the world. values: of JSON types."""
+    """An event at a tick. vehicle: "" for the world. values: JSON types."""
 
     tick: int
     time_s: float
@@ -33,7 +33,7 @@ class EventState(State):
 
 
 class EventLog(Sequence[Event]):
-    """The events of a run, in order."""
+    """The events of a run in chronological order."""
 
     STATE: ClassVar[Any] = list[EventState]
 
@@ -68,5 +68,5 @@ class EventLog(Sequence[Event]):
         return [asdict(event) for event in self._events]
 
     def restore(self, state: Sequence[EventState]) -> None:
-        """Replace the events by the result of `save`."""
+        """Load events returned by `save`, replacing the current ones."""
         self._events = [Event(**dict(event)) for event in state]

@@ -1,4 +1,4 @@
-"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm that something aboard has failed."""
+"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm about a failure aboard."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from uwsim.simulator.failures.manoeuvres import Beginning
 from uwsim.simulator.failures.steered import ZERO, Steered
 from uwsim.simulator.vehicle import Vehicle
 
-PERIOD_S = 0.05  # of the control loop
+PERIOD_S = 0.05  # period of the control loop
 SILENCE = "silence"
 
 
 class BeginningState(State):
-    """Where and when a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
+    """Place and time at which a manoeuvre began; see uwsim.simulator.failures.manoeuvres."""
 
     x_m: FiniteFloat
     y_m: FiniteFloat
@@ -36,7 +36,7 @@ class BeginningState(State):
 
 
 class FailsafeState(State):
-    """A saved failsafe. pilot: the memory of its Controller, if it steers. lit, counts, last: of its Alarms."""
+    """A saved failsafe. pilot: memory of its Controller, if it is steering. lit, counts, last: state of its Alarms."""
 
     state: Literal["", "hold", "surface", "return", "go_on"]
     cause: Literal["", "silence", "battery", "leak", "thruster", "sensor"]
@@ -57,10 +57,9 @@ class FailsafeState(State):
 class Failsafe(Sealed):
     """The failsafe of one vehicle; see uwsim.scenario.spec.failsafe for its parameters.
 
-    It acts once the vehicle is released.
-
-    state: its reaction: "" (none), hold, surface, return or go_on. cause: silence, battery, leak, thruster or sensor.
-    alarms: the active ones as text. home_m: the position to which it returns.
+    It acts only while the vehicle is released. state: its reaction: "" (none), hold, surface, return or go_on. cause:
+    silence, battery, leak, thruster or sensor. alarms: the active alarms, as text. home_m: the position to which it
+    returns.
     """
 
     figures: Figures
@@ -79,9 +78,9 @@ class Failsafe(Sealed):
         water_kg: Callable[[], float] = lambda: 0.0,
         link_silence_s: Callable[[], float] | None = None,
     ) -> None:
-        """home_m: the position to which it returns. water_kg: inside the hull.
+        """home_m: the position to which it returns. water_kg: returns the mass of water inside the hull.
 
-        link_silence_s: of the link, if there is one.
+        link_silence_s: returns the link's time of silence, if there is a link.
         """
         self.figures = figures
         self.home_m = home_m
@@ -111,12 +110,12 @@ class Failsafe(Sealed):
 
     @property
     def state(self) -> str:
-        """Its present reaction."""
+        """Its current reaction."""
         return self._state
 
     @property
     def cause(self) -> str:
-        """The cause of the reaction."""
+        """The cause of its reaction."""
         return self._cause
 
     @property
@@ -126,15 +125,15 @@ class Failsafe(Sealed):
 
     @property
     def has_control(self) -> bool:
-        """Whether it steers, so that commands have no effect.
+        """Whether it is steering, so that commands have no effect.
 
-        Without a link a command ends a silence, so then it does not.
+        Without a link, it is not in control during a silence, because any command ends the silence.
         """
         is_ended_by_commands = self._cause == SILENCE and self._link_silence_s is None
         return self._state in ("hold", "surface", "return") and not is_ended_by_commands
 
     def heard(self) -> None:
-        """Register a command, which ends a silence; with a link, only if it came over that."""
+        """Register a command. It ends a silence; with a link, only if the command arrived over the link."""
         tick = self._heard_tick = self._tick()
         if self._cause == SILENCE and not self._is_silent(tick):
             self._end()
@@ -144,7 +143,7 @@ class Failsafe(Sealed):
         self._steered.insist()
 
     def override(self) -> None:
-        """Return control to the pilot: the cause that has control now does not act again in this run."""
+        """Return control to the pilot; the cause that is in control now will not act again in this run."""
         if self._cause and self._cause != SILENCE:
             self._overridden.add(self._cause)
         self._end()
@@ -182,7 +181,7 @@ class Failsafe(Sealed):
         }
 
     def restore(self, saved: FailsafeState) -> None:
-        """Continue from the result of `save`."""
+        """Load a state returned by `save`."""
         self._state, self._cause = saved.state, saved.cause
         self._heard_tick, self._free_tick, self._was_free = saved.heard_tick, saved.free_tick, saved.was_free
         self._overridden, self._began = set(saved.overridden), Beginning(**dict(saved.began))
@@ -193,7 +192,7 @@ class Failsafe(Sealed):
         if saved.pilot is not None:
             self._take_pilot().memory = saved.pilot
 
-    # What it does
+    # Checking and steering
 
     def _look(self, tick: int) -> None:
         self._next_look = tick + self._ticks(LOOK_S)
@@ -220,7 +219,7 @@ class Failsafe(Sealed):
         return self.figures.silence_s is not None and self._silence_ticks(tick) >= self._ticks(self.figures.silence_s)
 
     def _silence_ticks(self, tick: int) -> int:
-        """Return how long no command has come; with a link, how long nothing has come over that."""
+        """Return the number of ticks since the last command; with a link, since the last packet over it."""
         if self._link_silence_s is None:
             return tick - self._heard_tick
         return min(round(self._link_silence_s() / self._step_s), tick - self._free_tick)
@@ -245,7 +244,7 @@ class Failsafe(Sealed):
                 self._begin(tick, then, cause, what=name)
 
     def _outranks(self, then: str) -> bool:
-        """Return whether something more serious than the present cause has occurred."""
+        """Return whether a reaction has precedence over the current one."""
         order = ("go_on", "hold", "return", "surface")
         return order.index(then) > order.index(self._state) or (self._cause == SILENCE and then != "go_on")
 
@@ -272,7 +271,7 @@ class Failsafe(Sealed):
         self._pilot = None
 
     def _steer(self, tick: int) -> None:
-        if self._vehicle.all_stopped:  # it starts from the vehicle's position when all stop is released
+        if self._vehicle.all_stopped:  # restarts from the vehicle's position when all stop is released
             self._began, self._pilot = self._beginning(tick), None
             return
         pilot, time_s = self._take_pilot(), tick * self._step_s

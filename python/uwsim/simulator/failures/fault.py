@@ -1,4 +1,4 @@
-"""One fault: its kind, when it begins and ends, and its saved state."""
+"""A single fault: its kind, when it begins and ends, and its saved state."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class _One(Model):
 
 
 def checked_fault(given: dict[str, Any]) -> FaultModel:
-    """Return a fault that is not from a scenario's file. Raises ScenarioError, a ValueError."""
+    """Validate a fault that does not come from a scenario file. Raises ScenarioError, a ValueError."""
     return validated(_One, {"faults": [given]}).faults[0]
 
 
 class FaultState(State):
-    """A saved fault. spec: with the keys of a scenario's file."""
+    """A saved fault. spec: a dict with the keys used in scenario files."""
 
     spec: dict[str, Any]
     vehicle: str
@@ -37,16 +37,13 @@ class FaultState(State):
 
 @dataclass
 class Fault:
-    """A fault and its present state. count: how often it has begun.
-
-    water_kg: mass of water that has entered through it.
-    """
+    """A fault and its current state. count: how many times it has begun. water_kg: mass of water it has let in."""
 
     name: str
     spec: FaultModel
     vehicle: str
     begin_tick: int
-    end_tick: int | None = None  # while it is active; NEVER: until the end of the run
+    end_tick: int | None = None  # None while inactive; NEVER: active until the end of the run
     count: int = 0
     began_tick: int = 0
     filled_tick: int = 0
@@ -54,16 +51,16 @@ class Fault:
 
     @property
     def is_active(self) -> bool:
-        """Whether it is active now."""
+        """Whether the fault is active now."""
         return self.end_tick is not None
 
     def save(self) -> dict[str, Any]:
-        """Return its state, as JSON values."""
+        """Return the fault's state as JSON values."""
         kept = {key: getattr(self, key) for key in FaultState.model_fields if key != "spec"}
         return {"spec": self.spec.model_dump(exclude_none=True), **kept}
 
     @staticmethod
     def restored(name: str, state: FaultState) -> Fault:
-        """Return a saved fault. Raises ValueError for an unknown kind of fault."""
+        """Build a fault from its saved state. Raises ValueError for an unknown kind of fault."""
         values = {key: getattr(state, key) for key in FaultState.model_fields if key != "spec"}
         return Fault(name, checked_fault(state.spec), **values)

@@ -1,7 +1,7 @@
-"""Faults: failures that begin on schedule, at random or on request, and end when their time is over.
+"""Faults: failures that begin on schedule, at random or on request, and end after their duration.
 
-A fault acts through existing parameters of the simulator, such as a thruster's health or the ballast, on top of the
-scenario's and the user's (`effects`); a sensor's wrong readings are made where it is read (`distortion`).
+A fault acts through existing simulator parameters, such as a thruster's health or the ballast, on top of the scenario's
+values and the user's (`effects`); a sensor's readings are falsified where they are read (`distortion`).
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from uwsim.simulator.failures.fault import Fault, FaultState, checked_fault
 from uwsim.simulator.network import Network
 from uwsim.simulator.vehicle import Vehicle
 
-FILL_S = 1.0  # interval at which the water of a leak is updated
+FILL_S = 1.0  # interval at which the water from a leak is updated
 
 
 class DistortionState(State):
-    """How a sensor is distorted; see uwsim.instruments.distortion."""
+    """A sensor's distortion; see uwsim.instruments.distortion."""
 
     stuck: dict[str, list[float]] | None
     bias: FiniteFloat
@@ -70,10 +70,9 @@ class Faults(Sealed):
         network: Network | None = None,
         has_channels: bool = True,
     ) -> None:
-        """apply: applies `overlay` to the running values. network: of the link, if there is one.
+        """apply: applies `overlay` to the running simulation. network: the link's network, if there is a link.
 
-        has_channels: whether commands may come over channels, which a fault of the link cuts off if there is no
-        network.
+        has_channels: whether commands may arrive over channels; without a network, a link fault cuts these off.
         """
         self._vehicles = vehicles
         self._events = events
@@ -106,7 +105,7 @@ class Faults(Sealed):
         self._attend()
 
     def _attend(self) -> None:
-        """Be on the agenda while there are faults, begun or not; a simulator without faults then steps at once."""
+        """Register with the agenda only while there are faults, begun or not, so that other runs step faster."""
         self._agenda.remove(self)
         if self._faults:
             self._agenda.add(self, Rank.FAULT, self.act)
@@ -120,7 +119,7 @@ class Faults(Sealed):
         return tuple(name for name, fault in self._faults.items() if fault.is_active)
 
     def water_kg(self, vehicle: str) -> float:
-        """Return the mass of the water inside a vehicle at the last update [kg]."""
+        """Return the mass of water inside a vehicle at the last update [kg]."""
         return sum(fault.water_kg for fault in self._faults.values() if fault.vehicle == vehicle)
 
     def link_is_down(self, vehicle: str) -> bool:
@@ -152,7 +151,7 @@ class Faults(Sealed):
         return fault.name
 
     def end(self, name: str) -> None:
-        """End a fault now, for good. The water of a leak remains. Raises ValueError."""
+        """End a fault permanently. Water that has leaked in remains. Raises ValueError for an unknown name."""
         if name not in self._faults:
             raise ValueError(f"faults.end: name = {name!r}: must be one of {', '.join(self._faults) or 'none'}")
         fault = self._faults[name]
@@ -163,7 +162,7 @@ class Faults(Sealed):
         self._journal.note("end_fault", name=name)
 
     def overlay(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the parameters that differ from a scenario's, including the user's changes, by name."""
+        """Return the parameters that faults change from a scenario's values, by name."""
         found: dict[str, Any] = {}
         for fault in self._faults.values():
             if fault.is_active or fault.water_kg > 0:
@@ -172,7 +171,7 @@ class Faults(Sealed):
 
     @property
     def due_tick(self) -> int:
-        """The tick at which a fault begins, ends or needs an update."""
+        """The next tick at which a fault begins, ends or needs an update."""
         return min((self._due(fault) for fault in self._faults.values()), default=NEVER)
 
     def _due(self, fault: Fault) -> int:
@@ -182,7 +181,7 @@ class Faults(Sealed):
         return min(fault.end_tick, fault.filled_tick + self._ticks(FILL_S)) if is_filling else fault.end_tick
 
     def act(self, tick: int) -> None:
-        """Begin and end what is due."""
+        """Begin, update and end the faults that are due."""
         for fault in self._faults.values():
             if self._due(fault) > tick:
                 continue
@@ -205,7 +204,7 @@ class Faults(Sealed):
         return {"faults": {name: fault.save() for name, fault in self._faults.items()}, "sensors": stuck}
 
     def restore(self, state: FaultsState) -> None:
-        """Continue from the result of `save`; the caller applies the overlay. Raises ValueError."""
+        """Load a state returned by `save`; the caller applies the overlay. Raises ValueError."""
         self._faults = {}
         for name, saved in state.faults.items():
             fault = self._faults[name] = Fault.restored(name, saved)
@@ -216,7 +215,7 @@ class Faults(Sealed):
                 sensor.distort(None if distorted is None else Distortion(**dict(distorted)))
         self._attend()
 
-    # What happens
+    # Beginning and ending
 
     def _add(self, spec: FaultModel, tick: int) -> Fault:
         vehicle = spec.vehicle or next(iter(self._vehicles))
@@ -244,7 +243,7 @@ class Faults(Sealed):
         return next(name for name in names if name not in self._faults)
 
     def _next_begin(self, fault: Fault, after_tick: int) -> int:
-        """Return when it begins next: once at at_s, otherwise after a random interval (a Poisson process)."""
+        """Return the tick at which a fault next begins: once at at_s, or after random intervals (a Poisson process)."""
         if fault.spec.at_s is not None:
             return round(fault.spec.at_s / self._scenario.step_s) if fault.count == 0 else NEVER
         assert fault.spec.rate_per_h is not None
@@ -252,7 +251,7 @@ class Faults(Sealed):
         return after_tick + self._ticks(interval_s)
 
     def _draw(self, fault: Fault) -> float:
-        """Return a number in (0, 1) that depends only on seed, name and count (Philox 4 x 64, counter-based)."""
+        """Return a random value in (0, 1) that depends only on seed, name and count (Philox 4 x 64, counter-based)."""
         stream = int.from_bytes(hashlib.blake2b(f"fault/{fault.name}".encode(), digest_size=8).digest(), "little")
         key = np.array([self._scenario.seed, stream], np.uint64)
         counter = np.array([fault.count, 0, 0, 0], np.uint64)

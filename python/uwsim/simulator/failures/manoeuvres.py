@@ -1,6 +1,6 @@
-"""The manoeuvres of a failsafe: hold, surface, return. Each is a function of the vehicle's position when it began.
+"""The manoeuvres of a failsafe: hold, surface, return. Each is a function of the vehicle's pose when it began.
 
-They define the targets; the loops of uwsim.navigation.control.Controller do the steering.
+They define the targets; the control loops of uwsim.navigation.control.Controller do the steering.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from uwsim.navigation.control.controller import Controller
 from uwsim.scenario.spec.failsafe import Failsafe
 
-PULL_1_S = 0.3  # velocity towards home, per metre of distance
+PULL_1_S = 0.3  # speed towards home, per metre of distance
 ARRIVED_M = 1.0
 SHALLOWEST_M = 0.5  # depth above which `return` does not climb
-SLOWING_M_S2 = 0.1  # deceleration at the end of an ascent, assumed: within any vehicle's capability
+SLOWING_M_S2 = 0.1  # deceleration at the end of an ascent; assumed to be within any vehicle's capability
 
 
 @dataclass(frozen=True)
 class Beginning:
-    """Where and when a manoeuvre began: x, y, z [m], yaw [rad], time [s]."""
+    """Place and time at which a manoeuvre began: x, y, z [m], yaw [rad], time [s]."""
 
     x_m: float
     y_m: float
@@ -29,12 +29,12 @@ class Beginning:
 
 
 def hold(pilot: Controller, began: Beginning) -> None:
-    """Keep depth, heading and position."""
+    """Hold depth, heading and position."""
     pilot.hold((began.x_m, began.y_m, began.z_m), began.yaw_rad)
 
 
 def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: float) -> None:
-    """Ascend at the given rate, keeping heading and position, and stay at the given depth."""
+    """Ascend at the configured rate, holding heading and position, and stay at the configured depth."""
     height_m = max(0.0, -figures.surface_m - began.z_m)
     risen_m, rate_m_s = ascent(height_m, figures.ascent_m_s, time_s - began.time_s)
     velocity_m_s = (0.0, 0.0, rate_m_s)
@@ -42,7 +42,7 @@ def surface(pilot: Controller, began: Beginning, figures: Failsafe, time_s: floa
 
 
 def ascent(height_m: float, rate_m_s: float, since_s: float) -> tuple[float, float]:
-    """Return how far an ascent of height_m has come, and its rate then: constant, and decreasing at the end."""
+    """Return the height gained in an ascent after since_s, and the rate then: constant first, decreasing at the end."""
     fastest_m_s = min(rate_m_s, math.sqrt(2.0 * SLOWING_M_S2 * height_m))
     if fastest_m_s <= 0.0:
         return 0.0, 0.0
@@ -62,9 +62,9 @@ def fly_back(
     home_m: tuple[float, float, float],
     above_bed_m: float,
 ) -> None:
-    """Climb or sink to the return depth, face home, fly there, and hold there at home's depth.
+    """Climb or sink to the return depth, face home, fly there, and hold at home's depth.
 
-    above_bed_m: from the vehicle's altimeter; inf without one, or without an echo.
+    above_bed_m: the vehicle's altimeter reading; inf without an altimeter or an echo.
     """
     x_m, y_m, z_m = pilot.estimate.pose.position_world_m.tolist()
     east_m, north_m = home_m[0] - x_m, home_m[1] - y_m
@@ -82,7 +82,7 @@ def fly_back(
 
 
 def z_m_above_bed(z_m: float, pilot: Controller, figures: Failsafe, above_bed_m: float) -> float:
-    """Return the height at which the vehicle keeps its minimum distance from the bed."""
+    """Return the height (z) at which the vehicle keeps its minimum altitude above the bed."""
     if not math.isfinite(above_bed_m):
         return z_m
     return float(pilot.estimate.pose.position_world_m[2]) - above_bed_m + figures.height_m

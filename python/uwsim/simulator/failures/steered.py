@@ -1,4 +1,4 @@
-"""The vehicle as steered by its own failsafe."""
+"""A vehicle as seen and steered by its own failsafe."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ ZERO = (0.0,) * 6
 
 
 class Steered(Steerable):
-    """The vehicle as steered by its own failsafe: unlike commands from outside, its efforts are not logged.
+    """A vehicle steered by its own failsafe; unlike commands from outside, its efforts are not logged.
 
-    pose, velocity: from its own instruments (Vehicle.estimate) once its navigation has begun; the truth before that.
+    pose, velocity: from the vehicle's own instruments (Vehicle.estimate) once its navigation has begun; the truth
+    before.
     """
 
     def __init__(self, vehicle: Vehicle) -> None:
@@ -28,12 +29,12 @@ class Steered(Steerable):
 
     @property
     def pose(self) -> Any:
-        """The pose, as far as the vehicle knows it."""
+        """The pose as the vehicle knows it."""
         return self._known.pose
 
     @property
     def velocity(self) -> Any:
-        """The velocity, as far as the vehicle knows it."""
+        """The velocity as the vehicle knows it."""
         return self._known.velocity
 
     @property
@@ -42,7 +43,7 @@ class Steered(Steerable):
         return navigation.navigator if navigation.has_begun else self._vehicle
 
     def command(self, name: str, /, **efforts: float) -> None:
-        """Set efforts, saturated: its only command."""
+        """Set efforts, clipped to [-1, 1]; the only command."""
         self.last = tuple(efforts.values())
         self.insist()
 

@@ -1,4 +1,4 @@
-"""A scenario with some of its values replaced, checked as a whole."""
+"""Replaces values of a scenario, and validates the result as a whole."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UNSET = object()
 
 @dataclass
 class Edits:
-    """The replacements at a place, and below it."""
+    """The replacements at and below a place."""
 
     value: Any = UNSET
     below: dict[str | int, Edits] = field(default_factory=dict)
@@ -37,7 +37,7 @@ class Edits:
 
 
 def edited(scenario: Scenario, changes: Mapping[Place, Any]) -> Scenario:
-    """Return a checked copy with these values. Raises ScenarioError, whose mistakes name the scenario's keys."""
+    """Return a validated copy with these values. Raises ScenarioError, whose mistakes name the scenario's keys."""
     edits = Edits()
     for place, value in changes.items():
         edits.put(place, value)
@@ -52,7 +52,7 @@ class _Merge:
     scenario: Scenario
 
     def merged(self, present: Any, edits: Edits) -> Any:
-        """Return plain values for a model: the present ones with the edits; unedited parts remain models."""
+        """Return plain values for a model: the current ones with the edits applied; unedited parts remain models."""
         value = present if edits.value is UNSET else edits.value
         if not edits.below:
             return value
@@ -74,7 +74,7 @@ class _Merge:
         data: dict[Any, Any] = model.given()
         kind = edits.below.get(KIND)
         if kind is not None and kind.value != getattr(model, KIND, None):
-            data = {}  # another kind has other keys
+            data = {}  # a different kind has different keys
         for key, below in edits.below.items():
             data[key] = self.merged(self._base(model, str(key)), below)
         for key in _displaced(model, data, edits):
@@ -92,7 +92,7 @@ class _Merge:
 
 
 def _displaced(model: Model, data: Mapping[str | int, Any], edits: Edits) -> tuple[str, ...]:
-    """Return the keys of a model that the edits make obsolete: the scenario must give only one of two alternatives."""
+    """Return the keys that the edits make obsolete, since a scenario may specify only one of two alternatives."""
     if isinstance(model, VehicleModel) and "mass_kg" in edits.below:
         return "density_kg_m3", "buoyancy"
     if isinstance(model, SensorMount) and "noise" in edits.below:

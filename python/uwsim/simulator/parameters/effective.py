@@ -1,4 +1,4 @@
-"""Values in effect of fields that a scenario leaves out and a model or a mesh provides."""
+"""Effective values of fields that a scenario omits and that a model or a mesh provides."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_FORCES = (0.0,) * 6
 
 
 def effective(owner: Model, field: str, scenario: Scenario) -> Any:
-    """Return a field's value in effect: its own, or the one that applies if it has none."""
+    """Return a field's effective value: its own, or the one that applies if it has none."""
     own = getattr(owner, field)
     if isinstance(owner, SonarSetup):
         return _of_sonar(owner, field, own)

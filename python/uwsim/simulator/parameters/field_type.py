@@ -1,4 +1,4 @@
-"""The type, unit and range of a field of a scenario's models, from its annotation."""
+"""The type, unit and range of a field in a scenario's models, derived from its annotation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Type = Literal["number", "whole number", "flag", "choice", "text", "list", "stru
 
 @dataclass(frozen=True)
 class FieldType:
-    """The type of a field whose value is a leaf; see Parameter. items: the fields' types of a tuple, by position."""
+    """The type of a field whose value is a leaf; see Parameter for the meaning of its fields."""
 
     type: Type
     unit: str = ""
@@ -25,7 +25,7 @@ class FieldType:
 
 
 def stripped(annotation: Any, value: Any) -> tuple[Any, list[Any], bool]:
-    """Return the arm of an annotation that fits a value, its metadata, and whether None is allowed."""
+    """Return the alternative of an annotation that fits a value, its metadata, and whether None is allowed."""
     metadata: list[Any] = []
     optional = False
     while True:

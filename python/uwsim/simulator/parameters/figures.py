@@ -1,4 +1,4 @@
-"""Parameters of the kinds of sensors and imaging sonars, whose tables are in the native core."""
+"""Parameters specific to each kind of sensor and imaging sonar, whose tables are in the native core."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STRENGTHS_TYPE = FieldType("structure", meaning="Lambert's strength of single su
 
 
 def sensor_figures(mount: SensorMount) -> dict[str, tuple[FieldType, tuple[float, ...]]]:
-    """Return the parameters of a sensor's kind by name: the type of each, and its values."""
+    """Return the parameters of a sensor's kind by name: type and values."""
     return {
         name: (_type(figure), tuple(mount.parameters.get(name) or (figure.by_default,) * figure.width))
         for name, figure in _core.sensor_kind(mount.kind).parameters.items()
@@ -25,13 +25,13 @@ def sensor_figures(mount: SensorMount) -> dict[str, tuple[FieldType, tuple[float
 
 
 def imaging_figures(mount: ImagingMount) -> dict[str, tuple[FieldType, Any]]:
-    """Return the parameters of an imaging sonar by their keys in YAML, angles in degrees: type and value."""
+    """Return the parameters of an imaging sonar by YAML key, with angles in degrees: type and value."""
     model = imaging.KINDS[mount.kind].model(**mount.figures)
     figures: dict[str, tuple[FieldType, Any]] = {}
     for name, figure in _core.imaging_kind(mount.kind).parameters.items():
         value, optional = getattr(model, name), not math.isnan(figure.by_default)
         if name.endswith(RADIANS):
-            degrees = float(f"{math.degrees(value):.12g}")  # the value as given, in spite of rounding
+            degrees = float(f"{math.degrees(value):.12g}")  # the value as written in the file, without rounding errors
             figures[name.removesuffix(RADIANS) + DEGREES] = _type(figure, in_degrees=True), degrees
         else:
             figures[name] = _type(figure, optional=optional), value
@@ -47,7 +47,7 @@ def _type(figure: _core.Parameter, *, optional: bool = False, in_degrees: bool =
 
 
 def noise_unit(scenario: Scenario, place: tuple[str | int, ...]) -> str:
-    """Return the unit of a noise value at a place, if the sensor's channels have only one."""
+    """Return the unit of a noise value at a place, or "" if the sensor's channels have different units."""
     at: Any = scenario
     below = list(place)
     while not isinstance(at, SensorMount):

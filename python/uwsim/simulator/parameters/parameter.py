@@ -13,8 +13,9 @@ from uwsim.simulator.parameters.field_type import Type
 class Parameter:
     """A parameter, as returned by `describe`.
 
-    name: such as "rov.drag.linear.surge". key: its key in the scenario. value: now; default: the scenario's.
-    low, high: limits in `unit`, None without. choices: of a "choice". optional: whether None is also a value.
+    name: such as "rov.drag.linear.surge". key: its key in the scenario. value: current value; default: the scenario's
+    value. low, high: limits in `unit`, None if unlimited. choices: permitted values of a "choice". optional: whether
+    None is also permitted.
     """
 
     name: str
@@ -31,7 +32,7 @@ class Parameter:
 
     @property
     def range_text(self) -> str:
-        """Return the range or the choices in words."""
+        """The range or the choices as text."""
         if self.choices:
             return ", ".join(map(str, self.choices))
         if self.type == "flag":
@@ -41,7 +42,7 @@ class Parameter:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON types: lists for tuples, dicts for models."""
+    """Convert a value to JSON types: tuples to lists, models to dicts."""
     if hasattr(value, "model_dump"):
         return plain({key: getattr(value, key) for key in type(value).model_fields})
     if isinstance(value, Mapping):

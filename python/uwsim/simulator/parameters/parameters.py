@@ -1,4 +1,4 @@
-"""Parameters, the mapping of a simulator's parameters by name."""
+"""Parameters, a mapping from names to a simulator's parameters."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from uwsim.simulator.parameters.tree import Node, Place, find, nodes
 
 
 class UnknownParameterError(UnknownNameError):
-    """Unknown name of a parameter. The message suggests the nearest."""
+    """The name of a parameter is unknown. The message suggests the most similar name."""
 
 
 class Switch(Protocol):
-    """Something that is on or off, such as a lamp."""
+    """A part that is either on or off, such as a lamp."""
 
     @property
     def on(self) -> bool:
         """Whether it is on."""
 
     def set_silently(self, on: bool) -> None:
-        """Switch it without a journal entry."""
+        """Switch on or off without a journal entry."""
 
 
 class Parameters(Mapping[str, Any]):
-    """A simulator's parameters by name, such as `rov.drag.linear.surge`: the scenario's keys, under a vehicle's name.
+    """A simulator's parameters by name, such as `rov.drag.linear.surge`: the scenario's keys under a vehicle's name.
 
         sim.parameters["rov.drag.linear.surge"] = 40.0
         sim.parameters.update({"water.current_world_m_s": [0.3, 0, 0], "rov.thrusters.front_left.health": 0.5})
 
-    Iteration yields the names of single values. The name of a group, such as `rov.drag`, gets all its values
-    in dicts and lists, and sets those that are given. `water.surface`, `water.current`, `water.profile` and
+    Iteration yields the names of individual values. The name of a group, such as `rov.drag`, reads all its values as
+    dicts and lists, and sets those that are passed. `water.surface`, `water.current`, `water.profile` and
     `optics.coefficients` are replaced as a whole.
 
-    A change is checked like the scenario, and together with it: it raises ValueError, changing nothing, with parameter,
-    value, unit and rule. It applies from the next step on, as if it were in the scenario; motion, commands and samples
-    in transit are kept. Reading is safe on any thread, changing on the stepping thread.
+    The changed scenario is validated as a whole: an invalid change raises ValueError with parameter, value, unit and
+    rule, and changes nothing. A change applies from the next step on, as if it were in the scenario; motion, commands
+    and samples in transit are kept. Reading is safe on any thread; change parameters only on the stepping thread.
     """
 
     STATE: ClassVar[Any] = dict[str, Any]
@@ -59,9 +59,9 @@ class Parameters(Mapping[str, Any]):
     ) -> None:
         """Start with a scenario's own values.
 
-        apply: applies the changed scenario, or raises. note: called with each change, as a command. switches: those
-        whose state is a parameter, by its name. overlay: the values that faults impose on a scenario's, by name; they
-        are not in `changes`.
+        apply: applies the changed scenario, or raises. note: called with each change, as a command. switches: the
+        switches whose state is a parameter, by parameter name. overlay: returns the values that faults impose on a
+        scenario's, by name; they are not in `changes`.
         """
         self._apply = apply
         self._note = note
@@ -74,28 +74,28 @@ class Parameters(Mapping[str, Any]):
         return f"<Parameters of '{self._original.name}': sim.parameters.list('rov.drag') names some{changed}>"
 
     def restart(self, scenario: Scenario) -> None:
-        """Start over with another scenario of the same names, without applying it."""
+        """Start over with another scenario that has the same names, without applying it."""
         self._original = self._running = scenario
         self._changes: dict[str, Any] = {}
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario with the changes applied. A Simulator of it runs like this one."""
+        """The scenario with all changes applied. A Simulator of it behaves like this one."""
         return self._running
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The values that were set, by name, as plain types."""
+        """The values that have been set, by name, as plain types."""
         return dict(self._changes)
 
     def __getitem__(self, name: str) -> Any:
-        """Return a value, or those of a group. Raises UnknownParameterError, a KeyError and ValueError."""
+        """Return a value, or all values of a group. Raises UnknownParameterError, a KeyError and ValueError."""
         if name in self._switches:
             return self._switches[name].on
         return plain(self._node(name).value)
 
     def __setitem__(self, name: str, value: Any) -> None:
-        """Set a value, or those of a group. Raises ValueError, changing nothing."""
+        """Set a value, or several values of a group. Raises ValueError, changing nothing."""
         self.update({name: value})
 
     def __iter__(self) -> Iterator[str]:
@@ -108,9 +108,9 @@ class Parameters(Mapping[str, Any]):
         return isinstance(name, str) and find(self._running, name) is not None
 
     def list(self, prefix: str = "") -> list[str]:
-        """Return the names of all values at and below a name that have an effect.
+        """Return the names of all effective values at or below a name.
 
-        Raises UnknownParameterError, which suggests the nearest name, if there are none.
+        Raises UnknownParameterError, which suggests the most similar name, if there are none.
         """
         above = self._node(prefix) if prefix else None
         found = [*_listed(nodes(self._running, prefix))]
@@ -127,7 +127,7 @@ class Parameters(Mapping[str, Any]):
         return f"is empty: {owner or 'the scenario'} has none{driven}{did_you_mean(above.name, [*self])}"
 
     def describe(self, name: str) -> Parameter:
-        """Return type, unit, range, description, value and default of one value. Raises UnknownParameterError."""
+        """Return the type, unit, range, description, value and default of one value. Raises UnknownParameterError."""
         node = self._node(name)
         kind = node.type
         if kind is None:
@@ -155,7 +155,7 @@ class Parameters(Mapping[str, Any]):
         self._note("set_parameters", changes=wanted)
 
     def reset(self, name: str | None = None) -> None:
-        """Return to the scenario's value: one, all below a name, or all. Raises ValueError, changing nothing."""
+        """Restore the scenario's values for one parameter, a group, or all. Raises ValueError, changing nothing."""
         if name is not None and find(self._original, name) is None:
             self._node(name)
         inside = {old for old in self._changes if name is None or old == name or old.startswith(name + ".")}
@@ -175,11 +175,11 @@ class Parameters(Mapping[str, Any]):
         return self.changes
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Set the values that `save` returned, all others to the scenario's. Raises ValueError, changing nothing."""
+        """Set the values returned by `save`, and reset all others. Raises ValueError, changing nothing."""
         self._switch_to(dict(state), {})
 
     def lay_anew(self) -> None:
-        """Apply the present overlay again."""
+        """Apply the current overlay again."""
         self._switch_to(self._changes, {})
 
     def _switch_to(self, changes: dict[str, Any], switches: Mapping[str, bool], new: Iterable[str] = ()) -> None:
@@ -189,7 +189,7 @@ class Parameters(Mapping[str, Any]):
             if node is not None and node.idle:
                 raise ScenarioError(f"{name}: has no effect: {node.idle}")
         kept = {name: value for name, value in changes.items() if name not in self._switches}
-        if len(kept) < len(changes):  # switches keep their own state; here they were only checked
+        if len(kept) < len(changes):  # switches hold their own state, so they were only checked here
             running = self._with(kept)
         if running != self._running:
             self._apply(running)
@@ -199,7 +199,7 @@ class Parameters(Mapping[str, Any]):
             self._switches[name].set_silently(on)
 
     def _with(self, changes: Mapping[str, Any]) -> Scenario:
-        """Return the scenario with these changes. Raises ScenarioError with the parameters' names."""
+        """Return the scenario with these changes. Raises ScenarioError that uses the names of parameters."""
         places = {name: self._place(name) for name in changes}
         base = self._original
         try:
@@ -211,7 +211,7 @@ class Parameters(Mapping[str, Any]):
             raise ScenarioError.of([self._renamed(text) for text in error.mistakes]) from None
 
     def _spread(self, name: str, value: Any, into: dict[str, Any]) -> None:
-        """Add a change to `into`; a change of a group is added as changes of its values."""
+        """Add a change to `into`; a change of a group is split into changes of its values."""
         node = find(self._running, name)
         if isinstance(value, Mapping) and node is not None and node.type is None and node.place not in table.WHOLE:
             for key, item in value.items():
@@ -225,11 +225,11 @@ class Parameters(Mapping[str, Any]):
         into[name] = [plain(value)] if is_one_of_a_list else plain(value)
 
     def places(self, names: Iterable[str]) -> Sequence[Place]:
-        """Return the places of names in the scenario, for `edited`."""
+        """Return the places of names in the scenario, for use with `edited`."""
         return [self._place(name) for name in names]
 
     def _place(self, name: str) -> Place:
-        """Return the place of a name; below a part that is replaced as a whole, also one that is absent now."""
+        """Return the place of a name. Below a part that is replaced as a whole, the name need not exist yet."""
         for scenario in (self._running, self._original):
             node = find(scenario, name)
             if node is not None:
@@ -252,7 +252,7 @@ class Parameters(Mapping[str, Any]):
         return node
 
     def _renamed(self, text: str) -> str:
-        """Return a message about a scenario's key with the parameter's name."""
+        """Return a message about a scenario's key with the key replaced by the parameter's name."""
         found = [node for node in nodes(self._running).values() if node.place and _begins(text, node.key)]
         if not found:
             return text
@@ -261,7 +261,7 @@ class Parameters(Mapping[str, Any]):
 
 
 def _listed(tree: Mapping[str, Node]) -> Sequence[str]:
-    """Return the names of single values that have an effect."""
+    """Return the names of individual values that have an effect."""
     return [name for name, node in tree.items() if node.type is not None and not node.idle]
 
 

@@ -1,4 +1,4 @@
-"""The fields of a scenario that are parameters, and their names where these differ from the fields'."""
+"""Which fields of a scenario are parameters, and their names where these differ from the field names."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ FIXED: dict[type[Model], frozenset[str]] = {
     Lamps: frozenset({"spots"}),
     ImagingMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "figures"}),
 }
-"""Fields that are fixed when the simulator is made: its parts, mounts and appearance; and those that another field or
-a command controls (a sonar's tilt is set by aim)."""
+"""Fields that are fixed when the simulator is created (its parts, mounts and appearance), and those controlled by
+another field or a command (a sonar's tilt is set by aim)."""
 
 NAMES: dict[tuple[type[Model], str], str] = {
     (Scenario, "vehicles"): "",
@@ -83,7 +83,7 @@ NAMES: dict[tuple[type[Model], str], str] = {
     (VehicleModel, "quadratic_damping_matrix"): "drag.quadratic",
     (VehicleModel, "added_mass_matrix"): "added_mass",
 }
-"""Names of fields; "" for those whose own fields follow their parent's name."""
+"""Names of fields; "" for fields whose own parts directly follow the name of their parent."""
 
 ITEM_NAMES: dict[tuple[type[Model], str], tuple[str, ...]] = {
     (Lamps, "colour"): COLOURS,
@@ -99,14 +99,14 @@ KINDS: dict[type[Model], tuple[str, ...]] = {
     )
     for kind in arms
 }
-"""Kinds that can be exchanged for a model's own, with the keys of the other."""
+"""The kinds that may replace a model's kind, each with its own keys."""
 
 WHOLE = {("water", "surface"), ("water", "current"), ("water", "profile"), ("optics", "coefficients")}
-"""Places whose parts belong together: setting one with a dict or a list replaces all of them."""
+"""Places whose parts belong together: setting one from a dict or a list replaces all of them."""
 
 
 def why_fixed(name: str) -> str:
-    """Return the reason why a scenario's value is not a parameter, or an empty string if it is unknown."""
+    """Return the reason why a scenario's value is not a parameter, or an empty string if there is no such value."""
     field = name.rpartition(".")[2]
     if field == "tilt_deg":
         return "it holds for the start; aim() turns the head"
@@ -114,7 +114,7 @@ def why_fixed(name: str) -> str:
 
 
 def position_or_key(part: str) -> str | int:
-    """Return a part of a name as it is in plain values: the position of an item, or a key."""
+    """Return a part of a name as used in plain values: the index of an item, or a key."""
     for names in (COORDINATES, COLOURS):
         if part in names:
             return names.index(part)
@@ -122,14 +122,14 @@ def position_or_key(part: str) -> str | int:
 
 
 def is_absent(model: Model, field: str) -> bool:
-    """Return whether a field does not apply to this model, which gives the alternative instead."""
+    """Return whether a field does not apply to a model because the model specifies the alternative."""
     if field in ("max_force_n", "max_torque_nm") or field.endswith("_matrix"):
         return getattr(model, field) is None
     return getattr(model, field + "_matrix", None) is not None
 
 
 LISTS = {("water", "current")}
-"""Those of WHOLE that hold a list; a scenario may give its only item alone."""
+"""Those places in WHOLE that hold a list; a scenario may give a single item without a list."""
 
 
 def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:

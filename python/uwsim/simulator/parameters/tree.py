@@ -20,17 +20,17 @@ from uwsim.simulator.parameters.figures import imaging_figures, noise_unit, sens
 from uwsim.simulator.parameters.idle import idle
 
 Place = tuple[str | int, ...]
-"""The path to a value through a scenario's models: fields, keys and positions."""
+"""The path to a value through a scenario's models: fields, keys and indices."""
 
 
 def joined(above: str, name: str) -> str:
-    """Return the joined name of a place and its parent; either may be empty."""
+    """Join the names of a parent and its part with a dot; either may be empty."""
     return f"{above}.{name}" if above and name else above or name
 
 
 @dataclass(frozen=True)
 class Node:
-    """A place in the tree. type: None for a group. idle: the reason why the value has no effect now, if so."""
+    """A node of the tree. type: None for a group. idle: the reason why the value currently has no effect, or ""."""
 
     name: str
     place: Place
@@ -41,17 +41,17 @@ class Node:
 
     @property
     def key(self) -> str:
-        """The place in the form used in messages about a scenario: vehicles[0].model.mass_kg."""
+        """The place in the notation of messages about a scenario: vehicles[0].model.mass_kg."""
         text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.place)
         return text.removeprefix(".")
 
     def below(self, name: str, part: str | int, value: Any) -> Node:
-        """Return a place below this one. name: "" for one whose parts follow this one's name."""
+        """Return the node for a part of this one. name: "" if the part's own parts directly follow this node's name."""
         return Node(joined(self.name, name), (*self.place, part), value, None, self.description, self.idle)
 
 
 def nodes(scenario: Scenario, towards: str = "") -> dict[str, Node]:
-    """Return all leaves and groups, by name; towards: only those above, at and below that name."""
+    """Return all leaves and groups by name. towards: only those above, at and below this name."""
     found: dict[str, Node] = {}
     for node in _Walk(scenario, towards).model(Node("", (), scenario)):
         if node.name:
@@ -60,7 +60,7 @@ def nodes(scenario: Scenario, towards: str = "") -> dict[str, Node]:
 
 
 def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
-    """Add groups that exist only in names, such as rov.drag, which is above drag.linear and drag.quadratic."""
+    """Add groups that exist only in names, such as rov.drag, the parent of drag.linear and drag.quadratic."""
     groups: dict[str, dict[str, Any]] = {}
     for name, node in found.items():
         above, _, last = name.rpartition(".")
@@ -70,7 +70,7 @@ def _with_groups(found: dict[str, Node]) -> dict[str, Node]:
 
 
 def find(scenario: Scenario, name: object) -> Node | None:
-    """Return the place of this name, if there is one, with much less work than `nodes`."""
+    """Return the node with this name, or None, with much less work than `nodes`."""
     return nodes(scenario, name).get(name) if isinstance(name, str) else None
 
 
@@ -91,7 +91,7 @@ class _Walk:
     towards: str
 
     def leads_on(self, name: str) -> bool:
-        """Return whether a name is above, at or below the wanted name."""
+        """Return whether a name is above, at or below the sought name."""
         sought = self.towards
         return (
             not sought or not name or name == sought or sought.startswith(name + ".") or name.startswith(sought + ".")
@@ -165,7 +165,7 @@ class _Walk:
 
 
 def _matrix(at: Node) -> Iterator[Node]:
-    """Yield the diagonal elements by axis, the others by both axes: "surge" and "surge_yaw"."""
+    """Yield the diagonal elements, named by their axis, and the others, named by both axes: "surge" and "surge_yaw"."""
     for i, row in enumerate(at.value):
         for j, value in enumerate(row):
             name = AXES[i] if i == j else f"{AXES[i]}_{AXES[j]}"
