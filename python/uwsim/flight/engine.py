@@ -122,7 +122,7 @@ class Flight:
             checkpoint.remove()
         return flown
 
-    def _flown(self, show: Show) -> FlightRecord:
+    def _flown(self, show: Show | None) -> FlightRecord:
         """Fly until the flight ends, for whatever reason; return its record."""
         setup, sim = self._setup, self._sim
         warn_of_left_out(setup.lanes_left_out)
@@ -204,7 +204,7 @@ class Flight:
     def _hear(self, vehicle: str, event: str, values: dict[str, Any]) -> None:
         self._log.add(Event(self._sim.time_s, vehicle, event, values))
 
-    def _on_pause(self, show: Show) -> None:
+    def _on_pause(self, show: Show | None) -> None:
         """Show progress, save the flight if a save is due, and end it if a stop was requested."""
         begun, request = self._begun, self._setup.request
         stop = self._autosave.stop_requested()

@@ -16,7 +16,8 @@ from uwsim.scoring.polygon import inside_polygon
 PINGS_PER_CANDIDATE = 50  # one ping in 50 is a candidate for the sample
 PANEL_WARNINGS = ("range", "proximity", "collision")
 """The warnings on the vehicle's panel, fields `range_warning` and so on of its telemetry."""
-_LIT = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
+lit = attrgetter(*(f"{name}_warning" for name in PANEL_WARNINGS))
+"""Returns whether each of PANEL_WARNINGS is lit on a panel."""
 Array = NDArray[np.float64]
 
 
@@ -61,7 +62,8 @@ class PingLog:
     ) -> None:
         """Log a ping's position, echoes and warnings; one ping in PINGS_PER_CANDIDATE may replace the sample.
 
-        mapped_from_m: (3,), the sonar's position used for the map, if it differs from the true one.
+        world_from_sonar: the ping's pose. mapped_from_m: (3,), the sonar's position used for the map, if it differs
+        from the true one.
         """
         if True in (are_lit := lit(panel)):
             for name, is_lit in zip(PANEL_WARNINGS, are_lit, strict=True):

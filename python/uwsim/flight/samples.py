@@ -35,6 +35,7 @@ COLUMNS = (
 )  # fmt: skip
 TOO_MANY = {"set_wrench", "set_thrusters", "set_fins", "link_send"}
 """Commands that are too frequent to log, as is set_effort."""
+_FIGURES = attrgetter("depth_m", "distance_to_seabed_m", "speed_m_s", "battery_percent", "distance_to_station_m")
 AT = {name: k for k, name in enumerate(COLUMNS)}
 LIT_AT = slice(AT["range_warning"], AT["collision_warning"] + 1)
 Hear = Callable[[str, str, dict[str, Any]], object]

@@ -251,7 +251,7 @@ class Simulator(Sealed):
     @property
     def time_s(self) -> float:
         """Simulated time since the start, in seconds."""
-        return self.time_ns * 1e-9
+        return self._core.time_ns * 1e-9
 
     def step(self, n: int = 1) -> None:
         """Advance by n fixed steps. Raises ValueError if n is negative or a vehicle's motion diverges."""
