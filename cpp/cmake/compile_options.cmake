@@ -7,12 +7,15 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 # For the same bytes on every build: no fused multiply-add (it changes OctoMap's trees), no -ffast-math (it changes the whole
 # process), no -march (it changes Eigen's layout under PCL).
 add_compile_options(-ffp-contract=off -fvisibility=hidden -Wall -Wextra)
+# Templates fill memory of which little is garbage: the compiler need not look for it in the first gigabyte.
+add_compile_options($<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)
 if(UWSIM_WERROR)
   add_compile_options(-Werror)
 endif()
 
 # Headers that are parsed once for all files: Eigen alone takes longer than most files of ours. Kernels, which have their
-# own flags, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON shows an include that a file has forgotten.
+# own flags, do without. -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_UNITY_BUILD=OFF shows an include that a file has
+# forgotten.
 set(UWSIM_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <limits> <memory>
   <optional> <span> <sstream> <stdexcept> <string> <string_view> <utility> <vector>)
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "uwsim/core/infinity.h"
 
 namespace uwsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Smaller arguments use a series that is exact to the last digit: casting bent rays spends most of its time here.
 constexpr double kSmall = 0.02;

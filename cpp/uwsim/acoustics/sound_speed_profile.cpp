@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 #include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlowest_m_s = 1300, kFastest_m_s = 1900;
 
 void check(std::span<const double> depths_m, std::span<const double> speeds_m_s) {

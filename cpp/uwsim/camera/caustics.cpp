@@ -13,7 +13,7 @@ namespace {
 constexpr double kSunRadius_rad = 0.00465;
 constexpr int kCells = Ripples::kCells;
 constexpr int kLevels = camera::kCausticLevels;
-constexpr int kWrap = kCells - 1;
+constexpr int kWrap = Ripples::kWrap;
 constexpr double kCell_m = Ripples::kTile_m / kCells;
 constexpr int kFine = 2;  // rays per cell along an axis
 constexpr int kRays = kFine * kCells;

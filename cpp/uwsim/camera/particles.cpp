@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kCell_m = 0.25;
+constexpr double kParticleCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
 constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
@@ -82,10 +82,10 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
   }();
   const Lens& lens = camera.lens();
   const bool distort = request.effects.has(Effect::kDistortion);
-  const double chance = optics.particles_per_m3 * kCell_m * kCell_m * kCell_m;
+  const double chance = optics.particles_per_m3 * kParticleCell_m * kParticleCell_m * kParticleCell_m;
   const std::uint64_t key = mixed(mixed(scene.seed() ^ 0x5eedca11) ^ static_cast<std::uint64_t>(generation.number));
-  const auto first = ((lattice_eye.array() - kReach_m) / kCell_m).floor().cast<std::int64_t>().eval();
-  const auto count = static_cast<std::int64_t>(2 * kReach_m / kCell_m) + 2;
+  const auto first = ((lattice_eye.array() - kReach_m) / kParticleCell_m).floor().cast<std::int64_t>().eval();
+  const auto count = static_cast<std::int64_t>(2 * kReach_m / kParticleCell_m) + 2;
   for (std::int64_t k = 0; k < count * count * count; ++k) {
     const Eigen::Array<std::int64_t, 3, 1> cell =
         first + Eigen::Array<std::int64_t, 3, 1>(k % count, k / count % count, k / (count * count));
@@ -97,7 +97,7 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
     const Eigen::Vector3d in_cell(unit_of(bits, 0), unit_of(bits, 1), unit_of(bits, 2));
     const double turn = request.time_s * (0.3 + 0.4 * unit_of(more, 0)) + 2 * std::numbers::pi * unit_of(more, 1);
     const Eigen::Vector3d swirl = 0.02 * Eigen::Vector3d(std::sin(turn), std::cos(turn), std::sin(1.3 * turn));
-    const Eigen::Vector3d at = (cell.cast<double>().matrix() + in_cell) * kCell_m + swirl - lattice_eye;
+    const Eigen::Vector3d at = (cell.cast<double>().matrix() + in_cell) * kParticleCell_m + swirl - lattice_eye;
     const Eigen::Vector3d seen = optical_from_world * at;
     if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > view.surface_z) continue;
     const Eigen::Vector2d ray(seen.x() / seen.z(), seen.y() / seen.z());

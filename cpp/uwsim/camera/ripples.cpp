@@ -17,8 +17,6 @@ namespace {
 constexpr double kTau = 2 * std::numbers::pi;
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kTension_m3_s2 = 7.4e-5;  // surface tension of clean water at 10 deg C divided by its density
-constexpr int kCells = Ripples::kCells;
-constexpr int kWrap = kCells - 1;
 
 }  // namespace
 

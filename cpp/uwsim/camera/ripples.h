@@ -15,6 +15,7 @@ namespace uwsim {
 class Ripples {
  public:
   static constexpr int kCells = camera::kRippleCells;
+  static constexpr int kWrap = kCells - 1;  ///< a mask
   static constexpr double kTile_m = 6.4;
 
   /// Throws InvalidValue.

@@ -16,7 +16,7 @@ using camera::Block;
 using camera::BlockMask;
 
 constexpr float kFarthest_m = 1e5f;
-constexpr float kNearest_m = 1e-3f;  // keeps a shadow ray from hitting its own surface
+constexpr float kShadowStart_m = 1e-3f;  // keeps a shadow ray from hitting its own surface
 constexpr double kRefineTo_m = 1e5;
 
 /// Copies sixteen 32-bit values as one wide move.
@@ -110,7 +110,7 @@ void Tracer::recast(const BlockMask& lanes, Block& block) const {
 
 void Tracer::occluded(const Block& block, BlockMask& blocked, RayOrder order) const {
   RayPacket rays = packet_of(block.point, block.to_light, block.needs_shadow_ray);
-  rays.near_m.fill(kNearest_m);
+  rays.near_m.fill(kShadowStart_m);
   copy(rays.far_m, block.light_distance);
   // Start off the surface, on the eye's side. Inactive lanes, whose distance may be infinite, must be finite as well:
   // without AVX-512 Embree splits packets of sixteen, and Debian's build ends the process if they are not.

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlowest_m_s = 0.3;  // below this speed pitch does not make the vehicle climb
-constexpr double kSteepest = 0.35;    // [rad]
+constexpr double kSlowestClimb_m_s = 0.3;  // below this speed pitch does not make the vehicle climb
+constexpr double kSteepest = 0.35;         // [rad]
 
 /// The vector, shortened to a maximum length.
 template <typename Vector>
@@ -74,7 +74,7 @@ Vector6d MotionController::reach(const MotionEstimate& estimate, const MotionTar
   MotionTarget attitude = target;
   const bool climbs_by_pitch = !model_.driven()[2] && model_.driven()[4];
   if (climbs_by_pitch) {
-    const double ahead_m_s = std::max(estimate.velocity_body[0], kSlowest_m_s);
+    const double ahead_m_s = std::max(estimate.velocity_body[0], kSlowestClimb_m_s);
     attitude.pitch_rad -= std::clamp(std::asin(std::clamp(velocity.z() / ahead_m_s, -1.0, 1.0)), -kSteepest, kSteepest);
   }
   return track(estimate, velocity, turn_towards(estimate, attitude), target.across_first);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/core/recently_made.h"
 #include "uwsim/rays/embree_tree.h"
@@ -17,8 +18,6 @@
 
 namespace uwsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void copy_lane(const HitPacket& from, HitPacket& to, std::size_t k) {
   to.distance_m[k] = from.distance_m[k];

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "uwsim/core/infinity.h"
 #include "uwsim/rays/ray_lanes.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarthest_m = 1e12;  // the end of an unlimited ray, for its bounding box
 
 /// Where the ray enters the box, 0 from inside; infinity if it misses the box or is not finite.

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "uwsim/core/infinity.h"
 #include "uwsim/rays/terrain_hit.h"
 
 namespace uwsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A ray over a block of cells, in horizontal cells from the block's corner.
 class Walk {

@@ -57,10 +57,10 @@ class SightLines {
 };
 
 /// One thread's search; the vectors are scratch memory.
-class Search {
+class ViewSearch {
  public:
-  Search(const RayScene& scene, std::span<const Eigen::Vector3d> viewpoints, const PointGroups& groups, double range_m,
-         double tolerance_m, bool all_outside, std::span<std::uint8_t> seen)
+  ViewSearch(const RayScene& scene, std::span<const Eigen::Vector3d> viewpoints, const PointGroups& groups,
+             double range_m, double tolerance_m, bool all_outside, std::span<std::uint8_t> seen)
       : scene_(scene),
         viewpoints_(viewpoints),
         groups_(groups),
@@ -138,7 +138,7 @@ std::vector<std::uint8_t> seen_groups(const RayScene& scene, std::span<const Eig
   const bool all_outside = std::ranges::none_of(
       viewpoints_world_m, [&](const Eigen::Vector3d& viewpoint) { return scene.within_round(viewpoint, 0); });
   parallel_batches(groups.count(), kGroupsTogether, threads, [&](std::size_t first, std::size_t last, std::size_t) {
-    Search(scene, viewpoints_world_m, groups, range_m, tolerance_m, all_outside, seen).look_at(first, last);
+    ViewSearch(scene, viewpoints_world_m, groups, range_m, tolerance_m, all_outside, seen).look_at(first, last);
   });
   return seen;
 }

@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kStartsInside = 3;  // instead of the axis across which a ray enters
 
 /// The normal that points against the ray along an axis.

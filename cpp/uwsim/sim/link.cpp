@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/ray_packet.h"
 #include "uwsim/sonar/water_sound.h"
@@ -14,7 +14,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDeepest_m = 12000;
 constexpr int kChords = 4;  // per bent ray, to detect obstacles
 // fraction of the water's depth: how far above the flat bottom a reflected ray is checked

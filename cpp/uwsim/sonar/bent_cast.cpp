@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSag_m = 0.9e-3;  // largest distance of a chord from its arc
 // chords are cast slightly longer than they are, so that no surface slips through between two
 constexpr double kOverlap_m = 1e-3;

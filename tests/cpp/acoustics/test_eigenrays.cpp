@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "acoustics/profile_of.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/core/check.h"
 
@@ -13,10 +14,6 @@ namespace uwsim {
 namespace {
 
 constexpr double kDeep = std::numeric_limits<double>::infinity();
-
-SoundSpeedProfile profile_of(const std::vector<double>& depths_m, const std::vector<double>& speeds_m_s) {
-  return SoundSpeedProfile(depths_m, speeds_m_s);
-}
 
 TEST(Eigenrays, InEvenWaterTheyAreStraightAndBounceAsInMirrors) {
   const auto profile = SoundSpeedProfile::even(1500);

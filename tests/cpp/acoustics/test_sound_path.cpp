@@ -8,14 +8,11 @@
 #include <numbers>
 #include <vector>
 
+#include "acoustics/profile_of.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
-
-SoundSpeedProfile profile_of(const std::vector<double>& depths_m, const std::vector<double>& speeds_m_s) {
-  return SoundSpeedProfile(depths_m, speeds_m_s);
-}
 
 /// The ray equations, integrated by a fourth-order Runge-Kutta method in small time steps.
 SoundState integrated(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double time_s, int steps) {

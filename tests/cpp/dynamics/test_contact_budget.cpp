@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "dynamics/bodies.h"
 #include "meshes.h"
 #include "uwsim/core/check.h"
 #include "uwsim/dynamics/contact_budget.h"
@@ -12,8 +13,6 @@
 // is refused with its numbers, what is large by nature is not.
 namespace uwsim {
 namespace {
-
-constexpr double kStep_s = 0.005;
 
 std::shared_ptr<const Craft> sinking_craft(const TriangleMesh& mesh) {
   const SolidProperties solid = solid_properties(mesh);

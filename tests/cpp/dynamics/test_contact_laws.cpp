@@ -4,14 +4,13 @@
 #include <cstring>
 #include <vector>
 
+#include "dynamics/bodies.h"
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
 // Laws of contact for RigidBodyWorld: shapes, contact finder, solver and integrator together.
 namespace uwsim {
 namespace {
-
-constexpr double kStep_s = 0.005;
 
 CraftParameters box_parameters(double density_kg_m3) {
   const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));
@@ -47,12 +46,6 @@ World solid_world(TriangleMesh mesh, const Pose& pose) {
   World world;
   world.add_solid("solid", std::move(mesh));
   return world;
-}
-
-BodyState at(double x, double y, double z) {
-  BodyState state;
-  state.world_from_body.position_m = {x, y, z};
-  return state;
 }
 
 double mechanical_energy(const Craft& craft, const BodyState& state) {

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "dynamics/bodies.h"
 #include "meshes.h"
 
 namespace uwsim {
 namespace {
-
-constexpr double kStep_s = 0.005;
 
 CraftParameters neutral_box() {
   const SolidProperties solid = solid_properties(testing::box(1.2, 0.8, 0.6));

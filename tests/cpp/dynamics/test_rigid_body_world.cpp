@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "dynamics/bodies.h"
 #include "meshes.h"
 #include "uwsim/core/check.h"
 #include "uwsim/rays/ray_scene.h"
@@ -11,7 +12,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kStep_s = 0.005;
 constexpr double kTolerance_m = 0.01;  // distance of a resting body from the surface
 
 std::shared_ptr<const Craft> box_craft(double density_kg_m3, double added_mass = 0, double drag = 100) {
@@ -34,12 +34,6 @@ World flat_world(float z_m, double slope = 0) {
   World world;
   world.set_terrain(Heightfield(heights, 41, 41, 1.0, {-20, -20}));
   return world;
-}
-
-BodyState at(double x, double y, double z) {
-  BodyState state;
-  state.world_from_body.position_m = {x, y, z};
-  return state;
 }
 
 TEST(RigidBodyWorld, AFloatingBodyDisplacesItsMass) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "dynamics/bodies.h"
 #include "meshes.h"
 #include "sanitized.h"
 #include "uwsim/dynamics/rigid_body_world.h"
@@ -13,7 +14,6 @@
 namespace uwsim {
 namespace {
 
-constexpr double kStep_s = 0.005;
 constexpr double kDepth_m = 64;
 
 /// A plane through (0, 0, -kDepth_m) that rises by `rise_x` and `rise_y` for each metre.

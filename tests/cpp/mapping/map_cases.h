@@ -13,6 +13,7 @@
 namespace uwsim {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+inline constexpr MapEngineKind kEngines[] = {MapEngineKind::octomap, MapEngineKind::bricks};
 
 inline MapOptions with_engine(MapEngineKind engine) {
   MapOptions options;

@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 
+#include "mapping/map_cases.h"
 #include "sanitized.h"
 #include "uwsim/core/instruction_set.h"
 #include "uwsim/mapping/occupancy_map.h"
@@ -17,8 +18,6 @@ extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
 
 namespace uwsim {
 namespace {
-
-constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 struct Ping {
   std::vector<float> points_m;

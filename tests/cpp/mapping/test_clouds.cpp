@@ -24,7 +24,7 @@ Rows rows(const std::vector<float>& points_m) {
   return {points_m.data(), static_cast<Eigen::Index>(points_m.size() / 3), 3};
 }
 
-std::vector<float> random_points(int n) {
+std::vector<float> scattered_points(int n) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-50.0f, 50.0f);
   std::vector<float> points_m(static_cast<std::size_t>(3 * n));
@@ -59,7 +59,7 @@ TEST(Clouds, RangesOutsideTheScansLimitsAreDiscarded) {
 }
 
 TEST(Clouds, TransformAndItsInverseGiveThePointsBack) {
-  const std::vector<float> points_m = random_points(200);
+  const std::vector<float> points_m = scattered_points(200);
   const Matrix4d pose = some_pose();
   const std::vector<float> back_m = transform_points(transform_points(points_m, pose), pose.inverse());
   EXPECT_LT((rows(back_m) - rows(points_m)).cwiseAbs().maxCoeff(), 2e-5);
@@ -92,7 +92,7 @@ TEST(Clouds, RangeFilterKeepsPointsAtItsLimits) {
 }
 
 TEST(Clouds, PointsAreEitherInTheBoxOrKept) {
-  const std::vector<float> points_m = random_points(500);
+  const std::vector<float> points_m = scattered_points(500);
   const Vector3d low(-20, -30, -40), high(10, 25, 5);
   const std::vector<float> outside_m = remove_box(points_m, low, high);
   Eigen::Index inside = 0;

@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr MapEngineKind kEngines[] = {MapEngineKind::octomap, MapEngineKind::bricks};
-
 std::string some_file(MapFormat format, unsigned seed) {
   OccupancyMap map(0.5);
   insert_some(map, seed, 3, 4);

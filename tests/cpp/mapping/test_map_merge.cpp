@@ -16,7 +16,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kEdge_m = 0.5;
-constexpr MapEngineKind kEngines[] = {MapEngineKind::octomap, MapEngineKind::bricks};
 
 OccupancyMap empty_map(MapEngineKind engine, const Vector3d& origin_m = Vector3d::Zero()) {
   return OccupancyMap(kEdge_m, origin_m, with_engine(engine));

@@ -20,7 +20,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr MapEngineKind kEngines[] = {MapEngineKind::octomap, MapEngineKind::bricks};
 const Vector3d kOrigin_m(100, -20, 3);
 
 OccupancyMap some_map(MapEngineKind engine, unsigned seed, double edge_m = 0.5) {

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kEdge_m = 0.2;
+constexpr double kVoxel_m = 0.2;
 constexpr int kPoints = 12;
 
 MapOptions with_limit(std::size_t bytes) {
@@ -24,7 +24,7 @@ MapOptions with_limit(std::size_t bytes) {
   return options;
 }
 
-OccupancyMap map_of(const MapOptions& options = {}) { return OccupancyMap(kEdge_m, Vector3d::Zero(), options); }
+OccupancyMap map_of(const MapOptions& options = {}) { return OccupancyMap(kVoxel_m, Vector3d::Zero(), options); }
 
 /// Inserts scans, three at a time, along a line to and fro.
 void fly(OccupancyMap& map, int legs, int threads) {

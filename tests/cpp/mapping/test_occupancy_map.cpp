@@ -12,6 +12,7 @@
 #include <random>
 #include <sstream>
 
+#include "mapping/map_cases.h"
 #include "uwsim/core/check.h"
 #include "uwsim/mapping/atomic_file.h"
 
@@ -23,8 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
-
-constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 /// A scan of a wavy floor 8 m below a sensor that moves along x.
 std::vector<float> floor_scan(double x_m) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "meshes.h"
+#include "rays/grazing.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/random.h"
 #include "uwsim/rays/ray_lanes.h"
@@ -13,9 +14,6 @@
 
 namespace uwsim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGrazing = 1.75e-3;  // the sine of 0.1 degree: closer to tangency nothing is promised
 
 /// A wavy bed and a box on it.
 World bed_with_box(const Eigen::Vector2d& middle) {

@@ -7,14 +7,13 @@
 #include <numbers>
 
 #include "meshes.h"
+#include "rays/grazing.h"
 #include "uwsim/core/random.h"
 #include "uwsim/rays/ray_scene.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGrazing = 1.75e-3;  // the sine of 0.1 degree, rounded up: closer to tangency nothing is promised
 constexpr double kEdge = 1e-10;  // barycentric: a ray aimed at an edge misses it by double rounding, on either side
 
 struct Met {

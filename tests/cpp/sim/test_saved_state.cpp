@@ -3,14 +3,13 @@
 #include <random>
 
 #include "meshes.h"
+#include "sim/scene.h"
 #include "uwsim/core/check.h"
 #include "uwsim/core/state_archive.h"
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim {
 namespace {
-
-const StateOrigin kHere{"a scenario", "a build"};
 
 /// A craft with a lagging thruster, a fin and sensors with memory, which drops onto a sloping bed.
 VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {

@@ -42,7 +42,7 @@ VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {})
 }
 
 /// A flat bed at z = -10; with `slab`, a slab on it, 0.5 m thick and divided into squares of 0.5 m.
-World flat_world(bool slab = false) {
+World shallow_world(bool slab = false) {
   World world;
   world.set_terrain(Heightfield(std::vector<float>(81 * 81, -10), 81, 81, 0.5, {-20, -20}));
   if (!slab) return world;
@@ -78,7 +78,7 @@ Vector6d surge(double effort) {
 
 TEST(SimulatedContact, AFrictionlessBodyKeepsItsSpeedOverAFlatBed) {
   const Block slippery{.friction = 0, .restitution = 0};
-  Simulation sim = simulation(flat_world(), block_at({-8.1, 0.3, -9.69}, slippery));
+  Simulation sim = simulation(shallow_world(), block_at({-8.1, 0.3, -9.69}, slippery));
   sim.step(200);
   BodyState state = sim.state(0);
   state.velocity_body << 1, 0, 0, 0, 0, 0;
@@ -94,7 +94,7 @@ TEST(SimulatedContact, FrictionIsTheCoefficientTimesTheLoadInEveryDirection) {
     for (const double share : {0.9, 1.15}) {
       VehicleSpec block = block_at({0, 0, -9.69}, {.density_kg_m3 = 1100, .friction = mu, .restitution = 0});
       block.start_world_from_body.orientation = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-      Simulation sim = simulation(flat_world(), block);
+      Simulation sim = simulation(shallow_world(), block);
       sim.step(200);
       const Eigen::Vector3d start = sim.state(0).world_from_body.position_m;
       sim.actuators(0).set_effort(surge(share * mu * load_n / 1000));
@@ -113,7 +113,7 @@ TEST(SimulatedContact, ABodyComesToRestForEveryStepAndShape) {
   for (const double step_s : {0.005, 0.01, 0.02}) {
     for (const CollisionShape shape : {CollisionShape::kHull, CollisionShape::kBox}) {
       const Block block{.shape = shape, .mesh_shift_m = {0.1, 0, 0.25}};
-      Simulation sim = simulation(flat_world(), block_at({0, 0, -9.5}, block), step_s);
+      Simulation sim = simulation(shallow_world(), block_at({0, 0, -9.5}, block), step_s);
       sim.step(static_cast<std::uint64_t>(15 / step_s));
       EXPECT_LT(sim.telemetry(0).speed_m_s, 1e-3) << step_s;
       EXPECT_NEAR(sim.state(0).world_from_body.position_m.z() - 0.05, -10, kRestTolerance_m)
@@ -128,7 +128,7 @@ TEST(SimulatedContact, TheFutureDependsOnTheStateAlone) {
   start.velocity_body << 0.3, 0, -0.2, 0, 0.1, 0;
   std::vector<BodyState> ends;
   for (const int before : {0, 100}) {
-    Simulation sim = simulation(flat_world(), block_at({1, 1, -9.69}));
+    Simulation sim = simulation(shallow_world(), block_at({1, 1, -9.69}));
     sim.step(static_cast<std::uint64_t>(before));
     sim.set_state(0, start);
     EXPECT_FALSE(sim.telemetry(0).collision_warning);
@@ -142,14 +142,14 @@ TEST(SimulatedContact, TheFutureDependsOnTheStateAlone) {
 
 TEST(SimulatedContact, ThrustersGiveNoThrustInAir) {
   VehicleSpec block = block_at({0, 0, 20});
-  Simulation sim = simulation(flat_world(), block);
+  Simulation sim = simulation(shallow_world(), block);
   sim.actuators(0).set_effort(surge(1));
   sim.step(100);
   EXPECT_EQ(sim.state(0).velocity_body(0), 0);
 }
 
 TEST(SimulatedContact, APositionUnderTheGroundOrBeyondTheWorldIsRefused) {
-  Simulation sim = simulation(flat_world(), block_at({0, 0, -5}));
+  Simulation sim = simulation(shallow_world(), block_at({0, 0, -5}));
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, -10.2), Eigen::Vector3d(0, 0, 2e18)}) {
     BodyState state;
     state.world_from_body.position_m = place;
@@ -161,7 +161,7 @@ TEST(SimulatedContact, APositionUnderTheGroundOrBeyondTheWorldIsRefused) {
 TEST(SimulatedContact, InvalidMaterialsAreRefused) {
   for (const Block& bad :
        {Block{.friction = -1}, Block{.friction = NAN}, Block{.restitution = 5}, Block{.restitution = NAN}}) {
-    EXPECT_THROW(simulation(flat_world(), block_at({0, 0, -5}, bad)), InvalidValue);
+    EXPECT_THROW(simulation(shallow_world(), block_at({0, 0, -5}, bad)), InvalidValue);
   }
 }
 

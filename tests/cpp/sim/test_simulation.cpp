@@ -5,16 +5,11 @@
 #include <cmath>
 
 #include "meshes.h"
+#include "sim/scene.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
 namespace {
-
-World flat_world() {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, -20), 2, 2, 400.0, {-200, -200}));
-  return world;
-}
 
 VehicleSpec neutral_vehicle(bool docked) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);

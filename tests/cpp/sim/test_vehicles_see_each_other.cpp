@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "meshes.h"
+#include "sim/scene.h"
 #include "uwsim/sim/simulation.h"
 
 namespace uwsim {
@@ -10,14 +11,6 @@ namespace {
 
 constexpr int kBands = 24;
 constexpr double kFacet_m = 2.2e-3;  // by which a sphere of radius 1 m lies outside its facets, at most
-constexpr double kBed_m = -20;
-const StateOrigin kHere{"a scenario", "a build"};
-
-World flat_world() {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, kBed_m), 2, 2, 400.0, {-200, -200}));
-  return world;
-}
 
 SensorSpec sensor(const std::string& kind, double rate_hz = 0, double latency_s = 0) {
   SensorSpec spec{.name = kind, .kind = kind, .body_from_sensor = {}, .parameters = {}, .noise = {}};

@@ -14,9 +14,9 @@ namespace uwsim::testing {
 inline constexpr double kDegree = std::numbers::pi / 180;
 inline constexpr double kSilence_db = -300;
 
-inline World flat_bed(double z_m) {
+inline World flat_bed(double z_m, double half_m = 300) {
   World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, static_cast<float>(z_m)), 2, 2, 600.0, {-300, -300}));
+  world.set_terrain(Heightfield(std::vector<float>(4, static_cast<float>(z_m)), 2, 2, 2 * half_m, {-half_m, -half_m}));
   return world;
 }
 

@@ -12,18 +12,13 @@
 #include <vector>
 
 #include "meshes.h"
+#include "sonar/imaging_pool.h"
 #include "uwsim/acoustics/sound_path.h"
 #include "uwsim/sonar/water_sound.h"
 #include "uwsim/world/sea_water.h"
 
 namespace uwsim {
 namespace {
-
-World flat_world(float z_m, double half_m = 2000) {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, z_m), 2, 2, 2 * half_m, {-half_m, -half_m}));
-  return world;
-}
 
 SoundSpeedProfile gradient(double surface_m_s, double gradient_1_s, double depth_m = 1000) {
   const std::vector<double> depths = {0, depth_m}, speeds = {surface_m_s, surface_m_s + gradient_1_s * depth_m};
@@ -44,7 +39,7 @@ SoundHit cast_one(const RayScene& scene, const SoundSpeedProfile& profile, const
 TEST(BentCast, UnderAConstantGradientTheHitOnAFlatBedLiesOnSnellsCircle) {
   const double g = 0.1, c0 = 1450;
   const auto profile = gradient(c0, g);
-  const RayScene scene(flat_world(-60));
+  const RayScene scene(testing::flat_bed(-60, 2000));
   for (const double dip : {0.15, 0.3, 0.8, 1.5}) {
     const double depth = 10, c = c0 + g * depth, c_bed = c0 + g * 60;
     const double dip_bed = std::acos(std::cos(dip) * c_bed / c);
@@ -93,7 +88,7 @@ TEST(BentCast, ARisingRayHitsSubmergedObstaclesButNothingAboveTheSurface) {
 }
 
 TEST(BentCast, InHomogeneousWaterItIsAStraightCastOfOneChord) {
-  const RayScene scene(flat_world(-30));
+  const RayScene scene(testing::flat_bed(-30, 2000));
   const auto even = SoundSpeedProfile::even(1500);
   const Eigen::Vector3d direction = dipping(0.4);
   SoundHit hit;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "meshes.h"
+#include "sonar/imaging_pool.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -13,12 +14,6 @@ namespace {
 
 SonarHead head(int model, double elevation_rad, const Pose& body_from_mount = {}) {
   return {{"sonar", em2040(model), body_from_mount, elevation_rad, std::nullopt}, Water{}, RandomStream(0, "sonar")};
-}
-
-World flat_world(float z_m) {
-  World world;
-  world.set_terrain(Heightfield(std::vector<float>(4, z_m), 2, 2, 400.0, {-200, -200}));
-  return world;
 }
 
 TEST(MultibeamModel, TheFourVariantsAreAsPublished) {
@@ -37,7 +32,7 @@ TEST(MultibeamModel, TheFourVariantsAreAsPublished) {
 }
 
 TEST(Multibeam, TheRangeToAFlatBedIsTheHeightOverTheSineOfTheDip) {
-  const RayScene scene(flat_world(-20));
+  const RayScene scene(testing::flat_bed(-20));
   const double tilt = 0.6;
   const SonarHead sonar = head(4, -tilt, Pose{{0.5, 0, -0.2}, Eigen::Quaterniond::Identity()});
   const Pose body{{3, 2, -8}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))};
@@ -77,7 +72,7 @@ TEST(Multibeam, PositiveElevationIsUpAndPositiveAnglesAreToPort) {
 TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
   const auto level = [](float depth) {
     const SonarHead sonar = head(1, -std::numbers::pi / 2);
-    const RayScene scene(flat_world(-depth));
+    const RayScene scene(testing::flat_bed(-depth));
     return sonar.ping(scene, Water{}, Pose{{0, 0, -1}, Eigen::Quaterniond::Identity()}).intensity_db;
   };
   const auto near = level(11), far = level(41);  // 10 m and 40 m straight below
@@ -88,7 +83,7 @@ TEST(Multibeam, EchoesWeakenWithRangeAndIncidenceAsTheSonarEquationSays) {
 }
 
 TEST(Multibeam, AnEchoIsAsStrongAsWhatItWasReturnedBy) {
-  const RayScene scene(flat_world(-20));
+  const RayScene scene(testing::flat_bed(-20));
   const Pose pose{{0, 0, -5}, Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitY()))};
   const std::vector<double> mud{-30, -44};  // nothing, terrain
   const MultibeamPing rock = Multibeam(em2040(1)).ping(scene, Water{}, pose);
@@ -102,7 +97,7 @@ TEST(Multibeam, AnEchoIsAsStrongAsWhatItWasReturnedBy) {
 }
 
 TEST(Multibeam, SoundDoesNotLeaveTheWater) {
-  World world = flat_world(-20);
+  World world = testing::flat_bed(-20);
   TriangleMesh bank = testing::box(1, 60, 10);  // from z = -5 up to z = 5
   for (auto& v : bank.vertices_m) v += Eigen::Vector3d(10, 0, 0);
   world.add_solid("bank", bank);
@@ -117,7 +112,7 @@ TEST(Multibeam, SoundDoesNotLeaveTheWater) {
 }
 
 TEST(Multibeam, AHeadUnderTheGroundReceivesNoEchoAndAHeadInASolidThoseOfItsWalls) {
-  World world = flat_world(-20);
+  World world = testing::flat_bed(-20);
   TriangleMesh hollow = testing::box(4, 4, 4);
   for (auto& v : hollow.vertices_m) v += Eigen::Vector3d(50, 0, -10);
   world.add_solid("hollow", hollow);

@@ -5,12 +5,10 @@
 #include <numbers>
 
 #include "uwsim/world/water.h"
+#include "world/wave_constants.h"
 
 namespace uwsim {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kGravity = 9.80665;
 
 struct Regular {  // a wave on deep water that runs east
   double amplitude_m, period_s;

@@ -16,12 +16,11 @@
 #include "uwsim/core/instruction_set.h"
 #include "uwsim/core/random.h"
 #include "uwsim/world/wave_kernels.h"
+#include "world/wave_constants.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kGravity = 9.80665;
 constexpr double kDeep = std::numeric_limits<double>::infinity();
 
 Waves airy(double amplitude_m, double period_s, double depth_m, double heading_rad = 0.3) {

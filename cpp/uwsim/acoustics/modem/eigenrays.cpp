@@ -2,23 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 
 #include "uwsim/core/check.h"
+#include "uwsim/core/infinity.h"
 #include "uwsim/core/with_unit.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kIterations = 100;
 constexpr double kExact = 1e-13;  // relative error of the angle of a ray that is found
 constexpr double kLevel = 1e-7;   // legs less steep than this are treated as this steep: their length errs by 5e-15
 
 /// atanh(x) / x
-double atanhc(double x) {
+double atanh_ratio(double x) {
   const double q = x * x;
   return std::abs(x) < 0.02 ? 1 + q * (1.0 / 3 + q * (1.0 / 5 + q / 7)) : std::atanh(x) / x;
 }
@@ -61,7 +60,7 @@ LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, con
     sum.across_m += across;
     if (all) {
       const double slope = down / (s2 * c1 + s1 * c2);
-      sum.time_s += 2 * slope * atanhc(layer.gradient_1_s * slope);
+      sum.time_s += 2 * slope * atanh_ratio(layer.gradient_1_s * slope);
       const double half_turn = 0.5 * std::atan2(p * std::abs(s2 * c1 - s1 * c2), p * p * c1 * c2 + s1 * s2);
       sum.length_m += std::hypot(across, down) * per_sinc(half_turn);
     }

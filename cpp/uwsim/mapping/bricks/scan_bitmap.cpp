@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kKeptBitmaps = 4;
 /// Larger tables are not kept. The limit is address space, of which rays touch only a small part.
-constexpr std::size_t kKeptBytes = std::size_t{32} << 20;
+constexpr std::size_t kKeptBitmapBytes = std::size_t{32} << 20;
 
 struct KeptBitmaps {
   KeptBitmaps() { bitmaps.reserve(kKeptBitmaps); }
@@ -34,7 +34,7 @@ ScanBitmap::ScanBitmap(int address_bits)
       touched_(std::size_t{1} << (address_bits - 9)) {}
 
 ScanBitmap::~ScanBitmap() {
-  if (is_in_use_ || missed_.size() == 0 || missed_.size() > kKeptBytes) return;
+  if (is_in_use_ || missed_.size() == 0 || missed_.size() > kKeptBitmapBytes) return;
   KeptBitmaps& kept = kept_bitmaps();
   if (!kept.mutex.lock_unless_forked()) return;
   const std::scoped_lock lock(std::adopt_lock, kept.mutex);

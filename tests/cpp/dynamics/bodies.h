@@ -1,0 +1,16 @@
+#pragma once
+
+#include "uwsim/core/body_state.h"
+
+namespace uwsim {
+
+inline constexpr double kStep_s = 0.005;
+
+/// At rest, upright.
+inline BodyState at(double x, double y, double z) {
+  BodyState state;
+  state.world_from_body.position_m = {x, y, z};
+  return state;
+}
+
+}  // namespace uwsim
