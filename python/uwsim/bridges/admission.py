@@ -1,4 +1,4 @@
-"""Admission of clients to uwsim's servers: the browser's origin, the token, the number of clients, encryption."""
+"""Access control of uwsim's servers: browser origins, tokens, the number of clients, encryption."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ class Fields(Protocol):
     """The header fields of a request."""
 
     def get_all(self, name: str, /) -> list[Any] | None:
-        """Return all values of a field; None or [] if it is absent."""
+        """Return all values of a field, or None or [] if it is absent."""
 
 
 class Door:
-    """The rule for browser pages: which may connect, and by which names of this machine.
+    """Decides which browser pages may connect, and under which host names of this machine.
 
     pages: additional origins, such as "https://station.example:8080", or those of desktop programs built from web
-    pages, such as "app://station" or "file://" (which is the origin of every page that a browser opens from a file);
-    host: the address on which the server listens. Other programs send no Origin and may connect. A browser's page must
-    come from this machine, from this server itself or from one of `pages`; and the server's name in the request must be
-    known, or be an address. Otherwise a foreign page whose host name is made to resolve to this machine would pass as
-    the server's own ("DNS rebinding"). Raises ValueError.
+    pages, such as "app://station" or "file://" (which is the origin of every page that a browser opens from a file).
+    host: the address on which the server listens. Programs other than browsers send no Origin and may connect. A page
+    in a browser must come from this machine, from this server or from one of `pages`, and the host name in the request
+    must be a known name or an IP address. Otherwise a foreign page whose host name resolves to this machine would
+    appear to be the server's own ("DNS rebinding"). Raises ValueError.
     """
 
     def __init__(self, pages: Iterable[str], host: str) -> None:
@@ -56,7 +56,7 @@ class Door:
                 self._names.add(parts.hostname)
 
     def refusal(self, fields: Fields, *, names_matter: bool) -> Refusal | None:
-        """Return the reason to refuse a request, or None. names_matter: check Host even if there is no Origin."""
+        """Return the reason to refuse a request, or None. names_matter: check Host even without an Origin."""
         origins, hosts = fields.get_all("Origin") or [], fields.get_all("Host") or []
         if len(origins) > 1 or len(hosts) != 1:
             return HTTPStatus.BAD_REQUEST, "one Host and at most one Origin are expected\n"
@@ -82,7 +82,7 @@ class Door:
 
 
 def check_token(token: str | None) -> None:
-    """Raise ValueError for a token that is too short or cannot be sent in a URL."""
+    """Raise ValueError for a token of a wrong length, or that cannot be sent in a URL."""
     if token is not None and not re.fullmatch(r"[A-Za-z0-9_.~-]{8,256}", token):
         raise ValueError("token: must have 8 to 256 characters of A-Z a-z 0-9 _ . ~ -")
 
@@ -108,8 +108,8 @@ class Admission:
     def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
         """Return the reason to refuse a request, or None; refusals are logged.
 
-        clients: how many are connected; None for a request for a page or a file, where the site checks the token
-        itself.
+        clients: the number of connected clients; None for a request for a page or a file, where the site checks the
+        token.
         """
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
         if reason is None and clients is not None:
@@ -137,7 +137,7 @@ def is_socket(request: Request) -> bool:
 
 
 def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
-    """Return the TLS context of a server; None without a certificate. Raises ValueError, OSError."""
+    """Return the TLS context of a server, or None without a certificate. Raises ValueError, OSError."""
     if certfile is None:
         if keyfile is not None:
             raise ValueError("keyfile: give the certfile, too")
@@ -154,7 +154,7 @@ def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.
 
 
 def warn_beyond_loopback(host: str, token: str | None, tls: bool) -> None:
-    """Warn about the risks of listening on more than the loopback address."""
+    """Warn about the risks of listening on an address other than loopback."""
     try:
         is_local = host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:

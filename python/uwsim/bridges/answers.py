@@ -1,4 +1,4 @@
-"""Calls of services: made on separate threads, and answered once, with values or with the reason for a failure."""
+"""Service calls: they run on separate threads, and are answered once, with values or the reason for a failure."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from logging import Logger
 from typing import Any
 
 Answer = Callable[[bool, Any], object]
-"""Receives whether a call succeeded, and its values, or the reason as text."""
+"""Receives whether a call succeeded, and its values or the reason for the failure."""
 
 
 def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
-    """Return whether a call succeeds, and its values, or the reason as text. Never raises."""
+    """Return whether a call succeeds, and its values or the reason for the failure. Never raises an Exception."""
     try:
         return True, call()
     except CancelledError:
@@ -26,7 +26,7 @@ def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
 
 
 class Lane:
-    """Threads on which calls wait, for steps or for each other. most: limit of unanswered calls; None: no limit."""
+    """Threads for calls that may wait. most: the limit on unanswered calls; None: no limit."""
 
     def __init__(self, name: str, threads: int, log: Logger, most: int | None = None) -> None:
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix=name)
@@ -35,7 +35,7 @@ class Lane:
         self._free = None if most is None else threading.Semaphore(most)
 
     def submit(self, call: Callable[[], Any], answer: Answer) -> None:
-        """Make the call on a thread and answer there.
+        """Run a call on one of the threads, and answer on it.
 
         Raises ValueError if too many calls wait, RuntimeError after `close`.
         """
@@ -50,5 +50,5 @@ class Lane:
         self._pool.submit(call).add_done_callback(finish)
 
     def close(self) -> None:
-        """Make no more calls; waiting calls fail."""
+        """Start no more calls; queued calls fail."""
         self._pool.shutdown(wait=False, cancel_futures=True)

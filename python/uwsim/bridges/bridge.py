@@ -19,14 +19,14 @@ SERVICE_THREADS = 4
 
 
 class Bridge:
-    """The simulator's side of a bridge: channels and services by name, the feed for reading, the threads for calls.
+    """The simulator's side of a bridge: channels and services by name, the feed for readings, threads for calls.
 
-    A channel is read while a peer demands it. `take` receives its readings on the simulator's thread, which it must not
-    block. Commands and calls may come from any thread, and take effect between two steps.
+    A channel is read only while a peer subscribes to it. `take` receives its readings on the simulator's thread, which
+    it must not block. Commands and calls may come from any thread; they take effect between two steps.
 
-    name: used for the log, uwsim.NAME, and for threads. feed: shared with other sinks, so that each reading is taken
-    only once; by default a new one. live: None with the feed of a recording, which accepts no commands. open_calls:
-    limit of unanswered calls; None: the subclass limits them.
+    name: used in the names of the logger, uwsim.NAME, and of threads. live: None if the feed is that of a recording,
+    which accepts no commands. feed: shared with other sinks, so that each reading is taken only once; by default a new
+    one. open_calls: the limit on unanswered calls; None: the subclass limits them.
     """
 
     def __init__(
@@ -54,11 +54,11 @@ class Bridge:
         self._going_on: list[Subscription] = []
 
     def keep_up(self) -> None:
-        """Start the work that channels do whether or not they are read; the last step of a subclass's start."""
+        """Start the work that channels do whether or not they are read; the last step of a subclass's constructor."""
         self._going_on = keep_up(self.live, self.outputs.values())
 
     def close(self) -> bool:
-        """Stop reading, commanding and calling; return whether this was the first call."""
+        """Stop reading, commands and calls; return whether this was the first call."""
         with self._lock:
             was_open, self.is_closed = not self.is_closed, True
             ends = list(self._ends.values())
@@ -81,7 +81,7 @@ class Bridge:
     # From the simulator
 
     def take(self, reading: Reading) -> None:
-        """Handle a reading of a demanded channel. Must not block."""
+        """Handle a reading of a channel that is being read. Must not block."""
         raise NotImplementedError
 
     def listen(self, name: str) -> None:
@@ -102,7 +102,7 @@ class Bridge:
         return name in self._ends
 
     def demand(self, name: str, is_wanted: bool) -> None:
-        """Start or stop reading a channel. If that is impossible, log the reason."""
+        """Start or stop reading a channel. If this fails, log the reason."""
         if not is_wanted:
             self.leave(name)
             return
@@ -118,7 +118,7 @@ class Bridge:
         channel.apply(require_live(self.live), message)
 
     def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
-        """Decode a command and apply it; `refuse` is called with what is wrong with it."""
+        """Decode a command and apply it, or call `refuse` with the error."""
         try:
             if len(data) > COMMAND_BYTES_MAX:
                 raise ValueError(f"{len(data)} bytes: must be {COMMAND_BYTES_MAX} at most")
@@ -129,11 +129,11 @@ class Bridge:
             self.log.exception("topic '%s': a message could not be applied", channel.name)
 
     def refuse(self, reason: str) -> None:
-        """Report a command that had no effect to the peers."""
+        """Report a rejected command."""
         self.log.warning("%s", reason)
 
     def abandon(self, channel: Channel) -> None:
-        """Let a channel react to the departure of the last peer that sent commands on it."""
+        """Notify a channel that the last peer that sent commands on it has gone."""
         if channel.abandoned is None or self.live is None:
             return
         try:
@@ -142,9 +142,9 @@ class Bridge:
             self.log.warning("topic '%s': %s", channel.name, error)
 
     def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
-        """Call a service on a thread, since it may wait for steps, and answer there. Raises ValueError, RuntimeError.
+        """Call a service on a thread, since it may wait for steps, and answer on it. Raises ValueError, RuntimeError.
 
-        Vital services have a separate thread, so that nothing else delays them.
+        Vital services have a separate thread, so that no other call delays them.
         """
         lane = self._vital if service.is_vital else self._usual
         lane.submit(partial(service.call, require_live(self.live), request), answer)

@@ -1,4 +1,4 @@
-"""HeardConnection: a client's WebSocket that limits what the client can make it do, and tracks whether it is alive."""
+"""HeardConnection: a client's WebSocket that limits how much work the client can cause, and tracks its liveness."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from typing import Any, ClassVar
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode, Frame, Opcode
 
-READ_BYTES = 1 << 13  # read at once; that is a thousand frames without content
-CONTINUATIONS = 1000  # frames of one message
+READ_BYTES = 1 << 13  # bytes per read; enough for a thousand frames without content
+CONTINUATIONS = 1000  # frames per message
 UNREAD_PONGS_BYTES = 1 << 20
-HEAD_S = 5.0  # time limit for a request's head, and before it for encryption
-GOING_S = 2.0  # wait for a closing handshake
+HEAD_S = 5.0  # time limit for the TLS handshake, and for a request's headers
+GOING_S = 2.0  # time limit for the closing handshake
 REASON_BYTES = 123  # RFC 6455, section 5.5
 
 
 class HeardConnection(ServerConnection):
-    """A connection that records how long nothing has been received, including answers to pings.
+    """A connection that tracks for how long nothing has been received, not even answers to pings.
 
-    silent_s: incremented by its server. Time during which the event loop was blocked does not count. most: limit on
-    the connections of a server, including half-open ones; a further one is cut off.
+    silent_s: seconds without received data, incremented by the server; time during which the event loop was blocked
+    does not count. most: the limit on a server's connections, including half-open ones; further connections are
+    aborted.
     """
 
     silent_s = 0.0
@@ -33,7 +34,7 @@ class HeardConnection(ServerConnection):
         self._unread_pongs_bytes = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Limit how much is read at once."""
+        """Limit the size of a read and the number of connections."""
         super().connection_made(transport)
         if hasattr(transport, "max_size"):
             transport.max_size = READ_BYTES
@@ -43,7 +44,7 @@ class HeardConnection(ServerConnection):
         self.loop.call_later(HEAD_S, self._require_head)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Leave room for another."""
+        """Make room for another connection."""
         self.made.discard(self)
         super().connection_lost(exc)
 
@@ -52,7 +53,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Note that the other side is alive. One that keeps pinging without reading the answers is cut off."""
+        """Record that the client is alive. A client that keeps pinging without reading the answers is disconnected."""
         self.silent_s = 0.0
         before = self.transport.get_write_buffer_size()
         super().data_received(data)
@@ -62,7 +63,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def process_event(self, event: Any) -> None:
-        """Process a frame. A message in very many frames is refused, because it costs more than its bytes."""
+        """Process a frame. A message in very many frames is refused, because each frame costs more than its bytes."""
         if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
             if self._continuations > CONTINUATIONS:
@@ -71,7 +72,7 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, without waiting for the other side, which may not read it."""
+        """Close with a reason, without waiting long for the client, which may not read it."""
         try:
             async with asyncio.timeout(GOING_S):
                 await self.close(CloseCode.POLICY_VIOLATION, reason.encode()[:REASON_BYTES].decode(errors="ignore"))
@@ -82,5 +83,5 @@ class HeardConnection(ServerConnection):
 
 
 def connections_of_one_server(most: int) -> type[HeardConnection]:
-    """Return a class of connections of which there are at most so many at a time."""
+    """Return a connection class that allows at most this many connections at a time."""
     return type("BoundedConnection", (HeardConnection,), {"most": most, "made": set()})

@@ -1,4 +1,4 @@
-"""A client's WebSocket: reads frames at a bounded rate, and sends what is queued for the client."""
+"""Traffic on a client's WebSocket: reads frames at a bounded rate, and sends frames queued for the client."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 Frame = str | bytes
-"""A frame of a WebSocket: str as text, bytes as binary."""
-AT_ONCE = 16  # frames after which other clients get their turn
+"""A WebSocket frame: str for text, bytes for binary."""
+AT_ONCE = 16  # frames after which other clients get a turn
 
 
 class Allowance:
-    """How much a client may send: one second's worth at once, then `rate` per second (a token bucket)."""
+    """A token bucket that limits what a client may send: a burst worth one second, then `rate` per second."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
@@ -23,7 +23,7 @@ class Allowance:
         self._seen_s = time.monotonic()
 
     def delay_after(self, amount: float) -> float:
-        """Take an amount; return the seconds to wait before the next one."""
+        """Consume an amount; return the seconds to wait before the next."""
         now_s = time.monotonic()
         self._left = min(self._rate, self._left + (now_s - self._seen_s) * self._rate) - amount
         self._seen_s = now_s
@@ -31,29 +31,29 @@ class Allowance:
 
 
 class Rates(NamedTuple):
-    """Limits of what a client may send per second; one that sends more is read more slowly."""
+    """Limits on what a client may send per second; a client that sends more is read more slowly."""
 
     frames: float
     bytes: float
 
 
 class Session(Protocol):
-    """A client's side of a protocol, without a transport."""
+    """The server's side of a conversation with one client, without a transport."""
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame; return the seconds of work on this thread."""
+        """Handle a frame; return the CPU time spent on this thread [s]."""
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame to send; or None, and the seconds until one is due, None if never."""
+        """Return the next frame to send; or None, and the seconds until one is due (None: only after a wake-up)."""
 
     def close(self) -> None:
-        """Leave: nothing more is sent."""
+        """End the session: nothing more is sent."""
 
 
 async def converse(
     connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Allowance
 ) -> None:
-    """Carry frames both ways until either side ends it. share: of a core, for all clients together."""
+    """Carry frames both ways until either side ends. share: limits the CPU time spent on all clients together."""
     writer = asyncio.create_task(_write(connection, session, wakes))
     try:
         await _read(connection, session, rates, share)
@@ -71,7 +71,7 @@ async def _read(connection: ServerConnection, session: Session, rates: Rates, sh
         frame: Any = await connection.recv()
         size = len(frame)
         taking = session.take(frame)
-        del frame  # so that it is freed as soon as the session no longer needs it
+        del frame  # freed as soon as the session no longer needs it
         worked_s = await taking
         delay_s = max(frames.delay_after(1), data.delay_after(size), share.delay_after(worked_s))
         count += 1
@@ -83,7 +83,7 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
     loop = asyncio.get_running_loop()
     count = 0
     while True:
-        wakes.clear()  # before checking: another thread may add something in between
+        wakes.clear()  # before checking, since another thread may add a frame in between
         frame, delay_s = await session.next_frame()
         if frame is None:
             timer = None if delay_s is None else loop.call_later(delay_s, wakes.set)
@@ -92,7 +92,7 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
                 timer.cancel()
             continue
         await connection.send(frame)
-        del frame  # it may be large, and the next one may be far away
+        del frame  # it may be large, and the next frame may come much later
         count += 1
         if count % AT_ONCE == 0:
             await asyncio.sleep(0)

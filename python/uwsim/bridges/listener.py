@@ -1,4 +1,4 @@
-"""Listener: the only place where uwsim listens for WebSockets, so that each connection passes the same admission."""
+"""Listener: the only place where uwsim listens for WebSockets, so that all connections pass the same access control."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from uwsim.bridges.conversation import Allowance, Rates, Session, converse
 from uwsim.bridges.rare_log import RareLog
 
 Site = Callable[[Request], Awaitable[Response]]
-"""Answers HTTP requests for pages and files, as opposed to WebSockets."""
+"""Answers HTTP requests for pages and files, which are not WebSockets."""
 S = TypeVar("S", bound=Session)
 Main = Callable[["Listener[Any]", Callable[[], None]], Awaitable[None]]
 """Runs while the server listens.
 
-It calls its second argument when clients may connect, and returns after `stopping`.
+It calls its second argument as soon as clients may connect, and returns once `stopping` is set.
 """
 OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], None]], S]
-"""Opens a client's session, given its connection, a function that wakes its writer, and one that disconnects it."""
+"""Opens a session from a connection, a function that wakes its writer, and one that disconnects the client."""
 
 STOP_S = 5.0
-HALF_OPEN_MAX = 64  # connections beyond the places, which have not sent a request yet
-WRITE_LIMIT = 1 << 16  # bytes in a connection's own buffer; beyond it, its queues fill
+HALF_OPEN_MAX = 64  # further connections, which have not sent a request yet
+WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session's queues fill
 
 
 class Address(NamedTuple):
-    """The address on which a server listens, and who may connect: see Admission and tls_context. port 0 chooses one."""
+    """A server's address, and who may connect: see Admission and tls_context. port: 0 chooses a free one."""
 
     host: str = "127.0.0.1"
     port: int = 0
@@ -47,12 +47,12 @@ class Address(NamedTuple):
 
 
 class Listener(Generic[S]):
-    """A WebSocket server on an event loop in its own thread, with one session per client.
+    """A WebSocket server on an event loop in a separate thread, with one session per client.
 
-    places: number of clients at a time; further ones are refused with HTTP 503. rates: of each client's frames. share:
-    of a core, for the frames of all clients together. open_session: called with each admitted connection. main: runs
-    as long as the server listens. site: serves HTTP on the same port; it checks the token itself. options: of
-    `websockets.serve`. Raises ValueError.
+    places: the number of clients at a time; further clients are refused with HTTP 503. rates: limits on each client's
+    frames. share: limits the CPU time for the frames of all clients together. open_session: called for each admitted
+    connection. main: runs while the server listens. site: serves HTTP on the same port; it checks the token itself.
+    options: passed to `websockets.serve`. Raises ValueError.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Listener(Generic[S]):
 
     @property
     def port(self) -> int:
-        """The port on which it listens. Raises RuntimeError before start."""
+        """The port on which the server listens. Raises RuntimeError before start."""
         if self._port is None:
             raise RuntimeError("the server has not been started")
         return self._port
@@ -99,7 +99,7 @@ class Listener(Generic[S]):
         return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
 
     def start(self) -> None:
-        """Listen. Raises OSError if it cannot, and warns (UserWarning) if other machines can connect."""
+        """Start listening. Raises OSError if this fails, and warns (UserWarning) if other machines can connect."""
         if self._thread is not None:
             raise RuntimeError("the server runs already")
         warn_beyond_loopback(self._host, self._admission.token, self._tls is not None)
@@ -115,7 +115,7 @@ class Listener(Generic[S]):
             raise OSError(f"cannot listen on {self._host}:{self._wanted_port}: {self._failure}")
 
     def stop(self) -> None:
-        """Close all connections and end the thread."""
+        """Close all connections and stop the thread."""
         thread, loop = self._thread, self.loop
         if thread is None or loop is None:
             return
@@ -150,7 +150,7 @@ class Listener(Generic[S]):
             self._wanted_port,
             ssl=self._tls,
             compression=None,
-            max_queue=0,  # one frame waits
+            max_queue=0,  # only one frame is buffered
             create_connection=connections_of_one_server(self._places + HALF_OPEN_MAX),
             process_request=self._admit,
             write_limit=WRITE_LIMIT,
@@ -161,7 +161,7 @@ class Listener(Generic[S]):
         )
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Report what the loop could not do, such as accept a connection without a file left for it."""
+        """Log an error of the event loop, such as running out of file descriptors for connections."""
         error = context.get("exception")
         self._rare.warning(f"{context['message']}: {error}" if error else str(context["message"]))
 
@@ -177,7 +177,7 @@ class Listener(Generic[S]):
 
     async def _handle(self, connection: ServerConnection) -> None:
         assert isinstance(connection, HeardConnection)
-        if len(self.sessions) >= self._places:  # others connected during this one's handshake
+        if len(self.sessions) >= self._places:  # others connected during this client's handshake
             await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
             return
         loop, wakes, own_thread = asyncio.get_running_loop(), asyncio.Event(), threading.get_ident()
@@ -206,6 +206,6 @@ class Listener(Generic[S]):
 
 
 def post(loop: asyncio.AbstractEventLoop, function: Callable[..., object], *arguments: Any) -> None:
-    """Call a function on a loop, from any thread; does nothing if the loop has ended."""
+    """Call a function on an event loop, from any thread; do nothing if the loop has ended."""
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(function, *arguments)

@@ -1,4 +1,4 @@
-"""Plays a recording's messages to clients of bridges, without a simulator."""
+"""Playback of a recording's messages to clients of bridges, without a simulator."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.recording.reader import Recording
 SETTLE_S = 0.5  # time for the last messages to reach the clients
 
 Join = Callable[[ExitStack, Sequence[Channel], PlayedFeed], Sequence[str]]
-"""Opens further bridges for channels and their feed, to be closed with the stack; returns their addresses as text."""
+"""Opens further bridges for channels and their feed, closed with the stack; returns their addresses as text."""
 
 
 def play(
@@ -31,11 +31,11 @@ def play(
     say: Callable[[str], object] = lambda text: None,
     **access: Any,
 ) -> None:
-    """Send every message once, at a pace of simulated time; return after the last. Raises ValueError, OSError.
+    """Send every message once, at the pacer's speed; return after the last. Raises ValueError, OSError.
 
-    from_s, until_s: simulated times; earlier latched messages are sent at once. wait: for the first client of
-    rosbridge, or the first subscriber elsewhere. access: host, origins, token, certfile and keyfile, as in
-    RosbridgeServer.
+    from_s, until_s: simulated times; latched messages from before from_s are sent immediately. wait: whether to wait
+    for the first client of rosbridge, or the first subscriber of another bridge. access: host, origins, token, certfile
+    and keyfile, as in RosbridgeServer.
     """
     feed = PlayedFeed(channels_of(recording))
     channels = list(feed.channels.values())
@@ -51,7 +51,7 @@ def play(
 
 
 def _send(recording: Recording, feed: PlayedFeed, pacer: Pacer, from_ns: int, until_ns: int | None) -> int:
-    """Send each message when it is due; return their number. Latched ones from before from_ns are sent first."""
+    """Send each message when it is due, after latched messages from before from_ns; return the number sent."""
     sent = 0
     for recorded in recording.messages(*feed.channels):
         channel = feed.channels[recorded.topic]

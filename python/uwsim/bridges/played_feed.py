@@ -1,4 +1,4 @@
-"""PlayedFeed: passes a recording's messages to bridges, like a live simulator's feed passes its readings."""
+"""PlayedFeed: passes a recording's messages to bridges, just as Feed passes a live simulator's readings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ logger = logging.getLogger("uwsim.bridges")
 
 
 def channels_of(recording: Recording) -> list[Channel]:
-    """Return the channels of a recording that bridges offer: all but commands, including received and derived ones."""
+    """Return a recording's channels for bridges: all except commands, including received and derived channels."""
     found = []
     for info in (*recording.channels.values(), *recording.derived.values()):
         if info.name != COMMANDS:
@@ -32,9 +32,10 @@ def channels_of(recording: Recording) -> list[Channel]:
 
 
 class PlayedFeed:
-    """Readings whose bytes are the recording's own. Sinks are called on the playing thread.
+    """Readings that contain a recording's bytes unchanged. Sinks are called on the playing thread.
 
-    channels: those to play, by name. A sink that subscribes late to the changes of a map receives all earlier ones.
+    channels: the channels to play, by name. A sink that subscribes late to a map's changes receives all earlier
+    changes.
     """
 
     def __init__(self, channels: Iterable[Channel] = ()) -> None:
@@ -52,13 +53,13 @@ class PlayedFeed:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether there is a sink."""
+        """Whether any sink is listening."""
         return any(self._sinks.values())
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
         """Pass each reading of a channel to a sink from now on; return a function that ends this.
 
-        A latched channel's newest reading is passed immediately.
+        A latched channel's latest reading is passed immediately.
         """
         with self._lock:
             self._sinks[channel.name] = (*self._sinks.get(channel.name, ()), sink)
@@ -68,7 +69,7 @@ class PlayedFeed:
         return lambda: self._leave(channel.name, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the newest reading of a latched channel; if its messages build up, all of them so far combined."""
+        """Return the latest reading of a latched channel; if messages build on each other, all of them combined."""
         with self._lock:
             return self._late(channel)
 
@@ -77,7 +78,7 @@ class PlayedFeed:
         return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the recorded time [ns] to a sink once per period of it; return a function that ends this."""
+        """Report the recorded time [ns] to a sink once per recorded period; return a function that ends this."""
         key = object()
         self._clocks[key] = _Clock(round(1e9 * period_s), sink)
 
@@ -87,7 +88,7 @@ class PlayedFeed:
         return end
 
     def play(self, channel: Channel, recorded: Recorded) -> Reading:
-        """Pass a message to all sinks, and return it."""
+        """Pass a message to all sinks, and return it as a reading."""
         reading = Reading(channel, None, recorded.time_ns, 0, cdr=memoryview(recorded.data))
         if channel.name in self._maps:
             self._maps[channel.name].take(reading)
@@ -110,7 +111,7 @@ class PlayedFeed:
 
 
 class _Clock:
-    """Reports recorded time at each multiple of a period that it passes, and when it goes back."""
+    """Reports recorded time whenever it passes a multiple of a period, in either direction."""
 
     def __init__(self, period_ns: int, sink: Callable[[int], object]) -> None:
         self._period_ns = period_ns
@@ -118,7 +119,7 @@ class _Clock:
         self._last: int | None = None
 
     def tell(self, time_ns: int) -> None:
-        """Report the time if it is due."""
+        """Report the time if a report is due."""
         if time_ns // self._period_ns != self._last:
             self._last = time_ns // self._period_ns
             self._sink(time_ns)

@@ -1,4 +1,4 @@
-"""PlayedMap: accumulates a recording's map changes, for sinks that subscribe late."""
+"""PlayedMap: accumulates a recording's map changes for sinks that subscribe late."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 
 
 class PlayedMap:
-    """The occupied voxels of a map as played so far. It starts over when recorded time goes back."""
+    """The occupied voxels of a map as played so far. The map starts over when recorded time goes back."""
 
     def __init__(self) -> None:
         self._changes = MapChanges()

@@ -1,4 +1,4 @@
-"""RareLog: a warning of each kind at most once a minute, so that no client can fill the log."""
+"""RareLog: logs each warning at most once a minute, so that no client can fill the log."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ KINDS_MAX = 100
 
 
 class RareLog:
-    """Logs warnings, of each text the first at once and later ones as a count, once a minute."""
+    """Logs a warning's first occurrence immediately; repeats are counted, and reported at most once a minute."""
 
     def __init__(self, log: Logger) -> None:
         self._log = log

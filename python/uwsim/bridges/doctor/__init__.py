@@ -1,4 +1,4 @@
-"""`uwsim doctor`: finds out what prevents two sides from seeing each other, and suggests a remedy."""
+"""`uwsim doctor`: finds out why uwsim and other programs do not see each other, and suggests remedies."""
 
 from uwsim.bridges.doctor.examine import Plan, examine
 from uwsim.bridges.doctor.finding import Finding, Verdict

@@ -1,4 +1,4 @@
-"""Participants in the ROS 2 domain: joins it for a while and listens."""
+"""Discovery of participants in a ROS 2 domain: joins it for a while and listens."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOOK_S = 0.05
 
 
 def discovery(settings: Ros2Settings, listen_s: float) -> list[Finding]:
-    """Join the domain for listen_s; return findings about its participants and their distribution of ROS 2."""
+    """Join the domain for listen_s; return findings about its participants and their ROS 2 distributions."""
     domain, ports = settings.domain_id, udp_ports()
     here = participants_here(domain, ports)
     others = {number: participants_here(number, ports) for number in range(SAFE_DOMAIN_MAX + 1) if number != domain}
@@ -64,7 +64,7 @@ def _speech(what: str, found: str, settings: Ros2Settings, theirs: set[Distro]) 
 
 
 def _listen(settings: Ros2Settings, listen_s: float) -> tuple[int, dict[str, Distro], bool]:
-    """Return the number of other participants, their nodes by name, and whether any sends type hashes (as in Jazzy)."""
+    """Return the number of other participants, their nodes by name, and whether any sends type hashes (Jazzy)."""
     participants = {distro: Participant(replace(settings, distro=distro), b"") for distro in get_args(Distro)}
     try:
         ours = {participant.guid for participant in participants.values()}

@@ -1,4 +1,4 @@
-"""A finding: the subject, the observation, whether it is a problem, and the remedy."""
+"""A finding: subject, observation, whether it is a problem, and remedy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Interfaces, multicast, ports and buffers of this machine. Linux only, like the packages of ROS."""
+"""Checks of this machine's interfaces, multicast, ports and buffers. Linux only, like ROS's packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2S
 
 SIOCGIFFLAGS, SIOCGIFADDR = 0x8913, 0x8915
 UP, LOOPBACK, MULTICAST = 0x1, 0x8, 0x1000
-BUFFER_GOOD = 2 << 20  # bytes that a socket should buffer for clouds and pictures
+BUFFER_GOOD = 2 << 20  # bytes that a socket should buffer for point clouds and pictures
 ECHO_S = 1.0
 
 
@@ -73,7 +73,7 @@ def multicast(name: str, address: str, flags: int) -> Finding:
 
 
 def buffers() -> Finding:
-    """Return a finding about the default receive buffer of a socket."""
+    """Return a finding about the default size of sockets' receive buffers."""
     try:
         default = int(Path("/proc/sys/net/core/rmem_default").read_text())
     except (OSError, ValueError):
@@ -98,5 +98,5 @@ def udp_ports() -> set[int]:
 
 
 def participants_here(domain_id: int, ports: set[int]) -> int:
-    """Return the number of a domain's participants on this machine, from the ports in use."""
+    """Return the number of a domain's participants on this machine, derived from the ports in use."""
     return sum(unicast_port(domain_id, number) in ports for number in range(PARTICIPANTS_MAX))

@@ -18,7 +18,7 @@ LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
 
 
 def rosbridge_port(port: int) -> Finding:
-    """Return a finding about the rosbridge's port."""
+    """Return a finding about rosbridge's port."""
     what = f"rosbridge, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")

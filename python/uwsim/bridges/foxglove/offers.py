@@ -1,4 +1,4 @@
-"""Offers: the simulator's channels in CDR, and scenes, by number, with the clients subscribed to each."""
+"""Offers: the simulator's channels, in CDR, and scenes, numbered, with the clients subscribed to each."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from uwsim.channels.feed import Reading
 from uwsim.channels.outgoing import Line, Outgoing, queue_of
 
 Sinks = tuple[tuple[Outbox, int], ...]
-"""Each with the client's own number for its subscription."""
+"""Subscribed clients' outboxes, each with the number that the client chose for its subscription."""
 
 
 class Offers:
-    """The topics by number. All methods except `send` are called on the network's thread."""
+    """The topics by number. All methods except `send` and `queue` are called on the network thread."""
 
     def __init__(self, bridge: Bridge, outgoing: Outgoing) -> None:
         self._bridge, self._outgoing = bridge, outgoing
         self._channels = bridge.outputs
         self._shows: dict[str, Show] = {}
         self._lines = {name: Line(name, queue_of(channel.type)) for name, channel in self._channels.items()}
-        self._sinks: dict[str, Sinks] = {}  # replaced as a whole, since another thread reads them
+        self._sinks: dict[str, Sinks] = {}  # values are replaced as a whole, since another thread reads them
         self.offers: list[Offer] = []
 
     def complete(self, shows: Sequence[Show]) -> None:
@@ -41,7 +41,7 @@ class Offers:
         self.offers = found
 
     def subscribe(self, offer_id: int, outbox: Outbox, number: int) -> None:
-        """Send a topic to a client; on a latched topic, a late subscriber gets the newest message."""
+        """Start sending a topic to a client; on a latched topic, a late subscriber receives the latest message."""
         name = self._name(offer_id)
         before = self._sinks.get(name, ())
         self._sinks[name] = (*before, (outbox, number))
@@ -57,7 +57,7 @@ class Offers:
             raise
 
     def unsubscribe(self, offer_id: int, outbox: Outbox) -> None:
-        """Stop sending it; a topic without subscribers is not read."""
+        """Stop sending a topic to a client; a topic without subscribers is not read."""
         name = self._name(offer_id)
         left = tuple(sink for sink in self._sinks.get(name, ()) if sink[0] is not outbox)
         self._sinks[name] = left
@@ -67,7 +67,7 @@ class Offers:
             self._bridge.leave(name)
 
     def close(self) -> None:
-        """Stop making scenes."""
+        """Stop producing scenes."""
         for show in self._shows.values():
             show.end()
 
@@ -83,7 +83,7 @@ class Offers:
         return self.offers[offer_id - 1].name
 
     def queue(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread; it is encoded on another."""
+        """Queue a reading, on the simulator's thread; it is encoded on another thread."""
         name = reading.channel.name
 
         def write() -> bool:

@@ -1,8 +1,8 @@
-"""A client's queue of frames to send, limited in bytes for each client and for all.
+"""A client's queue of frames to send, limited in bytes, per client and for all clients.
 
-It has two parts: frames that must arrive (the list of topics, answers, scenes, each of which builds on the previous
-ones), and messages of topics, the oldest of which are dropped for newer ones. A client with too many frames of the
-first kind is disconnected.
+It has two parts: frames that must arrive (the list of topics, answers, and scenes, which build on each other), and
+topics' messages, the oldest of which are dropped for newer ones. A client with too many frames of the first kind is
+disconnected.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ REPLIES_BYTES = 64 << 20  # a large map's scene takes about 10 MB
 MESSAGES = 64
 MESSAGES_BYTES = 16 << 20
 ALL_BYTES = 256 << 20
-OVERHEAD = 200  # bytes that an entry of a queue takes in addition to its content
+OVERHEAD = 200  # bytes that a queue entry takes in addition to its content
 
 Message = tuple[int, int, bytes]
-"""Subscription, time [ns], content; the content is shared by all clients that receive it."""
+"""The subscription, the time [ns] and the content, which is shared by all clients that receive it."""
 
 
 class Room:
-    """The total size of the queues of all clients."""
+    """The total size of all clients' queues."""
 
     def __init__(self, limit: int = ALL_BYTES) -> None:
         self.lock = threading.Lock()
@@ -35,7 +35,7 @@ class Room:
 
 
 class _Queue:
-    """Frames in order of arrival. Its users hold the room's lock."""
+    """Frames in order of arrival. Callers must hold the room's lock."""
 
     def __init__(self, room: Room, count: int, size: int) -> None:
         self._room = room
@@ -47,7 +47,7 @@ class _Queue:
         return len(self._entries)
 
     def has_room(self, size: int) -> bool:
-        """Return whether an entry fits; an empty queue accepts one of any size."""
+        """Return whether an entry fits; an empty queue accepts an entry of any size."""
         fits = self.bytes + size <= self._size and self._room.taken + size <= self._room.limit
         return not self._entries or (len(self._entries) < self._count and fits)
 
@@ -71,7 +71,7 @@ class _Queue:
 class Outbox:
     """A client's queues. Its methods may be called on any thread, and never block.
 
-    wake: called when there is something to send; give_up: called with the reason when too much is queued. dropped:
+    wake: called when there is a frame to send. give_up: called with the reason when too much is queued. dropped: the
     number of messages dropped for newer ones.
     """
 
@@ -85,7 +85,7 @@ class Outbox:
 
     @property
     def bytes(self) -> int:
-        """The size of both queues."""
+        """The size of both queues [bytes]."""
         return self._replies.bytes + self._messages.bytes
 
     def reply(self, frame: Frame) -> None:
@@ -93,7 +93,7 @@ class Outbox:
         self._must(len(frame) + OVERHEAD, frame)
 
     def put(self, message: Message, *, builds_up: bool = False) -> None:
-        """Queue a topic's message. builds_up: later ones are useless without it."""
+        """Queue a topic's message. builds_up: whether later messages are useless without it."""
         size = len(message[2]) + OVERHEAD
         if builds_up:
             self._must(size, message)
@@ -108,7 +108,7 @@ class Outbox:
         self._wake()
 
     def tell_time(self, time_ns: int) -> None:
-        """Queue the time, replacing the previous one."""
+        """Queue the simulated time, replacing a queued one."""
         self._time_ns = time_ns
         self._wake()
 
@@ -126,7 +126,7 @@ class Outbox:
         return protocol.message(*found) if isinstance(found, tuple) else found
 
     def close(self) -> None:
-        """Drop everything and refuse further frames."""
+        """Drop all queued frames and ignore further ones."""
         with self._room.lock:
             self._is_closed = True
             self._replies.clear()

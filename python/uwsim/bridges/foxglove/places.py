@@ -1,4 +1,4 @@
-"""Positions of vehicles, for their tracks: the truth, or over a link the positions in their telemetry."""
+"""Positions of vehicles, for their tracks: true positions, or, with a link, those in the vehicles' telemetry."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Vector = NDArray[np.float64]
 ORIGIN_M: Vector = np.zeros(3)
 
 Follow = Callable[[Positions, int], object]
-"""Receives positions in the world frame and their time in simulated nanoseconds."""
+"""Receives positions in the world frame and their simulated time [ns]."""
 Leave = Callable[[], object]
 
 
 def true_places(live: LiveSimulator) -> Callable[[Follow], Leave]:
-    """Return a function that follows the true positions of the vehicles."""
+    """Return a function that starts passing on the vehicles' true positions."""
 
     def listen(follow: Follow) -> Leave:
         def read(sim: Simulator) -> tuple[Positions, int]:
@@ -39,7 +39,7 @@ def true_places(live: LiveSimulator) -> Callable[[Follow], Leave]:
 def told_places(
     live: LiveSimulator, channels: Sequence[Channel], feed: Readings, origin_m: Vector = ORIGIN_M
 ) -> Callable[[Follow], Leave]:
-    """Return a function that follows the positions in the vehicles' telemetry. origin_m: the world's origin in odom."""
+    """Return a function that starts passing on positions from telemetry. origin_m: the world's origin in odom."""
     panels = [channel for channel in channels if channel.type == TELEMETRY]
     names = list(live.simulator.vehicles)
 

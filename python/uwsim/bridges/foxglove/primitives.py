@@ -1,4 +1,4 @@
-"""Foxglove's shapes from arrays: meshes, lines and cubes as scene entities."""
+"""Conversion of arrays to Foxglove's scene entities: meshes, lines and cubes."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ DEEP, SHALLOW = np.array([0.16, 0.22, 0.32, 1.0]), np.array([0.76, 0.66, 0.46, 1
 
 
 def timestamp(time_ns: int) -> Timestamp:
-    """Return a time."""
+    """Return a Timestamp."""
     return Timestamp(*divmod(time_ns, 1_000_000_000))
 
 
 def points(positions_m: ArrayLike) -> list[Point3]:
-    """Return points from (n, 3)."""
+    """Return points from an array (n, 3)."""
     return [Point3(x=x, y=y, z=z) for x, y, z in np.asarray(positions_m, float).tolist()]
 
 
 def by_height(heights_m: NDArray[np.floating], bands_m: float | None = None) -> list[Color]:
-    """Return colours between DEEP and SHALLOW for heights, (n,); with bands_m they repeat at this interval."""
+    """Return colours between DEEP and SHALLOW for heights (n,). bands_m: the interval at which colours repeat."""
     if bands_m is None:
         low, high = float(heights_m.min()), float(heights_m.max())
         share = (heights_m - low) / max(high - low, 1e-9)
@@ -50,7 +50,7 @@ def mesh(
     *,
     frame_locked: bool = False,
 ) -> SceneEntity:
-    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height if it has no colour of its own."""
+    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height unless a colour is passed."""
     shade = {"colors": by_height(np.asarray(vertices_m)[:, 2])} if color is None else {"color": color}
     surface = TriangleListPrimitive(points=points(vertices_m), indices=np.asarray(triangles).ravel().tolist(), **shade)
     return SceneEntity(id=name, frame_id=frame_id, frame_locked=frame_locked, triangles=[surface])

@@ -1,7 +1,7 @@
-"""Foxglove's WebSocket protocol, the server's side: frames from values, values from frames.
+"""The server's side of Foxglove's WebSocket protocol: conversion between frames and values.
 
 The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`;
-binary frames begin with a byte that identifies them. All integers are little endian.
+binary frames begin with a byte that identifies them. All integers are little-endian.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ BINARY_SCHEMAS = ("protobuf", "flatbuffer")
 
 @dataclass(frozen=True)
 class Offer:
-    """A topic that clients may subscribe to. schema: in its own encoding, such as ros2msg."""
+    """A topic that clients may subscribe to. schema: in the encoding schema_encoding, such as ros2msg."""
 
     id: int
     name: str
@@ -38,7 +38,7 @@ class Offer:
 
 @dataclass(frozen=True)
 class Publication:
-    """A client's message on a channel that it has advertised."""
+    """A client's message on a channel that it advertised."""
 
     channel_id: int
     data: bytes
@@ -46,7 +46,7 @@ class Publication:
 
 @dataclass(frozen=True)
 class Call:
-    """A client's call of a service."""
+    """A client's service call."""
 
     service_id: int
     call_id: int
@@ -55,12 +55,12 @@ class Call:
 
 
 def server_info(name: str, session: str) -> str:
-    """Return the first frame of a conversation. session: a different one makes the app discard its data."""
+    """Return the first frame of a conversation. session: the app discards its data if this ID changes."""
     return _text("serverInfo", name=name, capabilities=CAPABILITIES, supportedEncodings=ENCODINGS, sessionId=session)
 
 
 def advertisement(offers: Sequence[Offer]) -> str:
-    """Return the frame that lists topics."""
+    """Return the frame that advertises topics."""
     channels = [
         {
             "id": offer.id,
@@ -77,7 +77,7 @@ def advertisement(offers: Sequence[Offer]) -> str:
 
 
 def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
-    """Return the frame that lists services, each as number, name and type. Their requests are any JSON objects."""
+    """Return the frame that advertises services, each (number, name, type). A request is any JSON object."""
 
     def described(number: int, name: str, kind: str) -> dict[str, Any]:
         schema = {"schemaName": kind, "schemaEncoding": "jsonschema", "schema": '{"type":"object"}'}
@@ -88,33 +88,33 @@ def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
 
 
 def status(level: int, text: str) -> str:
-    """Return a problem for the app to display."""
+    """Return the frame for a problem that the app displays."""
     return _text("status", level=level, message=text)
 
 
 def call_failure(call: Call, why: str) -> str:
-    """Return the answer to a call that could not be made."""
+    """Return the frame for a failed call."""
     return _text("serviceCallFailure", serviceId=call.service_id, callId=call.call_id, message=why)
 
 
 def answer(call: Call, response: dict[str, Any]) -> bytes:
-    """Return the answer to a call, in JSON."""
+    """Return the frame that answers a call, in JSON."""
     head = struct.pack("<BIII4s", ANSWER, call.service_id, call.call_id, 4, b"json")
     return head + orjson.dumps(response, default=str)
 
 
 def message(subscription: int, time_ns: int, data: bytes) -> bytes:
-    """Return a topic's message."""
+    """Return the frame for a topic's message."""
     return struct.pack("<BIQ", MESSAGE, subscription, time_ns) + data
 
 
 def time(time_ns: int) -> bytes:
-    """Return the simulated time."""
+    """Return the frame for the simulated time."""
     return struct.pack("<BQ", TIME, time_ns)
 
 
 def read_binary(frame: bytes) -> Publication | Call:
-    """Return the content of a client's binary frame. Raises ValueError."""
+    """Parse a client's binary frame. Raises ValueError."""
     if frame[:1] == bytes([PUBLISH]) and len(frame) >= 5:
         return Publication(struct.unpack_from("<I", frame, 1)[0], frame[5:])
     if frame[:1] == bytes([CALL]) and len(frame) >= 13:
@@ -126,7 +126,7 @@ def read_binary(frame: bytes) -> Publication | Call:
 
 
 def read_json(data: str | bytes) -> dict[str, Any]:
-    """Return the object in JSON data; empty data counts as an empty object. Raises ValueError."""
+    """Parse JSON data that must be an object; empty data counts as an empty object. Raises ValueError."""
     try:
         found = orjson.loads(data or b"{}")
     except ValueError as error:

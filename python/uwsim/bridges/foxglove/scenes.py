@@ -16,18 +16,18 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
 
-GRID_MAX = 160  # heights along an edge of the displayed bed
+GRID_MAX = 160  # the most heights along an edge of the displayed bed
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
 HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=1.0)
-SEGMENT = 200  # positions in one entity of a track: only the last entity is sent again as it grows
+SEGMENT = 200  # positions per entity of a track: only the last entity is resent as the track grows
 TRACK_STEP_M = 0.2
 Position = tuple[float, float, float]
 Positions = dict[str, Position]
-"""By vehicle."""
+"""Positions by vehicle."""
 
 
 def lake(scenario: Scenario) -> SceneUpdate:
-    """Return the bed, coloured by height, with obstacles and station, in the world frame."""
+    """Return the bed, coloured by height, the obstacles and the station, in the world frame."""
     terrain = build_terrain(scenario.terrain)
     stride = max(1, -(-(max(terrain.heights_m.shape) - 1) // (GRID_MAX - 1)))
     heights = terrain.heights_m[::stride, ::stride]
@@ -43,7 +43,7 @@ def lake(scenario: Scenario) -> SceneUpdate:
 def _grid(
     heights_m: NDArray[np.float32], spacing_m: float, origin_m: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return a grid of heights as vertices and triangles, two per cell, as in the world."""
+    """Triangulate a grid of heights, with two triangles per cell as in the world; return vertices and triangles."""
     rows, columns = heights_m.shape
     y, x = np.mgrid[:rows, :columns] * spacing_m
     vertices = np.column_stack([x.ravel() + origin_m[0], y.ravel() + origin_m[1], heights_m.ravel()])
@@ -53,7 +53,7 @@ def _grid(
 
 
 def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
-    """Return the vehicles' hulls, each fixed in its body's frame. frames: by vehicle."""
+    """Return the vehicles' hulls, each fixed in its body's frame. frames: the body frames by vehicle."""
     return SceneUpdate(
         entities=[
             mesh(entry.name, frames[entry.name], *vehicle_hull(entry.model), HULL, frame_locked=True)
@@ -90,7 +90,7 @@ class Tracks:
         return SceneUpdate(entities=segments) if segments else None
 
     def _segment(self, name: str, number: int, time_ns: int) -> SceneEntity:
-        begin = max(number * SEGMENT - 1, 0)  # joined to the previous one
+        begin = max(number * SEGMENT - 1, 0)  # joined to the previous segment
         positions = self._positions[name][begin : (number + 1) * SEGMENT]
         return line(f"{name} {number}", "world", positions, PATH, 2.0, time_ns)
 
@@ -99,7 +99,7 @@ Block = tuple[int, int, int]
 
 
 class MapBlocks:
-    """The map's occupied voxels as cubes: one entity per block of 16 x 16 x 16, sent again when it has changed."""
+    """The map's occupied voxels as cubes: one entity per block of 16 x 16 x 16 voxels, resent when it changes."""
 
     def __init__(self) -> None:
         self._cells: dict[Block, set[int]] = {}
@@ -107,7 +107,7 @@ class MapBlocks:
         self._newest: Reading | None = None
 
     def changed(self, reading: Reading) -> SceneUpdate | None:
-        """Apply a MapChanges message; return the blocks that changed, or None if it is older than the present state."""
+        """Apply a MapChanges message; return the blocks that changed, or None if it is older than the current state."""
         message = reading.message
         deletions = []
         if message.snapshot:
@@ -126,7 +126,7 @@ class MapBlocks:
         return SceneUpdate(deletions=deletions, entities=self._entities(touched, reading))
 
     def whole(self) -> SceneUpdate | None:
-        """Return all blocks, for a client that has none."""
+        """Return all blocks, for a new client."""
         if self._newest is None:
             return None
         deletions = [SceneEntityDeletion(type=SceneEntityDeletionType.All)]

@@ -1,4 +1,4 @@
-"""FoxgloveServer: the Foxglove app, or any client of its WebSocket protocol, shows and controls a live simulator."""
+"""FoxgloveServer: lets the Foxglove app, or any client of its protocol, display and control a live simulator."""
 
 from __future__ import annotations
 
@@ -31,26 +31,27 @@ from uwsim.live import LiveSimulator
 PORT = 8765  # the app's default
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
-COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits of a command in JSON: its memory, and the messages in it
-TIME_S = 0.05  # simulated, between two messages of the time
-WORK_SHARE = 0.3  # of a core, for the frames of all clients together
+COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits on a command in JSON: its memory, and the number of messages in it
+TIME_S = 0.05  # simulated seconds between two messages of the time
+WORK_SHARE = 0.3  # fraction of a core for the frames of all clients together
 RATES = Rates(frames=1000.0, bytes=4e6)  # limits for each client
 
 
 class FoxgloveServer(Bridge):
-    """A Foxglove WebSocket server on threads of its own.
+    """A Foxglove WebSocket server, which runs on separate threads.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
             with FoxgloveServer(live, table.channels, table.services):
                 ...
 
-    Topics carry CDR with ROS 2's schemas, so that panels treat them as a robot's; /scene/* are for the 3D panel.
-    Clients may publish on the topics of commands, in CDR or JSON, and call its services in JSON. A topic is read while
-    a client subscribes to it. feed: shared with other sinks. live: None with the feed of a recording, which accepts no
-    commands and whose only scenes are the maps. origin: the origin of odom in the channels, as in their Table. port 0
-    chooses one, see `port`. origins, token, certfile, keyfile: access control and encryption, as in RosbridgeServer.
-    Raises ValueError, OSError if it cannot listen, and warns (UserWarning) if other machines can connect.
+    Topics carry CDR with ROS 2's schemas, so that panels treat them like a robot's; the topics /scene/* are for the 3D
+    panel. Clients may publish on command topics, in CDR or JSON, and call services in JSON. A topic is read only while
+    clients subscribe to it. live: None if the feed is that of a recording, which accepts no commands and whose only
+    scenes are the maps. port: 0 chooses a free one; see `port`. feed: shared with other sinks. origin: the world's
+    origin in odom, as in the channels' Table. origins, token, certfile, keyfile: access control and encryption, as in
+    RosbridgeServer. Raises ValueError, or OSError if it cannot listen, and warns (UserWarning) if other machines can
+    connect.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class FoxgloveServer(Bridge):
 
     @property
     def port(self) -> int:
-        """The port on which it listens."""
+        """The port on which the server listens."""
         return self._listener.port
 
     @property
@@ -107,7 +108,7 @@ class FoxgloveServer(Bridge):
         return self._listener.url
 
     def close(self) -> bool:
-        """Close all connections and end the threads."""
+        """Close all connections and stop the threads."""
         was_open = super().close()
         if was_open:
             self._end_clock()
@@ -120,11 +121,11 @@ class FoxgloveServer(Bridge):
         """Queue a reading, on the simulator's thread."""
         self._offers.queue(reading)
 
-    # What a session needs:
+    # Called by sessions:
 
     @property
     def heard(self) -> str:
-        """The topics of commands."""
+        """The command topics that the server subscribes to, for messages."""
         return f"/{', /'.join(self.inputs)}" if self.inputs else "none"
 
     def subscribe(self, session: Session, offer_id: int) -> None:
@@ -139,20 +140,20 @@ class FoxgloveServer(Bridge):
         """Apply a command. Raises ValueError, RuntimeError."""
         if encoding == "cdr":
             message = from_bytes(data, channel.type)
-        else:  # two characters can demand a message of a kilobyte
+        else:  # two characters of JSON can create a message of a kilobyte
             meter = Meter(COST_BYTES, objects=OBJECTS_MAX)
             message = from_plain(channel.type, protocol.read_json(data), meter=meter)
         self.apply(channel, message)
 
     def relinquish(self, channel: Channel) -> None:
-        """Let a channel react if no session sends commands on it any longer."""
+        """Notify a channel if no session advertises commands on it any more."""
         sessions = self._listener.sessions.values()
         named = [entry[0] for session in sessions for entry in session.advertised.values() if entry is not None]
         if all(one is not channel for one in named):
             self.abandon(channel)
 
     def answer(self, call: Call, reply: Callable[[str | bytes], None]) -> None:
-        """Call a service, and reply later. Raises ValueError."""
+        """Call a service; `reply` is called later. Raises ValueError."""
         service = self._numbered.get(call.service_id)
         if service is None:
             raise ValueError(f"service {call.service_id}: there is none")
@@ -164,10 +165,10 @@ class FoxgloveServer(Bridge):
 
         self.call(service, protocol.read_json(call.data), done)
 
-    # On the network's thread:
+    # Setup of sessions:
 
     def _greet(self) -> list[str]:
-        """Return the frames that begin each conversation."""
+        """Return the first frames of every conversation."""
         services = [(number, service.name, service.type) for number, service in self._numbered.items()]
         frames = [
             protocol.server_info("uwsim", str(time.time_ns() // 1_000_000)),

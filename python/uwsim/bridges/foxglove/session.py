@@ -1,4 +1,4 @@
-"""One client's side of Foxglove's protocol, without a transport: frames go in, an outbox fills."""
+"""A session of Foxglove's protocol with one client, without a transport: handles frames and fills an outbox."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from uwsim.channels import Channel
 if TYPE_CHECKING:
     from uwsim.bridges.foxglove.server import FoxgloveServer
 
-LISTS_MAX = 1000  # entries of a list in one frame, and topics and channels of one client
-TEXT_BYTES_MAX = 1 << 17  # of a frame in JSON: an app's lists, with schemas, take about 10 kB
+LISTS_MAX = 1000  # entries of a list in one frame, and channels advertised by one client
+TEXT_BYTES_MAX = 1 << 17  # size limit of a JSON frame: the app's lists, with schemas, take about 10 kB
 MISTAKES_SHOWN = 10  # per frame
 CALLS_MAX = 32  # unanswered calls of one client
-MESSAGE_BYTES_MAX = 1 << 14  # of a command or a request: decoding 16 kB of JSON takes Python up to 0.3 s
+MESSAGE_BYTES_MAX = 1 << 14  # size limit of a command or a request: decoding 16 kB of JSON takes up to 0.3 s
 NAME_MAX = 200
 
 logger = logging.getLogger("uwsim.foxglove")
 
 
 class Session:
-    """A client. subscriptions: its own numbers, by the numbers of topics."""
+    """A session with one client. subscriptions: the client's subscription numbers, by topic number."""
 
     def __init__(self, server: FoxgloveServer, outbox: Outbox) -> None:
         self._server = server
@@ -38,8 +38,8 @@ class Session:
         self._open_calls = 0
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame; return the seconds of work."""
-        begun_s = time.thread_time()  # CPU time of this thread, without the time of others on the core
+        """Handle a frame; return the CPU time spent [s]."""
+        begun_s = time.thread_time()  # CPU time of this thread, without other threads on the core
         self.receive(frame)
         return time.thread_time() - begun_s
 
@@ -48,7 +48,7 @@ class Session:
         return self.outbox.take(), None
 
     def receive(self, frame: Frame) -> None:
-        """Handle a frame. Errors are reported to the client by a status; never raises."""
+        """Handle a frame. Errors are reported to the client as a status; never raises."""
         try:
             if isinstance(frame, str):
                 if len(frame) > TEXT_BYTES_MAX:
@@ -63,12 +63,12 @@ class Session:
             self.complain("the server failed at this operation", protocol.ERROR)
 
     def complain(self, text: str, level: int = protocol.WARNING) -> None:
-        """Show a problem in the app."""
+        """Report a problem, which the app displays."""
         logger.info("%s", text)
         self.outbox.reply(protocol.status(level, text))
 
     def close(self) -> None:
-        """Leave: nothing more is sent, and the channels of its commands are relinquished."""
+        """End the session: nothing more is sent, and its command channels are relinquished."""
         self.outbox.close()
         for offer_id in list(self.subscriptions):
             self._server.unsubscribe(self, offer_id)

@@ -1,4 +1,4 @@
-"""The topics /scene/*: when their scenes are made and when they are sent again."""
+"""The topics /scene/*: when scenes are built, and when they are sent again."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.outgoing import Line, Outgoing
 from uwsim.live import LiveSimulator
 
-WAITING = 64  # updates: each builds on the previous ones, so none should be dropped for a newer one too early
+WAITING = 64  # updates per queue; dropping one is bad, since each builds on the previous ones
 
 
 Send = Callable[[int, bytes], object]
-"""Sends a message of a simulated time [ns]."""
+"""Sends a message, passed with its simulated time [ns]."""
 SendAll = Callable[[str, int, bytes], object]
 """Sends a topic's message to all its subscribers."""
 
 
 class Show:
-    """One topic of scenes. begin: called when a client subscribes, first or later; end: when the last one has left."""
+    """One topic of scenes. begin: called whenever a client subscribes. end: called when the last client has left."""
 
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
@@ -33,13 +33,13 @@ class Show:
         self._send = partial(send, topic)
 
     def begin(self, newcomer: Send) -> None:
-        """Send everything to a newcomer, and later changes to all."""
+        """Send the complete scene to a new client, and later changes to all clients."""
 
     def end(self) -> None:
         """Stop sending."""
 
     def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int, newcomer: Send | None = None) -> None:
-        """Make a scene on the writing thread, and send it to a newcomer alone, or to all."""
+        """Build a scene on the writing thread, and send it to a new client only, or to all clients."""
         send = newcomer or self._send
 
         def write() -> bool:
@@ -52,7 +52,7 @@ class Show:
 
 
 class StillShow(Show):
-    """A scene that does not change: made once, then sent to each subscriber."""
+    """A scene that does not change: built once, then sent to each subscriber."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class StillShow(Show):
         self._made: SceneUpdate | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send it."""
+        """Send the scene."""
         self._offer(self._scene, self._live.simulator.time_ns, newcomer)
 
     def _scene(self) -> SceneUpdate:
@@ -90,7 +90,7 @@ class TrackShow(Show):
         self._leave: Leave | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all segments, then those that grow."""
+        """Send all segments, later those that grow."""
         time_ns = self._live.simulator.time_ns
         self._offer(lambda: self._tracks.whole(time_ns), time_ns, newcomer)
         if self._leave is None:
@@ -107,18 +107,18 @@ class TrackShow(Show):
 
 
 class MapShow(Show):
-    """The map of a vehicle, block by block."""
+    """A vehicle's map, block by block."""
 
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll, feed: Readings, channel: Channel) -> None:
         super().__init__(topic, outgoing, send)
         self._feed = feed
         self._channel = channel
         self._blocks = MapBlocks()
-        self._time_ns = 0  # time of the newest changes
+        self._time_ns = 0  # time of the latest changes
         self._leave: Callable[[], None] | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all blocks, then those that change."""
+        """Send all blocks, later those that change."""
         if self._leave is None:
             self._leave = self._feed.listen(self._channel, self._take)
         else:
@@ -143,7 +143,7 @@ def shows_of(
     send: SendAll,
     origin_m: Vector = ORIGIN_M,
 ) -> list[Show]:
-    """Return the shows of a simulator; without one, those that can be derived from the channels alone.
+    """Return the shows of a simulator; without one, only those that can be derived from channels.
 
     origin_m: the world's origin in odom (3,).
     """

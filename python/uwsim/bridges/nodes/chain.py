@@ -1,10 +1,11 @@
-"""The five nodes of the paper's Fig. 11, each a function that sets its node up; `mapping/ranging.py` computes.
+"""The five nodes of the paper's Fig. 11, each a function that sets up its node; `mapping/ranging.py` does the maths.
 
     depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
     propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
 
-Strings carry no time: nodes stamp with the newest /clock, which the server sends before the topics of the same step. A
-scan goes out once for each ping. (The paper's published it again at 50 Hz, so that each ping counted several times.)
+Strings carry no time: nodes stamp messages with the latest /clock, which the server sends before the topics of the same
+step. Each ping is published as one scan. (The paper's node repeated it at 50 Hz, so that each ping counted several
+times.)
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ from uwsim.mapping import ranging
 Publish = Callable[[Any], None]
 STRING, FLOATS, POSE = "std_msgs/msg/String", "misc/msg/floatarray", "geometry_msgs/msg/Pose"
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
-MODEL = 2  # of the sonar, until modelTrigger chooses another
+MODEL = 2  # the sonar's model until modelTrigger selects another
 INSERTED = "octomap_node/inserted"
-SAVE_S = 1.0  # at least, between two savings
+SAVE_S = 1.0  # minimum time between two saves
 
 
 class Clock:
-    """The newest simulated time that a node has received."""
+    """The latest simulated time that a node has received."""
 
     def __init__(self, node: Node) -> None:
         self.stamp = default_message("builtin_interfaces/msg/Time")
@@ -43,7 +44,7 @@ class Clock:
 
 
 class Model:
-    """The sonar's model, as modelTrigger chooses it."""
+    """The sonar's model, as selected by modelTrigger."""
 
     def __init__(self, node: Node) -> None:
         self.number = MODEL
@@ -54,14 +55,14 @@ class Model:
 
 
 def decode(message: Any, model: int) -> Any:
-    """Make a decodedDepth of a depthArray. Raises ValueError."""
+    """Convert a depthArray to a decodedDepth. Raises ValueError."""
     decoded = default_message(FLOATS)
     decoded.data = ranging.decode_depth_string(message.data, model)
     return decoded
 
 
 def to_scan(message: Any, model: int, stamp: Any) -> Any:
-    """Make a scan of a decodedDepth."""
+    """Convert a decodedDepth to a scan."""
     ranges_m = np.where(np.isnan(message.data), np.float32(np.inf), message.data)
     made = ranging.to_laser_scan(ranges_m, model)
     scan = default_message(SCAN)
@@ -72,7 +73,7 @@ def to_scan(message: Any, model: int, stamp: Any) -> Any:
 
 
 def to_cloud(scan: Any, model: int) -> Any:
-    """Project a scan, with the angles of the sonar's model: a LaserScan's are rounded to float32."""
+    """Project a scan to a cloud, with the angles of the sonar's model, since a LaserScan's are rounded to float32."""
     ranges_m = np.where(np.isnan(scan.ranges), np.float32(np.inf), scan.ranges)
     stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
     points = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, model))
@@ -80,7 +81,7 @@ def to_cloud(scan: Any, model: int) -> Any:
 
 
 def to_transform(pose: Any, stamp: Any, parent: str, child: str) -> Any:
-    """Make a tf message of a pose."""
+    """Convert a pose to a tf message."""
     stamped = default_message("geometry_msgs/msg/TransformStamped")
     stamped.header.stamp, stamped.header.frame_id, stamped.child_frame_id = stamp, parent, child
     stamped.transform.rotation = pose.orientation
@@ -121,7 +122,7 @@ def tf_broadcaster(node: Node, out: Path) -> None:
 
 
 def octomap(node: Node, out: Path) -> None:
-    """laserPointCloud, tf -> a map, saved to `out` at the end, and regularly before that, using a tenth of the time."""
+    """laserPointCloud, tf -> a map, saved to `out` at the end and, for at most a tenth of the time, before that."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
     due_s = 0.0
 
@@ -149,4 +150,4 @@ def octomap(node: Node, out: Path) -> None:
 NODES: dict[str, Callable[[Node, Path], None]] = {
     node.__name__: node for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap)
 }
-"""Each node by its name: it sets a Node up; the octomap node writes the map to a path."""
+"""Functions that set up a Node, by node name; the path is where the octomap node writes the map."""

@@ -1,4 +1,4 @@
-"""MapBuilder: holds clouds until the transforms for their time have arrived, then inserts them in order."""
+"""MapBuilder: queues point clouds until the transforms for their time have arrived, then inserts them in order."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from uwsim.mapping import OccupancyMap, ranging
 
 VOXEL_M = 0.2
 CHAIN = (("odom", "base_footprint"), ("base_footprint", "base_scan"))
-REMEMBERED = 500  # transforms of each frame: 10 s at 50 Hz
+REMEMBERED = 500  # transforms per frame: 10 s at 50 Hz
 WAITING = 200  # clouds
 REACH_M = 95.0
 
 
 class MapBuilder:
-    """A map in odom, with voxels of 0.2 m. inserted: the number of clouds in it."""
+    """A map in odom, with voxels of 0.2 m. inserted: the number of clouds in the map."""
 
     def __init__(self) -> None:
         self.map = OccupancyMap(VOXEL_M, on_outside="count")
@@ -31,18 +31,18 @@ class MapBuilder:
         self._clouds: deque[Any] = deque(maxlen=WAITING)
 
     def add_transforms(self, message: Any) -> None:
-        """Store the transforms of a tf message that lead from odom to the sonar."""
+        """Store those transforms of a tf message that lead from odom to the sonar."""
         for stamped in message.transforms:
             link = stamped.header.frame_id, stamped.child_frame_id
             if link in self._poses:
                 self._poses[link].append((_time_ns(stamped.header.stamp), _matrix(stamped.transform)))
 
     def add_cloud(self, message: Any) -> None:
-        """Store a cloud."""
+        """Queue a cloud."""
         self._clouds.append(message)
 
     def insert_ready(self) -> int:
-        """Insert the clouds whose time the transforms have reached; return their number."""
+        """Insert the clouds for whose time transforms have arrived; return their number."""
         before = self.inserted
         while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
             cloud = self._clouds.popleft()

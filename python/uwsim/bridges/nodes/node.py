@@ -1,4 +1,4 @@
-"""Node: one process's connection to a rosbridge. It subscribes, publishes and calls back, one message at a time."""
+"""Node: a process's connection to a rosbridge server, which subscribes, publishes and runs callbacks one by one."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ NESTING = 32
 
 
 class Node:
-    """A client of a rosbridge server that uses ROS 1's spelling, which every rosbridge understands.
+    """A client of a rosbridge server; it uses ROS 1's spelling, which every rosbridge understands.
 
-    Messages are received in CBOR and sent in JSON, which all servers accept. In JSON the infinite range of a beam
-    without echo becomes null, which readers decode as NaN, also meaning no echo. queue: how many messages of a topic
-    may wait; beyond it the oldest are dropped. finish: called at the end. complain: called with errors that the server
-    reports. Publishing and calling are allowed on any thread. Raises OSError if the server cannot be reached.
+    Messages are received in CBOR and sent in JSON, which all servers accept. In JSON, the infinite range of a beam
+    without an echo becomes null, which readers decode as NaN, also meaning no echo. queue: the number of messages per
+    topic that may wait; beyond that, the oldest are dropped. finish: called at the end. complain: called with errors
+    that the server reports. `advertise`d functions and `call` may be used on any thread. Raises OSError if the server
+    cannot be reached.
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:
@@ -42,7 +43,7 @@ class Node:
         return lambda message: self._connection.send(Sample(message).frame(topic, 1, "none"))
 
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
-        """Call back with each message of a topic."""
+        """Call a function with each message of a topic."""
         self._callbacks[topic] = kind, callback
         self._send(
             {
@@ -54,20 +55,20 @@ class Node:
     def call(
         self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
     ) -> None:
-        """Call a service; `answer` receives the response: `result`, and `values` or the reason."""
+        """Call a service; `answer` receives the response: `result`, and `values`, which on failure is the reason."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
         self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
 
     def settle(self, patience_s: float = 10.0) -> None:
-        """Return when the server has processed everything requested so far: it answers in order. Needs rosapi."""
+        """Wait until the server has processed all requests so far, since it answers in order. Needs rosapi."""
         answers: list[dict[str, Any]] = []
         self.call("/rosapi/get_time", answers.append)
         deadline_s = time.monotonic() + patience_s
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
-        """Call back until the condition, which is checked between messages, holds or the server ends the connection."""
+        """Run callbacks until the condition, checked between messages, holds or the server closes the connection."""
         while not until():
             try:
                 frame = self._connection.recv(wait_s)
@@ -96,7 +97,7 @@ class Node:
 
 
 def connect_patiently(url: str, patience_s: float) -> Node:
-    """Return a node once there is a server. Raises OSError if that takes longer than `patience`."""
+    """Wait for a server, and return a node. Raises OSError if there is none after `patience_s`."""
     deadline_s = time.monotonic() + patience_s
     while True:
         try:

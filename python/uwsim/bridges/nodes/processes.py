@@ -1,4 +1,4 @@
-"""The nodes as processes, forked after everything has been imported, and each set up before the next one starts."""
+"""The nodes as processes, forked after all imports, and each set up before the next one starts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LOOK_S = 0.5
 
 
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> None:
-    """Run a node until the server ends the connection or a signal arrives. Raises OSError if there is no server."""
+    """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server."""
     node = connect_patiently(url, patience_s)
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -29,9 +29,9 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
 
 
 def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> bool:
-    """Run all nodes until one ends or a signal arrives; return whether all ended well.
+    """Run all nodes until one exits or a signal arrives; return whether all succeeded.
 
-    The nodes at the chain's end start first, and the string decoder last, so that no ping is lost. Raises OSError.
+    Nodes start from the end of the chain, with the string decoder last, so that no ping is lost. Raises OSError.
     """
     connect_patiently(url, patience_s).close()
     context = multiprocessing.get_context("fork")

@@ -1,7 +1,7 @@
-"""WebSocket: a client's connection, whose network is on a thread of its own.
+"""WebSocket: a client's connection, with all network traffic on one separate thread.
 
-websockets.sync reads on one thread and writes on another. OpenSSL does not allow that for one connection, and about one
-wss handshake in 4,000 then never ends (CPython 3.11 on two busy cores). Here a single thread does both.
+websockets.sync reads on one thread and writes on another. OpenSSL does not allow this on the same connection, and about
+one wss handshake in 4,000 then hangs (CPython 3.11 on two busy cores). Here, a single thread does both.
 """
 
 from __future__ import annotations
@@ -32,8 +32,7 @@ def checked_url(url: str) -> str:
 class WebSocket:
     """A connection to a WebSocket server; every method may be called on any thread.
 
-    Raises ValueError for a wrong URL, OSError if the server cannot be reached, and websockets' InvalidHandshake if it
-    refuses.
+    Raises OSError if the server cannot be reached, and websockets' InvalidHandshake if it refuses the connection.
     """
 
     def __init__(self, url: str) -> None:
@@ -57,7 +56,7 @@ class WebSocket:
         return self._begin(self._receive(wait_s)).result()
 
     def close(self) -> None:
-        """Disconnect; what other threads wait for ends with ConnectionClosed."""
+        """Disconnect; calls in progress on other threads raise ConnectionClosed."""
         with self._lock:
             was_open, self._is_open = self._is_open, False
         if was_open:
@@ -85,7 +84,7 @@ class WebSocket:
         others = asyncio.all_tasks() - {asyncio.current_task()}
         if others:
             await asyncio.wait(others, timeout=CLOSE_S)
-        await self._loop.shutdown_default_executor()  # it looked the host's name up
+        await self._loop.shutdown_default_executor()  # it was used to resolve the host name
 
     def _end(self) -> None:
         self._loop.call_soon_threadsafe(self._loop.stop)

@@ -1,4 +1,4 @@
-"""A vehicle behind a rosbridge, with the names that missions use: one simulated by `uwsim serve`, or a real one."""
+"""A vehicle behind a rosbridge server, with the interface that missions use: simulated by `uwsim serve`, or real."""
 
 from uwsim.bridges.remote.clock import LockstepClock, RemoteClock
 from uwsim.bridges.remote.connection import RemoteConnection

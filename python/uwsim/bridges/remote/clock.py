@@ -1,4 +1,4 @@
-"""Clocks of missions with a remote vehicle: its own time from /clock, or wall time; or in lockstep with it."""
+"""Clocks for missions with a remote vehicle: simulated time from /clock, wall time, or lockstep."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from uwsim.bridges.remote.connection import RemoteConnection
 from uwsim.bridges.remote.frames import seconds
 
 CLOCK = "clock"
-STEP_S = 0.005  # for simulators that do not report theirs
-TOLD_S = 0.02  # between two messages of odometry
+STEP_S = 0.005  # for simulators that do not report their step
+TOLD_S = 0.02  # between two odometry messages
 PATIENCE_S = 20.0
 
 
 class RemoteClock:
-    """Simulated time from /clock; wall time, starting now, if there is no such topic.
+    """Simulated time from /clock, or, without such a topic, the wall time since now.
 
-    A wait ends duration_s after the previous one ended, if that is in the future, so that a control loop keeps its
+    A wait ends duration_s after the previous wait was due, if that is in the future, so that a control loop keeps its
     period.
     """
 
@@ -31,13 +31,13 @@ class RemoteClock:
 
     @property
     def time_s(self) -> float:
-        """Time in seconds."""
+        """The time in seconds."""
         if not self._is_told:
             return time.monotonic() - self._wall_start_s
         return seconds(self._connection.newest(CLOCK).clock)
 
     def wait(self, duration_s: float) -> None:
-        """Return when the duration has passed; waits longer while the simulation is paused. Raises OSError."""
+        """Wait for the duration, and for as long as the simulation is paused. Raises OSError."""
         now_s = self.time_s
         due_s = self._woken_s + duration_s
         if due_s < now_s:
@@ -51,9 +51,9 @@ class RemoteClock:
 
 
 class LockstepClock:
-    """Steps a remote simulator, which stands still while the mission computes: pauses it, and resumes it on `close`.
+    """Pauses a remote simulator and steps it only while the mission waits; resumes it on `close`.
 
-    beacon: a topic with period TOLD_S, such as "odom", whose newest message must have the new time before a wait ends.
+    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when its latest message has the new time.
     """
 
     def __init__(self, connection: RemoteConnection, beacon: str) -> None:
@@ -68,7 +68,7 @@ class LockstepClock:
 
     @property
     def time_s(self) -> float:
-        """Simulated time in seconds."""
+        """The simulated time in seconds."""
         return self._start_s + self._steps * self._step_s
 
     def wait(self, duration_s: float) -> None:

@@ -1,4 +1,4 @@
-"""RemoteConnection: the newest message of each topic, and calls of services, over a rosbridge."""
+"""RemoteConnection: access to the latest message of each topic, and to services, over a rosbridge."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from websockets.exceptions import WebSocketException
 from uwsim.bridges.nodes.node import Node
 from uwsim.channels.message_types import resolve
 
-ANSWER_S = 20.0  # for an answer or a first message
+ANSWER_S = 20.0  # time limit for a response or a first message
 STOP_S = 2.0
-KEPT = 200  # number of messages kept for a topic whose stamps matter
+KEPT = 200  # messages kept of a topic whose time stamps matter
 LOST = "the connection to the vehicle is lost"
 
 
 class RemoteConnection:
-    """A connection to a rosbridge server, with its own listening thread. A context manager.
+    """A connection to a rosbridge server, with a separate receiving thread; a context manager.
 
-    url: such as "ws://127.0.0.1:9090". topics: the server's, without leading slash, with their types in ROS 2's
-    spelling. Raises ValueError for an invalid url, OSError if the server cannot be reached or has gone.
+    url: such as "ws://127.0.0.1:9090". topics: the server's topics, without leading slash, and their types in ROS 2's
+    spelling. Raises ValueError for an invalid url, OSError if the server cannot be reached or is gone.
     """
 
     def __init__(self, url: str) -> None:
@@ -47,7 +47,7 @@ class RemoteConnection:
         self.topics = self._offered()
 
     def hear(self, topic: str, *, keep: bool = False) -> None:
-        """Start listening to a topic. keep: store more than the newest message. Raises ValueError."""
+        """Subscribe to a topic. keep: store the last KEPT messages, not only the latest. Raises ValueError."""
         if topic in self._newest:
             return
         kind = self.topics.get(topic)
@@ -59,14 +59,14 @@ class RemoteConnection:
         self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
 
     def newest(self, topic: str) -> Any:
-        """Return the newest message of a topic; starts listening to it on the first call. Raises ValueError."""
+        """Return the latest message of a topic; the first call subscribes to it. Raises ValueError."""
         self.hear(topic)
         if self._newest[topic] is None:
             self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
         return self._newest[topic]
 
     def kept(self, topic: str) -> list[Any]:
-        """Return the last messages of a topic that keeps them, the newest last."""
+        """Return the last messages of a topic that was subscribed to with `keep`, the latest last."""
         with self.changed:
             return list(self._kept[topic])
 
@@ -81,7 +81,7 @@ class RemoteConnection:
             raise OSError(f"{self.url}: {LOST}") from None
 
     def call(self, service: str, **arguments: Any) -> dict[str, Any]:
-        """Call a service; return its values. Raises ValueError with the reason if the service failed, OSError."""
+        """Call a service and return its values. Raises ValueError with the reason if it failed, OSError."""
         answers: list[dict[str, Any]] = []
 
         def take(answer: dict[str, Any]) -> None:
@@ -105,14 +105,14 @@ class RemoteConnection:
         return values
 
     def wait_for(self, condition: Callable[[], bool], patience_s: float | None, complaint: str) -> None:
-        """Return when a condition, which is checked after each message, holds. Raises OSError."""
+        """Wait until a condition, checked after each message, holds. Raises OSError."""
         deadline_s = None if patience_s is None else time.monotonic() + patience_s
         with self.changed:
             while not condition():
                 self._require()
                 if deadline_s is not None and time.monotonic() > deadline_s:
                     raise OSError(f"{self.url}: {complaint}")
-                self.changed.wait(0.2)  # so that Ctrl-C is answered
+                self.changed.wait(0.2)  # so that Ctrl-C takes effect
 
     def close(self) -> None:
         """Disconnect."""
@@ -154,6 +154,6 @@ class RemoteConnection:
         values = self.call("rosapi/topics")
         found = {}
         for name, kind in zip(values.get("topics", []), values.get("types", []), strict=False):
-            with suppress(ValueError):  # a type that is unknown here cannot be received
+            with suppress(ValueError):  # topics with types that are unknown here cannot be received
                 found[str(name).lstrip("/")] = resolve(kind)[0]
         return found

@@ -1,4 +1,4 @@
-"""Times and poses of ROS messages as numbers and matrices."""
+"""Conversion of times and poses in ROS messages to numbers and matrices."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ def seconds(stamp: Any) -> float:
 
 
 def vector(message: Any) -> NDArray[np.float64]:
-    """Return x, y, z of a Vector3 or Point, (3,)."""
+    """Return x, y, z of a Vector3 or Point as (3,)."""
     return np.array([message.x, message.y, message.z], np.float64)
 
 
 def quaternion(message: Any) -> NDArray[np.float64]:
-    """Return a Quaternion, (4,): x, y, z, w."""
+    """Return a Quaternion as (4,): x, y, z, w."""
     return np.array([message.x, message.y, message.z, message.w], np.float64)
 
 
 def matrix(position_m: NDArray[np.float64], orientation_xyzw: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a rigid transform, (4, 4)."""
+    """Return a rigid transform as a matrix (4, 4)."""
     x, y, z, w = orientation_xyzw.tolist()
     pose = np.eye(4)
     pose[:3, :3] = [

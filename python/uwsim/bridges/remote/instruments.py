@@ -31,7 +31,7 @@ def _imu(message: Any) -> SimpleNamespace:
 
 
 def _dvl(message: Any) -> SimpleNamespace:
-    """Return the reading in the sensor's axes: in the message, y points to starboard and z down."""
+    """Return the reading in the sensor's axes; in the message, y points to starboard and z down."""
     return SimpleNamespace(
         velocity_m_s=vector(message.velocity) * (1.0, -1.0, -1.0),
         beam_ranges_m=np.asarray(message.range, np.float64),
@@ -50,24 +50,24 @@ READERS: dict[str, Callable[[Any], Any]] = {
     "std_msgs/msg/Float64": lambda message: float(message.data),
     "std_msgs/msg/Bool": lambda message: float(message.data),
 }
-"""Functions that convert messages of each sensor type to the readings of uwsim.instruments.sensors.Sensor."""
+"""Functions that convert messages to readings like those of uwsim.instruments.sensors.Sensor, by message type."""
 
 
 class RemoteSensor:
-    """A sensor behind a topic."""
+    """A sensor whose readings arrive on a topic."""
 
     def __init__(self, connection: RemoteConnection, topic: str, value: Callable[[Any], Any]) -> None:
         self._connection, self._topic, self._value = connection, topic, value
         self.name = topic.rpartition("/")[2]
 
     def read(self) -> Any:
-        """Return the newest reading; waits for the first. Raises OSError."""
+        """Return the latest reading; waits for the first one. Raises OSError."""
         return self._value(self._connection.newest(self._topic))
 
 
 @dataclass(frozen=True, eq=False)
 class RemoteLens:
-    """Intrinsics of a picture, as in sensor_msgs/CameraInfo: d (5,), k (3, 3); pixels."""
+    """Intrinsics of a picture in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
 
     width: int
     height: int
@@ -76,7 +76,7 @@ class RemoteLens:
 
 
 class RemotePicture:
-    """A picture as JPEG. Its intrinsics and its pose are requested when they are first read."""
+    """A picture as JPEG. Its intrinsics and pose are requested on first access."""
 
     def __init__(self, message: Any, lens: Callable[[], RemoteLens], pose: Callable[[], NDArray[np.float64]]) -> None:
         self.jpeg = bytes(message.data)
@@ -89,28 +89,28 @@ class RemotePicture:
 
     @cached_property
     def info(self) -> RemoteLens:
-        """The intrinsics, by camera_info. Raises ValueError if there is no such topic, OSError."""
+        """The intrinsics, from camera_info. Raises ValueError if there is no such topic, OSError."""
         return self._lens()
 
     @cached_property
     def world_from_camera(self) -> NDArray[np.float64]:
-        """(4, 4), x ahead, y left, z up, by /tf at the time of the picture. Raises ValueError, OSError."""
+        """The camera's pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError, OSError."""
         return self._pose()
 
 
 class RemoteCamera:
-    """A camera behind a topic of compressed pictures, start + IMAGE, to which it listens after `watch`."""
+    """A camera whose compressed pictures arrive on the topic start + IMAGE, subscribed to by `watch`."""
 
     def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
         self._connection, self._start, self._tree = connection, start, tree
 
     def watch(self) -> RemoteCamera:
-        """Start listening, since a simulator's first picture only arrives as its time passes."""
+        """Subscribe early, since a simulator's first picture arrives only after some simulated time."""
         self._connection.hear(self._start + IMAGE)
         return self
 
     def capture(self) -> RemotePicture:
-        """Return the newest picture; waits for the first. Raises OSError."""
+        """Return the latest picture; waits for the first one. Raises OSError."""
         message = self._connection.newest(self._start + IMAGE)
         return RemotePicture(message, self._lens, partial(self._world_from_camera, message.header))
 
@@ -126,21 +126,21 @@ class RemoteCamera:
 
 
 class RemoteCameras(Named[RemoteCamera]):
-    """Cameras by name. Looking one up starts listening to it."""
+    """Cameras by name. Looking up a camera subscribes to its pictures."""
 
     def __getitem__(self, name: str) -> RemoteCamera:
         return super().__getitem__(name).watch()
 
 
 class RemoteLamp:
-    """Lamps behind a service."""
+    """Lamps that a service switches."""
 
     def __init__(self, connection: RemoteConnection, service: str) -> None:
         self._connection, self._service, self._on = connection, service, False
 
     @property
     def on(self) -> bool:
-        """Whether they were switched on from this side."""
+        """Whether this object has switched the lamps on."""
         return self._on
 
     @on.setter

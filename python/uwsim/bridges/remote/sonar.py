@@ -20,7 +20,7 @@ FLOAT = "std_msgs/msg/Float64"
 
 @dataclass(frozen=True, eq=False)
 class RemotePing:
-    """A ping: ranges_m, angles_rad (beams,), inf without echo; world_from_sonar (4, 4); its time."""
+    """A ping: ranges_m (beams,), inf for no echo; angles_rad (beams,); world_from_sonar (4, 4); its time."""
 
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float64]
@@ -34,7 +34,7 @@ class RemotePing:
 
     @cached_property
     def points_sonar_m(self) -> NDArray[np.float32]:
-        """(beams, 3), NaN without echo."""
+        """The echoes' positions (beams, 3), NaN for no echo."""
         ranges = np.where(self.valid, self.ranges_m, np.nan).astype(np.float64)
         level = np.zeros_like(ranges)
         points = np.column_stack([ranges * np.cos(self.angles_rad), ranges * np.sin(self.angles_rad), level])
@@ -43,7 +43,7 @@ class RemotePing:
 
 
 class RemoteSonar:
-    """A multibeam behind a LaserScan, /tf and cmd_tilt. name: sonar."""
+    """A multibeam read through a LaserScan topic and /tf, and turned through cmd_tilt."""
 
     name = "sonar"
 
@@ -65,12 +65,12 @@ class RemoteSonar:
 
     @property
     def elevation_rad(self) -> float:
-        """The present elevation of the head."""
+        """The head's current elevation."""
         joints = self._connection.newest(f"{self._prefix}joint_states")
         return -float(joints.position[list(joints.name).index(f"{self._prefix}sonar_tilt")])
 
     def ping(self) -> RemotePing:
-        """Return the newest ping, with the pose that the head had at that time. Raises OSError."""
+        """Return the latest ping, with the head's pose at its time. Raises ValueError, OSError."""
         scan = self._connection.newest(self._topic)
         if self._last is None or self._last[0] is not scan:
             ranges = np.asarray(scan.ranges, np.float32)

@@ -1,4 +1,4 @@
-"""The frames of a remote vehicle, by /tf and /tf_static."""
+"""The frames of a remote vehicle, from /tf and /tf_static."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ WORLD = "world"
 
 
 class RemoteTree:
-    """The poses of frames. It starts listening on the first query."""
+    """The poses of frames; the first query subscribes to the topics."""
 
     def __init__(self, connection: RemoteConnection) -> None:
         self._connection = connection
 
     def world_from(self, frame: str, time_s: float) -> NDArray[np.float64]:
-        """Return the pose of a frame in the world, (4, 4), from the message nearest to a time.
+        """Return the pose (4, 4) of a frame in the world, from the message closest to a time.
 
         Raises ValueError, OSError.
         """
@@ -41,10 +41,10 @@ class RemoteTree:
 
 
 def apart_s(message: Any, time_s: float) -> float:
-    """Return how far the time of a TFMessage is from another time."""
+    """Return the difference between a TFMessage's time and another time [s]."""
     return abs(seconds(message.transforms[0].header.stamp) - time_s) if message.transforms else math.inf
 
 
 def matrix_of(transform: Any) -> NDArray[np.float64]:
-    """Return a geometry_msgs/Transform, (4, 4)."""
+    """Return a geometry_msgs/Transform as a matrix (4, 4)."""
     return matrix(vector(transform.translation), quaternion(transform.rotation))

@@ -1,4 +1,4 @@
-"""RemoteVehicle: a vehicle behind topics, with the names of a simulated one that missions use."""
+"""RemoteVehicle: a vehicle accessed through topics, with a simulated vehicle's interface as used by missions."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ class RemotePanel:
 
 
 class RemoteVehicle(Commandable):
-    """A vehicle at a rosbridge: pose and velocity by odometry, commands by services, efforts by the topic `key`.
+    """A vehicle behind a rosbridge server: motion from odometry, commands by services, efforts by the topic `key`.
 
-    name: the vehicle, if there are several. odometry: the topic of its pose; "odom" is a simulator's truth. Topics are
-    subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
+    name: the vehicle's name, if there are several. odometry: the topic of its pose; a simulator's "odom" is the truth.
+    Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
     """
 
     def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
@@ -60,17 +60,17 @@ class RemoteVehicle(Commandable):
 
     @property
     def beacon(self) -> str:
-        """The topic whose stamps are the time of its readings."""
+        """The topic whose stamps are the times of the vehicle's readings."""
         return self._odometry
 
     @property
     def pose(self) -> Pose:
-        """The newest pose."""
+        """The latest pose."""
         return self._motion()[1]
 
     @property
     def velocity(self) -> Velocity:
-        """The newest velocity, in body axes."""
+        """The latest velocity, in body axes."""
         return self._motion()[2]
 
     def _motion(self) -> tuple[Any, Pose, Velocity]:
@@ -83,7 +83,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def _world_from_odom_m(self) -> NDArray[np.float64]:
-        """The origin of odom in the world, (3,), from /tf_static; zero if that does not contain it."""
+        """The origin of odom in the world (3,), from /tf_static; zero if /tf_static lacks it."""
         if "tf_static" not in self._connection.topics:
             return np.zeros(3)
         for transform in self._connection.newest("tf_static").transforms:
@@ -93,7 +93,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def sensors(self) -> Named[RemoteSensor]:
-        """The sensors by name: the topics whose types belong to sensors."""
+        """The sensors by name: all topics with a sensor's message type."""
         found = {}
         for topic, kind in self._connection.topics.items():
             name = topic.removeprefix(self._prefix)
@@ -139,21 +139,20 @@ class RemoteVehicle(Commandable):
 
     @property
     def released(self) -> bool:
-        """Whether it is free of the station; True for a vehicle that does not report it."""
+        """Whether the vehicle has left the station; True for a vehicle that does not report this."""
         panel = self._telemetry()
         return True if panel is None else bool(panel.released)
 
     @property
     def all_stopped(self) -> bool:
-        """Whether all stop is set; False for a vehicle that does not report it."""
+        """Whether all stop is set; False for a vehicle that does not report this."""
         panel = self._telemetry()
         return panel is not None and ALL_STOPPED in panel.alarms
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Give a command of uwsim.commands: efforts by the topic `key`, others by services. Raises ValueError, OSError.
+        """Issue a command of uwsim.commands: efforts on topic `key`, others by services. Raises ValueError, OSError.
 
-        Efforts are not acknowledged; other commands have taken effect, or have been sent over a link, when this
-        returns.
+        Efforts are not acknowledged. Other commands have taken effect, or been sent over a link, when this returns.
         """
         command = command_named(name)
         command.named(self.name, arguments)
@@ -166,7 +165,7 @@ class RemoteVehicle(Commandable):
             raise ValueError(f"vehicle '{self.name}': {name}: cannot be given over a rosbridge: it has no service")
 
     def telemetry(self) -> RemotePanel:
-        """Read the panel: from /telemetry, else the battery alone."""
+        """Return the panel from /telemetry, or, without that topic, only the battery."""
         panel = self._telemetry()
         if panel is not None:
             return RemotePanel(
@@ -196,7 +195,7 @@ def pose_of(message: Any, origin_m: NDArray[np.float64]) -> Pose:
 
 
 def vehicle_names(connection: RemoteConnection) -> list[str]:
-    """Return the names of a server's vehicles; an empty list if it has one vehicle whose topics have no prefix."""
+    """Return the names of a server's vehicles; an empty list for a single vehicle whose topics have no prefix."""
     return sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
 
 

@@ -1,4 +1,4 @@
-"""Keeps browser pages out of the two sockets that rospy opens; see SECURITY.md."""
+"""Protection of the two sockets that rospy opens from browser pages; see SECURITY.md."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import Any
 
 from uwsim.bridges.admission import Door
 
-HEADER_BYTES_MAX = 1 << 16  # of the header that begins a connection; one with a message definition takes a few kB
-HEADER_S = 10.0  # time limit for each part of it
-HEADERS_MAX = 64  # read at a time; a further connection is closed
+HEADER_BYTES_MAX = 1 << 16  # limit on a connection's header; with a message definition, it takes a few kB
+HEADER_S = 10.0  # time limit for each part of the header
+HEADERS_MAX = 64  # headers read at a time; further connections are closed
 LOOPBACK = "127.0.0.1"
 
 
@@ -28,10 +28,10 @@ def guard_sockets() -> None:
 
 
 def _guard_xmlrpc(xmlrpc: Any) -> None:
-    """Refuse requests of pages to the XML-RPC server.
+    """Refuse requests from browser pages to the XML-RPC server.
 
-    It would accept any page's POST: with `publisherUpdate` a page could make the node read its commands from the page's
-    own server, with `shutdown` end it.
+    It would accept a POST from any page: with `publisherUpdate`, a page could make the node read commands from the
+    page's server; with `shutdown`, it could end the node.
     """
     door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
 
@@ -47,10 +47,10 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
 
 
 def _guard_tcpros(tcpros: Any) -> None:
-    """Bound the header that begins a connection, in bytes and in time, and read each on a thread of its own.
+    """Limit the header of a connection in bytes and in time, and read each header on a separate thread.
 
-    rospy reads it before it accepts the next client, so that one that sends nothing blocks all others. The first
-    characters of an HTTP request, interpreted as the header's length, are 1 GB.
+    rospy reads a header before it accepts the next client, so a client that sends nothing would block all others. The
+    first characters of an HTTP request, interpreted as the header's length, mean 1 GB.
     """
     read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
 

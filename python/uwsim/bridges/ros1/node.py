@@ -18,20 +18,21 @@ from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
 CLOCK = "clock"
-DEPTH = 10  # messages queued for a slow subscriber; beyond it the oldest are dropped
+DEPTH = 10  # messages queued for a slow subscriber; beyond that, the oldest are dropped
 
 
 class Ros1Node(Bridge):
-    """The node /uwsim, whose topics are the channels of a live simulator; services as std_srvs or JSON topics.
+    """The node /uwsim, whose topics are a live simulator's channels; services are std_srvs or JSON topics.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
             with Ros1Node(live, table.channels, table.services):
                 ...
 
-    A channel is read while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
-    keeps a queue for each subscriber, so that none delays the others or the steps. rospy allows one node per process.
-    live: None with the feed of a recording, which accepts no commands. Raises ValueError without rospy or a master.
+    A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
+    keeps a queue for each subscriber, so that no subscriber delays others or the steps. rospy allows one node per
+    process. live: None if the feed is that of a recording, which accepts no commands. Raises ValueError without rospy
+    or a master.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class Ros1Node(Bridge):
         self._rospy = rospy = load_rospy()
         self.master = require_master()
         super().__init__("ros1", live, channels, services, feed)
-        # Its own log would replace ours; the master's use_sim_time would make rospy wait for our clock.
+        # Otherwise rospy would replace our logging, and, if use_sim_time is set, wait for our clock.
         rospy.init_node(NAME, argv=[], disable_signals=True, disable_rostime=True)
         if CLOCK in self.outputs:
             rospy.set_param("/use_sim_time", True)
@@ -54,7 +55,7 @@ class Ros1Node(Bridge):
         self._publishers: dict[str, Any] = {}
         self.keep_up()
         for name in self.outputs:
-            with self._lock:  # a waiting subscriber immediately demands the channel, on a thread of rospy's
+            with self._lock:  # a waiting subscriber demands the channel immediately, on one of rospy's threads
                 self._publishers[name] = self._publisher(name)
         self._subscribers = [self._subscriber(channel) for channel in self.inputs.values()]
         self._offered = [offer_service(rospy, self, service) for service in self.services.values()]
@@ -75,7 +76,7 @@ class Ros1Node(Bridge):
                 self.demand(name, True)
 
             def peer_unsubscribe(demand, topic: str, peers: int) -> None:  # noqa: N805
-                if not peers and not channel.latched:  # rospy itself passes on the newest latched message
+                if not peers and not channel.latched:  # rospy itself passes on the latest latched message
                     self.demand(name, False)
 
         return self._rospy.Publisher(
@@ -101,5 +102,5 @@ class Ros1Node(Bridge):
         return True
 
     def refuse(self, reason: str) -> None:
-        """Report on /rosout."""
+        """Report a rejected command on /rosout."""
         self._rospy.logwarn(reason)

@@ -1,4 +1,4 @@
-"""Classes that rospy accepts as message types, whose content is bytes made and read by our own encoder."""
+"""Message classes for rospy whose content is bytes, which our own code encodes and decodes."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from uwsim.channels.messages import from_plain
 
 @cache
 def raw_type(name: str) -> type:
-    """Return a class for a type such as "sensor_msgs/msg/LaserScan", with its name, checksum and definition for rospy.
+    """Return a class for a type such as "sensor_msgs/msg/LaserScan", with the name, checksum and definition for rospy.
 
-    An object of it carries `data`, the message in ROS 1's bytes. Thus types need not be installed on this side.
+    Its objects carry `data`, the message serialised for ROS 1, so the types need not be installed on this side.
     """
     genpy = importlib.import_module("genpy")
     _, checksum = ros1_typestore().generate_msgdef(name, ros_version=1)
@@ -25,7 +25,7 @@ def raw_type(name: str) -> type:
         _type = spelled(name, 1)
         _md5sum = checksum
         _full_text = message_text(name, 1)
-        _has_header = False  # otherwise rospy would write a sequence number into it
+        _has_header = False  # otherwise rospy would insert a sequence number
         __slots__ = ("data",)
         _slot_types = ("uint8[]",)
 
@@ -43,16 +43,16 @@ def raw_type(name: str) -> type:
 
 
 def read_message(data: bytes, name: str) -> Any:
-    """Decode a message of a type from ROS 1's bytes. Raises ValueError."""
+    """Deserialise a message of a type from ROS 1's format. Raises ValueError."""
     try:
         received = ros1_typestore().deserialize_ros1(data, name)
-    except Exception as error:  # whatever the generated code raises for damaged bytes
+    except Exception as error:  # generated code may raise anything for damaged bytes
         raise ValueError(f"{name}: {len(data)} bytes that are not its serialisation ({error})") from None
     return from_plain(name, _plain(received, name))
 
 
 def _plain(message: Any, name: str) -> dict[str, Any]:
-    """Return a message of rosbags' ROS 1 classes as plain values."""
+    """Convert a message of rosbags' ROS 1 classes to plain values."""
     found: dict[str, Any] = {}
     definitions = ros1_typestore().fielddefs[name][1]
     kinds = {field.name.lower(): field.kind for field in fields(name, 1)}

@@ -1,4 +1,4 @@
-"""Finds Debian's rospy from inside a virtual environment, and keeps it on this machine."""
+"""Import of Debian's rospy from inside a virtual environment, with its sockets limited to this machine."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ INSTALL = "apt install python3-rospy"
 
 
 def load_rospy() -> Any:
-    """Return the module rospy. Raises ValueError if it is missing, or made for a different Python.
+    """Return the module rospy. Raises ValueError if it is missing or was built for a different Python.
 
-    Its folder goes to the end of the path, so that the environment's own packages come first. Unless ROS_IP or
+    Its folder is appended to the module path, so that the environment's own packages come first. Unless ROS_IP or
     ROS_HOSTNAME is set, rospy's sockets are open to this machine only.
     """
     if find_spec("rospy") is None:

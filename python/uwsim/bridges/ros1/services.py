@@ -1,4 +1,4 @@
-"""Services of ROS 1: std_srvs/Trigger and SetBool natively, others as JSON on a topic, since their types are ours."""
+"""Services for ROS 1: std_srvs/Trigger and SetBool natively, others as JSON on a topic, since ROS lacks their types."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ANSWER_TEXT = "bool success\nstring message\n"
 
 
 def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
-    """Offer a service to ROS, called on rospy's threads; return its owner: a rospy.Service or a Subscriber."""
+    """Offer a service to ROS, called on rospy's threads; return the rospy.Service or Subscriber that owns it."""
     name, live = f"/{service.name}", require_live(bridge.live)
 
     def answer(request: Any) -> Any:
@@ -41,7 +41,7 @@ def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
 
 
 def _request(data: bytes) -> dict[str, Any]:
-    """Return the request in the JSON of a std_msgs/String. Raises ValueError."""
+    """Parse a request, which is JSON in a std_msgs/String. Raises ValueError."""
     text = data[4:].decode()
     request = json.loads(text or "{}")
     if not isinstance(request, dict):
@@ -51,7 +51,7 @@ def _request(data: bytes) -> dict[str, Any]:
 
 @cache
 def _parts(kind: str) -> tuple[type, type, type]:
-    """Return the classes of a service, its request and its answer, as genpy would generate them for std_srvs."""
+    """Return the classes of a service, its request and its response, as genpy would generate them for std_srvs."""
     genpy = importlib.import_module("genpy")
     takes_bool, name = kind == SET_BOOL, kind.replace("/srv/", "/")
 

@@ -1,4 +1,4 @@
-"""Native ROS 2 by Eclipse Cyclone DDS, without ROS installed. Ros2Node needs the extra: pip install 'uwsim[ros2]'."""
+"""Native ROS 2 through Eclipse Cyclone DDS, without ROS. Ros2Node needs the extra: pip install 'uwsim[ros2]'."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ __all__ = ["Ros2Node", "Ros2Settings", "settings_from"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import the node on demand: settings are available without the extra."""
+    """Import the node on demand, so that settings are available without the extra."""
     if name == "Ros2Node":
         need_extra("cyclonedds", "ros2", "ROS 2")
         from uwsim.bridges.ros2.node import Ros2Node

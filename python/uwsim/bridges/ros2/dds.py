@@ -1,4 +1,4 @@
-"""A participant of a DDS domain that carries ready-made CDR, using only the few calls of Cyclone DDS that we need."""
+"""A DDS participant that carries ready-made CDR, built on a few calls of Cyclone DDS."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from cyclonedds.topic import Sample, Topic
 from uwsim.bridges.ros2.idl import idl_type
 from uwsim.bridges.ros2.settings import PORTS_PER_DOMAIN, Ros2Settings, unicast_port
 
-EVENTS_MAX = 64  # returned by one wait; others follow with the next
+EVENTS_MAX = 64  # events returned by one wait; the next wait returns the others
 UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
 BAD_PARAMETER = -3
 FATAL, ERROR = 1, 2  # Cyclone DDS's log categories; a warning for each malformed packet lets strangers fill the log
@@ -47,11 +47,10 @@ _dds_delete.argtypes, _dds_delete.restype = [ctypes.c_int32], ctypes.c_int32
 
 
 def keep_blocks_of_messages() -> None:
-    """Let glibc keep the memory of large messages for the next ones.
+    """Make glibc keep the memory of large messages for later messages.
 
-    By default it returns blocks of about 100 kB or more to the system when they are freed, and each message of that
-    size then causes page faults in every copy: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are
-    left alone.
+    By default, it returns freed blocks of about 100 kB or more to the system, so that every copy of such a message
+    causes page faults: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are left alone.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:
@@ -60,9 +59,9 @@ def keep_blocks_of_messages() -> None:
 
 
 def keep_on_loopback(domain_id: int) -> None:
-    """Let this process's sockets of a domain receive from this machine only, and warn (UserWarning) if they cannot.
+    """Restrict this process's sockets of a domain to this machine, and warn (UserWarning) if this fails.
 
-    Cyclone DDS binds them to all addresses, whichever interfaces it is configured to use.
+    Cyclone DDS binds them to all addresses, even if it is configured to use only some interfaces.
     """
     first = unicast_port(domain_id, 0)
     ports = range(first, first + PORTS_PER_DOMAIN)
@@ -91,7 +90,7 @@ def own_udp_sockets() -> Iterator[socket.socket]:
 
 
 class Domains:
-    """The domains of this process: DDS allows one instance of each, which all participants in the process share."""
+    """The DDS domains of this process: one instance of each is allowed, which all participants in the process share."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -99,7 +98,7 @@ class Domains:
         self._users: Counter[int] = Counter()
 
     def enter(self, settings: Ros2Settings) -> None:
-        """Enter the domain. Raises ValueError if this process is in it with different settings, OSError on failure."""
+        """Enter a domain. Raises ValueError if this process is in it with different settings, OSError on failure."""
         number, config = settings.domain_id, settings.config
         with self._lock:
             if number not in self._domains:
@@ -116,7 +115,7 @@ class Domains:
             self._users[number] += 1
 
     def leave(self, settings: Ros2Settings) -> None:
-        """Leave the domain."""
+        """Leave a domain."""
         with self._lock:
             self._users[settings.domain_id] -= 1
             if self._users[settings.domain_id] <= 0:
@@ -129,7 +128,7 @@ DOMAINS = Domains()
 class Participant:
     """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError, OSError.
 
-    `close` ends them all.
+    `close` deletes all of them.
     """
 
     def __init__(self, settings: Ros2Settings, user_data: bytes) -> None:
@@ -150,7 +149,7 @@ class Participant:
 
     @property
     def entity(self) -> DomainParticipant:
-        """The underlying participant of Cyclone DDS, for features that this class does not offer."""
+        """The underlying participant of Cyclone DDS, for features that this class lacks."""
         return self._participant
 
     def writer(self, topic: str, type_name: str, qos: Qos) -> RawWriter:
@@ -164,7 +163,7 @@ class Participant:
         return RawReader(DataReader(self._participant, self._topic(topic, type_name), qos))
 
     def wait_set(self) -> Events:
-        """Return an object that waits for several writers and readers."""
+        """Return an object that can wait for several writers and readers."""
         return Events(self._participant)
 
     def close(self) -> None:
@@ -181,7 +180,7 @@ class Participant:
 
 
 class RawWriter:
-    """Writes CDR."""
+    """Writes CDR to one topic."""
 
     def __init__(self, writer: DataWriter[Any]) -> None:
         self.entity: Entity = writer
@@ -193,18 +192,18 @@ class RawWriter:
         return bytes(self._writer.guid.bytes)
 
     def write(self, cdr: memoryview) -> bool:
-        """Write a message, whose length is a multiple of four; return whether it was accepted. Releases the GIL."""
+        """Write a message; its length must be a multiple of four. Return whether it was accepted. Releases the GIL."""
         address = np.frombuffer(cdr, np.uint8).__array_interface__["data"][0]
         sample = Sample(address, len(cdr))
         return bool(_dds_write(self._writer._ref, ctypes.addressof(sample)) >= 0)
 
     def readers(self) -> int:
-        """Return how many readers match now, and clear the event of the change."""
+        """Return the number of matching readers, and clear the event that reported a change."""
         return int(self._writer.get_publication_matched_status().current_count)
 
 
 class RawReader:
-    """Reads CDR."""
+    """Reads CDR from one topic."""
 
     def __init__(self, reader: DataReader[Any]) -> None:
         self._reader = reader
@@ -216,13 +215,13 @@ class RawReader:
         return bytes(self._reader.guid.bytes)
 
     def take(self, limit: int) -> list[bytes]:
-        """Return the messages that have arrived, at most `limit`."""
+        """Return at most `limit` messages that have arrived."""
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
         return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
 
 
 class Events:
-    """Waits for writers whose readers have changed and for readers with new messages."""
+    """Waits for changes of writers' matching readers, and for readers with new messages."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
@@ -236,11 +235,11 @@ class Events:
         self._attach(source.entity, source)
 
     def wake(self) -> None:
-        """End the wait, from any thread."""
+        """End a wait, from any thread."""
         self._guard.set(True)
 
     def wait(self, timeout_s: float) -> Sequence[RawWriter | RawReader]:
-        """Return the sources with events; none after the timeout or when woken. Releases the GIL."""
+        """Wait for events; return their sources, or none after a timeout or `wake`. Releases the GIL."""
         count = _dds_wait(self._set._ref, ctypes.addressof(self._found), EVENTS_MAX, int(1e9 * timeout_s))
         found = [self._sources[index] for index in self._found[: max(0, min(count, EVENTS_MAX))]]
         if None in found:
@@ -255,6 +254,6 @@ class Events:
 
 
 def _delete(entity: Entity) -> None:
-    """Delete an entity with everything that belongs to it, immediately instead of when Python collects it."""
+    """Delete an entity and everything that belongs to it now, instead of when Python collects it."""
     Entity._entities.pop(entity._ref, None)
     _dds_delete(entity._ref)

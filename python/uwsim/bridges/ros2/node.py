@@ -1,4 +1,4 @@
-"""Ros2Node: a live simulator as a node of ROS 2, without ROS."""
+"""Ros2Node: a live simulator as a ROS 2 node, without ROS."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ from uwsim.channels.outgoing import Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
-LOOK_S = 0.5  # between two checks whether to end, if nothing happens
-PAUSE_S = 0.001  # between two reads, so that no flood of messages uses up the processor
+LOOK_S = 0.5  # time between checks whether to stop, if nothing happens
+PAUSE_S = 0.001  # time between reads, so that a flood of messages cannot use up the processor
 OPEN_CALLS_MAX = 100
 
 
 class Ros2Node(Bridge):
-    """The node /uwsim, whose topics are the channels of a live simulator, and topics in place of its services.
+    """The node /uwsim, whose topics are a live simulator's channels; further topics replace its services.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
             with Ros2Node(live, table.channels, table.services):
                 ...
 
-    A channel is read while a node subscribes to it. Messages are encoded and written on one thread; commands are
-    received on another. feed: shared with other sinks, so that a reading is taken and encoded once. live: None with the
-    feed of a recording, which accepts no commands. Raises ValueError for settings and names that ROS 2 does not allow,
-    OSError if the domain cannot be joined.
+    A channel is read only while a node subscribes to it. Messages are encoded and written on one thread; commands are
+    received on another. live: None if the feed is that of a recording, which accepts no commands. feed: shared with
+    other sinks, so that each reading is taken and encoded only once. Raises ValueError for settings and names that ROS
+    2 does not allow, OSError if the domain cannot be joined.
     """
 
     def __init__(
@@ -84,16 +84,16 @@ class Ros2Node(Bridge):
 
     @property
     def dropped(self) -> dict[str, int]:
-        """Number of messages of each topic that were dropped for newer ones because the network was too slow."""
+        """The number of messages per topic that were dropped for newer ones because the network was too slow."""
         return {name: line.dropped for name, line in self._lines.items() if line.dropped}
 
     @property
     def written(self) -> dict[str, int]:
-        """Number of messages written for each topic."""
+        """The number of messages written per topic."""
         return {name: line.written for name, line in self._lines.items() if line.written}
 
     def close(self) -> bool:
-        """Leave ROS 2: other nodes are notified, and both threads end."""
+        """Leave the domain: other nodes are notified, and both threads end."""
         was_open = super().close()
         if was_open:
             self._stopping.set()
@@ -123,7 +123,7 @@ class Ros2Node(Bridge):
         return endpoint_data(type_name, self.settings.distro)
 
     def _tell_graph(self) -> None:
-        """Publish the list of the node's endpoints; DDS passes it to participants that join later."""
+        """Publish the list of the node's endpoints; DDS also sends it to participants that join later."""
         distro = self.settings.distro
         qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
@@ -133,7 +133,7 @@ class Ros2Node(Bridge):
         self._graph.write(encode(info, distro))
 
     def _listen(self) -> None:
-        """Receive commands, and track subscribers that come and go."""
+        """Receive commands, and track when subscribers come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
                 if isinstance(source, RawWriter):
@@ -144,7 +144,7 @@ class Ros2Node(Bridge):
             self._stopping.wait(PAUSE_S)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:
-        """Start or stop reading a channel. If its messages build up, a late reader receives all of them so far."""
+        """Start or stop reading a channel. If its messages build on each other, a late reader receives all of them."""
         was_read = self.is_read(channel.name)
         self.demand(channel.name, count > 0)
         if count and was_read and channel.catch_up is not None:
@@ -162,11 +162,11 @@ class Ros2Node(Bridge):
             self._outgoing.offer(self._lines[name], lambda: writer.write(encode(reading.message, distro)))
 
     def refuse(self, reason: str) -> None:
-        """Report on /rosout."""
+        """Report a rejected command on /rosout."""
         self._say(WARN, reason)
 
     def _say(self, level: int, text: str) -> None:
-        """Report on /rosout and in our own log."""
+        """Report a message on /rosout and in our log."""
         self.log.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
         message: Any = log_message(require_live(self.live).simulator.time_ns, NAME, level, text)
         self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

@@ -1,4 +1,4 @@
-"""The topic /set_parameter, replacing ROS 2's service: a rcl_interfaces/Parameter sets one parameter."""
+"""The topic /set_parameter, which replaces ROS 2's service: a rcl_interfaces/Parameter sets one parameter."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from uwsim.channels import Channel
 from uwsim.live import LiveSimulator
 
 NAME, TYPE = "set_parameter", "rcl_interfaces/msg/Parameter"
-FIELDS = {  # of rcl_interfaces/ParameterValue, by rcl_interfaces/ParameterType
+FIELDS = {  # fields of rcl_interfaces/ParameterValue, by rcl_interfaces/ParameterType
     1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value",
     6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value",
 }  # fmt: skip
 
 
 def parameter_channel(say: Say) -> Channel:
-    """Return the channel. say: reports whether the parameter was set."""
+    """Return the channel that sets parameters. say: reports whether a parameter was set."""
 
     def apply(live: LiveSimulator, message: Any) -> None:
         value = value_of(message.value)
@@ -33,7 +33,7 @@ def parameter_channel(say: Say) -> Channel:
 
 
 def value_of(value: Any) -> Any:
-    """Return the content of a rcl_interfaces/ParameterValue as plain values. Raises ValueError for an unknown type."""
+    """Return the value in a rcl_interfaces/ParameterValue. Raises ValueError for an unknown type."""
     if value.type not in FIELDS:
         raise ValueError(
             f"value.type = {value.type}: must be one of {', '.join(f'{n} ({f})' for n, f in FIELDS.items())}"

@@ -1,4 +1,4 @@
-"""Quality of service: what ROS 2 readers and writers expect for each kind of topic."""
+"""Quality of service as ROS 2 readers and writers expect it for each kind of topic."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
 DEPTH = 10  # messages that a reader may lag behind; ROS 2's default
-BLOCKING = duration(milliseconds=50)  # time that a write may wait for a slow reader
+BLOCKING = duration(milliseconds=50)  # how long a write may wait for a slow reader
 
 
 def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
-    """Reliable, so that readers of either kind match; transient local if latched, so that late readers get the last."""
+    """Return a reliable QoS, which all readers match; if latched, it is transient local, for late readers."""
     policies = [
         Policy.Reliability.Reliable(BLOCKING),
         Policy.History.KeepLast(depth),
@@ -24,7 +24,7 @@ def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
 
 
 def reader_qos(depth: int, *, reliable: bool, user_data: bytes, latched: bool = False) -> Qos:
-    """Best effort matches every writer; reliable matches only reliable writers, which ROS's are by default."""
+    """Return the QoS of a reader. Best effort matches all writers, reliable only reliable ones (ROS's default)."""
     return Qos(
         Policy.Reliability.Reliable(BLOCKING) if reliable else Policy.Reliability.BestEffort,
         Policy.History.KeepLast(depth),

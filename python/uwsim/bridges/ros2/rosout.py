@@ -1,4 +1,4 @@
-"""Messages of /rosout, which ROS 2's consoles display."""
+"""Log messages on /rosout, which ROS 2's consoles display."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 from uwsim.channels import build
 
 LOG, LOG_TOPIC = "rcl_interfaces/msg/Log", "rosout"
-LOG_DEPTH = 100  # messages that a console opened later receives
+LOG_DEPTH = 100  # number of past messages that a late console receives
 INFO, WARN = 20, 30  # levels of rcl_interfaces/Log
 
 
 def log_message(stamp_ns: int, node: str, level: int, text: str) -> Any:
-    """Return a message of /rosout."""
+    """Return a message for /rosout."""
     return build.message(LOG, stamp=build.time(stamp_ns), level=level, name=node, msg=text)

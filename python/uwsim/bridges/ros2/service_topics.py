@@ -1,7 +1,7 @@
 """Topics that replace services, which our DDS binding cannot carry: a message on a topic calls the service.
 
-A std_srvs/Trigger is called by a std_msgs/Empty on a topic of the same name, a std_srvs/SetBool by a std_msgs/Bool;
-others by a std_msgs/String with the request in JSON. The answer is published on /rosout.
+A std_srvs/Trigger is called by a std_msgs/Empty on a topic with the same name, a std_srvs/SetBool by a std_msgs/Bool,
+other services by a std_msgs/String with the request in JSON. The response is published on /rosout.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MESSAGE_OF = {"std_srvs/srv/Trigger": EMPTY, "std_srvs/srv/SetBool": BOOL}
 
 
 def service_channels(services: Sequence[Service], call: Call, say: Say) -> list[Channel]:
-    """Return channels whose messages call services, by `call`; `say` reports the answers."""
+    """Return channels whose messages call services through `call`; `say` reports the responses."""
     return [_channel(service, call, say) for service in services]
 
 
@@ -45,7 +45,7 @@ def _channel(service: Service, call: Call, say: Say) -> Channel:
 
 
 def _request(kind: str, message: Any) -> Request:
-    """Return the request in a message. Raises ValueError."""
+    """Return the request that a message contains. Raises ValueError."""
     if kind == EMPTY:
         return {}
     if kind == BOOL:

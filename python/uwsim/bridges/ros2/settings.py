@@ -1,4 +1,4 @@
-"""Settings of a ROS 2 node: distribution, domain, reach; and the same as a configuration for Cyclone DDS."""
+"""Settings of a ROS 2 node (distribution, domain, reach) and their conversion to Cyclone DDS's configuration."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from uwsim.channels.cdr import Distro
 Reach = Literal["localhost", "subnet"]
 DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher domains exceed 65535
 SAFE_DOMAIN_MAX = 101  # Linux assigns the ports of higher domains to outgoing connections
-PARTICIPANTS_MAX = 32  # participants probed on one host without multicast; the same number as in ROS 2
+PARTICIPANTS_MAX = 32  # participants probed on one host without multicast, as in ROS 2
 PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
 UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 
-# The largest packets that UDP carries: a picture in 16 of them costs a third of one in 70.
+# Nearly the largest UDP packets: a picture in 16 packets costs a third of a picture in 70.
 LOOPBACK_SIZES = "<MaxMessageSize>62000B</MaxMessageSize><FragmentSize>60000B</FragmentSize>"
-# A reader's socket buffers 200 kB unless its host is configured otherwise, and a cloud overflows it while the host is
-# busy. The heartbeat informs the reader of missed samples; with the usual 100 ms, one cloud in five would get through.
+# By default, a reader's socket buffers 200 kB, which a point cloud overflows while the host is busy. Heartbeats let the
+# reader detect what it missed; with the usual 100 ms, only one cloud in five would arrive.
 HEARTBEAT = '<HeartbeatInterval min="5ms" minsched="5ms" max="100ms">10ms</HeartbeatInterval>'
-# Announce ourselves every second, indefinitely. By default this happens every 30 s, and ends after 30 s: later nodes
-# that are not configured to look at this machine would not find us.
+# Announce ourselves every second, indefinitely. By default, this happens every 30 s and ends after 30 s, so later nodes
+# that are not configured to probe this machine would not find us.
 ANNOUNCE = "<SPDPInterval>1s</SPDPInterval><InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
-# A reader that stops must not stop a writer: the history of ten messages is the limit, not the bytes.
+# A reader that stops must not block a writer: the history of ten messages is the limit, not the bytes.
 NO_THROTTLE = (
     "<Watermarks><WhcHigh>1GB</WhcHigh><WhcHighInit>1GB</WhcHighInit><WhcAdaptive>false</WhcAdaptive></Watermarks>"
 )
@@ -32,12 +32,12 @@ NO_THROTTLE = (
 
 @dataclass(frozen=True)
 class Ros2Settings:
-    """How a node joins ROS 2. distro: the distribution whose types and graph it uses.
+    """How a node joins ROS 2. distro: the distribution whose types and graph the node uses.
 
     domain_id: like ROS_DOMAIN_ID, [0, 232].
 
-    reach: "localhost" communicates with this machine only, "subnet" with all hosts that multicast reaches. peers:
-    additional hosts, by name or address, that multicast does not reach. Raises ValueError.
+    reach: "localhost" for communication on this machine only, "subnet" for all hosts that multicast reaches. peers:
+    names or addresses of further hosts, which multicast does not reach. Raises ValueError.
     """
 
     distro: Distro = "jazzy"
@@ -57,13 +57,13 @@ class Ros2Settings:
                 raise ValueError(f"ROS 2 peer = {peer!r}: must be a host's name or address")
 
     def __str__(self) -> str:
-        """Return a short description for a greeting."""
+        """Return a short description, shown at start-up."""
         where = "on this machine alone" if self.reach == "localhost" else "on the subnet"
         return f"{self.distro}, domain {self.domain_id}, {where}"
 
     @property
     def config(self) -> str:
-        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI is applied after it, and thus overrides it."""
+        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI is applied last, and thus overrides it."""
         peers = [*self.peers, *(["127.0.0.1"] if self.reach == "localhost" else [])]
         listed = "".join(f'<Peer Address="{peer}"/>' for peer in peers)
         general = (
@@ -89,9 +89,9 @@ def settings_from(
     reach: str = "localhost",
     peers: Sequence[str] = (),
 ) -> Ros2Settings:
-    """Return the settings from options, and where these are missing, from ROS's own variables.
+    """Return the settings from options, and, where these are missing, from ROS's environment variables.
 
-    These are ROS_DISTRO (if it is known here), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
+    The variables are ROS_DISTRO (if it is supported), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
     """
     if distro is None:
         distro = environment.get("ROS_DISTRO", "")
@@ -106,7 +106,7 @@ def settings_from(
 
 
 def unicast_port(domain_id: int, participant: int) -> int:
-    """Return the UDP port on which a domain's participant is discovered; the first one on a host is 0."""
+    """Return the UDP port on which a domain's participant is discovered; a host's first participant is 0."""
     return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
 
 

@@ -1,4 +1,4 @@
-"""One client's service calls, and the calls of its own services, that wait for answers."""
+"""Unanswered service calls by one client, and calls by others of the services that it offers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.channels.message_types import is_unicode, shortened
 
-CALL_BYTES = 1000  # size of an open call without its arguments
+CALL_BYTES = 1000  # bytes of an open call without its arguments
 
 
 class Call:
-    """A client's call. calls: the client's; None once it has been answered, or the client has left."""
+    """A call by a client. calls: the client's Calls; None once the call is answered or the client has left."""
 
     __slots__ = ("calls", "response", "size")
 
@@ -27,16 +27,16 @@ class Call:
         self.size = size
 
     def answer(self, succeeded: bool, values: Any) -> None:
-        """Send the answer, if the client is still connected; a second one is ignored."""
+        """Send the answer if the client is still connected; a second answer is ignored."""
         calls, self.calls = self.calls, None
         if calls is not None:
             calls.answered(self, succeeded, values)
 
 
 class Calls:
-    """Calls of both kinds. name: the client's name in the graph. account: for what is stored until the answer arrives.
+    """Calls of both kinds. name: the client's name in the graph. account: charged for data stored until the answer.
 
-    spent_bytes: upper limit of the memory used by the operation being performed.
+    spent_bytes: an upper bound on the memory used by the current operation.
     """
 
     def __init__(self, graph: Graph, name: str, names: Names, limits: Limits, account: Account, outbox: Outbox) -> None:
@@ -51,7 +51,7 @@ class Calls:
         graph.on_leave.append(self._forget_caller)
 
     def call_service(self, operation: dict[str, Any]) -> None:
-        """Call a service for the client."""
+        """Call a service on behalf of the client."""
         name, identity = operation.get("service"), operation.get("id")
         response: dict[str, Any] = {"op": "service_response"}
         if identity is not None:
@@ -66,7 +66,7 @@ class Calls:
             reply(False, str(error))
 
     def advertise_service(self, operation: dict[str, Any]) -> None:
-        """Let the client advertise a service."""
+        """Register a service that the client offers."""
         name, type_name = operation.get("service"), operation.get("type", "")
         plain = plain_name(name, "service")
         if not isinstance(type_name, str) or len(type_name) > 200:
@@ -80,13 +80,13 @@ class Calls:
         self._names.services.add(plain)
 
     def unadvertise_service(self, operation: dict[str, Any]) -> None:
-        """End the client's service."""
+        """Remove a service that the client offers."""
         name = plain_name(operation.get("service"), "service")
         self._names.services.discard(name)
         self._graph.unadvertise_service(self._name, name)
 
     def respond(self, operation: dict[str, Any]) -> None:
-        """Pass the client's answer on to the caller. Raises ValueError if no call waits for it."""
+        """Pass the client's answer to the caller. Raises ValueError if no call waits for it."""
         identity = operation.get("id")
         found = self._received.pop(identity, None) if isinstance(identity, str) else None
         if found is None:
@@ -95,7 +95,7 @@ class Calls:
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any]) -> Reply:
-        """Return a Call for the response to a client's call. Raises ValueError if too many wait."""
+        """Register a client's call; return the function that answers it. Raises ValueError if too many wait."""
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls wait for answers, which is the most")
         call = Call(self, response, CALL_BYTES + self.spent_bytes)
@@ -106,7 +106,7 @@ class Calls:
         return call.answer
 
     def answered(self, call: Call, succeeded: bool, values: Any) -> None:
-        """Send the answer to a call that the client has made."""
+        """Send the answer to a call by the client."""
         self._made.discard(call)
         self._account.give(call.size)
         response = call.response | {"values": values, "result": succeeded}
@@ -117,7 +117,7 @@ class Calls:
         self._outbox.reply(frame)
 
     def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
-        """Pass a call of one of the client's services on to it. Raises ValueError if too many wait."""
+        """Pass a call of a service to the client, which offers it. Raises ValueError if too many wait."""
         if len(self._received) >= self._limits.open_calls:
             raise ValueError(f"service '{service}': {self._limits.open_calls} calls wait for its answer")
         identity = f"service_request:{service}:{next(self._numbers)}"
@@ -133,7 +133,7 @@ class Calls:
             self._account.give(CALL_BYTES)
 
     def close(self) -> None:
-        """Answer all callers when the client has left, and drop its own calls."""
+        """When the client has left, answer all calls of its services, and drop its calls of others' services."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply in received.values():

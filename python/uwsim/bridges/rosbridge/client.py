@@ -1,9 +1,9 @@
-"""RosbridgeClient: the simulator joins a ROS graph through a rosbridge_server, as the paper's simulator did.
+"""RosbridgeClient: connects the simulator to a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises its topics and services, subscribes to the topics of its commands, and does so again after each
-reconnection. Every topic is read at its rate while connected, since rosbridge does not report whether a topic has
-subscribers. The simulator's thread never waits: readings pass through a bounded queue, from which the oldest are
-dropped. If the server closes the connection because a message was too large, messages of that size are no longer sent.
+It advertises topics and services and subscribes to command topics, again after each reconnection. While connected,
+every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The simulator's thread
+never waits: readings pass through a bounded queue, which drops the oldest. If the server closes the connection because
+a message was too large, messages of that size or larger are no longer sent.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 class RosbridgeClient(Bridge):
     """Connects a live simulator to a rosbridge server.
 
-    url: such as "ws://host:9090". channels, services: what it publishes, receives and offers. ros: the generation whose
-    spelling of types, times and headers the server expects. feed: shared with other sinks. Raises ValueError.
+    url: such as "ws://host:9090". channels, services: everything that it publishes, subscribes to and offers. ros: the
+    ROS generation whose spelling of types, times and headers the server expects. feed: shared with other sinks. Raises
+    ValueError.
     """
 
     def __init__(
@@ -65,12 +66,12 @@ class RosbridgeClient(Bridge):
         self.connected = threading.Event()
         self.connections = 0
         self.sent = 0
-        self._largest_sent = 0  # in bytes, on this connection
-        self._refused_bytes: int | None = None  # the size from which messages are no longer sent
+        self._largest_sent = 0  # bytes of the largest message sent on this connection
+        self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
         self._left_out: set[str] = set()
 
     def start(self) -> Self:
-        """Start connecting; return itself."""
+        """Start connecting; return self."""
         if self._thread is not None:
             raise RuntimeError("the client runs already")
         ready = threading.Event()
@@ -85,7 +86,7 @@ class RosbridgeClient(Bridge):
         return self.start()
 
     def close(self) -> bool:
-        """Disconnect and end."""
+        """Disconnect, and stop the thread."""
         was_open = super().close()
         if was_open and self._thread is not None and self._loop is not None:
             post(self._loop, self._stopping.set)
@@ -104,7 +105,7 @@ class RosbridgeClient(Bridge):
         await asyncio.gather(keeping, return_exceptions=True)
 
     async def _keep_connected(self) -> None:
-        """Connect, repeatedly, with longer pauses after each failure."""
+        """Connect repeatedly, with a longer pause after each failure."""
         wait_s = FIRST_WAIT_S
         while True:
             try:
@@ -187,7 +188,7 @@ class RosbridgeClient(Bridge):
         self.sent += 1
 
     def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
-        """Handle a frame from the server. Errors are logged."""
+        """Handle a frame from the server; errors are logged."""
         try:
             operation = parse(frame, self._limits.nesting)
             if operation.get("op") == "publish":
@@ -221,4 +222,4 @@ class RosbridgeClient(Bridge):
     def _forget_answer(self, sending: asyncio.Future[None]) -> None:
         self._answers.discard(sending)
         if not sending.cancelled():
-            sending.exception()  # the connection has ended, and with it the caller
+            sending.exception()  # read, so that it is not logged: the caller is gone with the connection

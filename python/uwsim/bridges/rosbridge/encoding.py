@@ -1,4 +1,4 @@
-"""A message on its way to subscribers: encoded once per encoding, when the first subscriber needs it."""
+"""Encoding of messages for subscribers: once per encoding, when the first subscriber needs it."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from uwsim.channels.messages import Ros, to_bytes, to_plain
 Compression = Literal["none", "cbor", "cbor-raw", "png"]
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
-"""A larger message is encoded off the network thread, and stores only one encoding at a time."""
-SLICE_NUMBERS = 1 << 16  # of an array, written at once
+"""Larger messages are encoded off the network thread, and store only one encoding at a time."""
+SLICE_NUMBERS = 1 << 16  # numbers of an array written per call
 CBOR_ARRAY, CBOR_MAP = 4, 5  # major types, RFC 8949, section 3.1
 
 
@@ -44,7 +44,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_slices(value: Any) -> Any:
-    """Write an array of a large message in slices, so that no call takes long."""
+    """Write an array of a large message in chunks, so that no call takes long."""
     if not isinstance(value, np.ndarray) or value.ndim != 1:
         return orjson.Fragment(orjson.dumps(value, default=_plain, option=JSON_OPTIONS))
     starts = range(0, max(1, len(value)), SLICE_NUMBERS)
@@ -75,7 +75,7 @@ def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
 
 
 def to_png(text: str) -> str:
-    """Encode an operation's JSON in the pixels of a PNG, like rosbridge's compression "png"."""
+    """Encode an operation's JSON as the pixels of a PNG, like rosbridge's compression "png"."""
     data = text.encode()
     width = max(1, math.isqrt(len(data) // 3))
     height = math.ceil(len(data) / 3 / width)
@@ -86,9 +86,9 @@ def to_png(text: str) -> str:
 
 
 class Sample:
-    """One message of a topic, and the frames made from it. time_ns: when it was received, for cbor-raw.
+    """One message of a topic, and the frames that encode it. time_ns: when it was received, for cbor-raw.
 
-    size: its bytes in memory, if known. holders: see Account.hold.
+    size: its size in memory [bytes], if known. holders: see Account.hold.
     """
 
     __slots__ = ("_frames", "_size", "holders", "message", "time_ns")
@@ -103,7 +103,7 @@ class Sample:
 
     @property
     def size(self) -> int:
-        """Return its approximate memory: the message, and as much again for its encodings."""
+        """The approximate size in memory [bytes]: the message's, doubled to allow for its encodings."""
         if self._size is None:
             self._size = 0 if self.message is None else held_bytes(self.message)
         return 2 * self._size
@@ -115,21 +115,21 @@ class Sample:
 
     @property
     def is_taken(self) -> bool:
-        """Whether any subscriber has been ready for it."""
+        """Whether it has been encoded for any subscriber."""
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Return what a subscriber with everything up to a cursor still needs, and its next cursor."""
+        """Return the message for a subscriber that has everything up to a cursor, and its next cursor."""
         return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
-        """Return the operation "publish" with the topic's name as written by the subscriber."""
+        """Return the frame of the operation "publish", with the topic's name as the subscriber spells it."""
         key = (topic, ros, compression)
         frame: Frame | None = self._frames.get(key)
         if frame is None:
             frame = self._encode(topic, ros, compression)
             if self.is_large:
-                self._frames.clear()  # each subscriber may have its own spelling
+                self._frames.clear()  # subscribers may use many different spellings
             self._frames[key] = frame
         return frame
 
@@ -141,7 +141,7 @@ class Sample:
         return to_png(text) if compression == "png" else text
 
     def _body(self, ros: Ros, compression: Compression) -> bytes:
-        """Encode the message alone, since topics have several spellings, for example with and without a slash."""
+        """Encode the message without its topic, which subscribers may spell differently (with or without a slash)."""
         if self.is_large:
             return self._encode_body(ros, compression)
         key = (ros, compression)
@@ -155,7 +155,7 @@ class Sample:
             if self.is_large:
                 return orjson.dumps(to_plain(self.message, ros), default=_in_slices)
             text = orjson.dumps(to_plain(self.message, ros), option=JSON_OPTIONS)
-            return bytes(memoryview(text))  # a copy, since orjson's result holds a buffer that may be ten times as long
+            return bytes(memoryview(text))  # a copy, since orjson's result keeps a buffer up to ten times as large
         if compression == "cbor":
             plain = to_plain(self.message, ros, "cbor")
             return _cbor_in_pieces(plain) if self.is_large else cbor2.dumps(plain)
@@ -164,9 +164,9 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other: each subscriber gets one message with all that it lacks.
+    """A change to a topic whose messages build on each other: subscribers receive one message with all they lack.
 
-    catch_up: returns the message for a cursor (None: has nothing), and the next cursor.
+    catch_up: returns the message for a cursor (None: the subscriber has nothing), and the next cursor.
     """
 
     __slots__ = ("_catch_up",)
@@ -183,11 +183,11 @@ class Growing(Sample):
 
 
 def to_json_string(text: str) -> str:
-    """Quote a string."""
+    """Encode a string as JSON."""
     return orjson.dumps(text).decode()
 
 
 def _cbor_head(topic: str) -> bytes:
-    """Start a map of three entries: op, topic, and msg, whose value follows."""
+    """Return the start of a CBOR map with entries op, topic and msg; the value of msg follows."""
     op, name, msg = (cbor2.dumps(text) for text in ("op", "topic", "msg"))
     return b"\xa3" + op + cbor2.dumps("publish") + name + cbor2.dumps(topic) + msg

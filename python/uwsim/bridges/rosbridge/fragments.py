@@ -1,4 +1,4 @@
-"""Reassembles messages that a client sends in pieces (op "fragment")."""
+"""Reassembly of messages that a client sends in fragments (op "fragment")."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.channels.message_types import shortened
 class Fragments:
     """The unfinished messages of one client.
 
-    They are few and small: see Limits. account: of the bytes stored for them.
+    Limits bounds their number and size. account: charged for the bytes stored.
     """
 
     def __init__(self, limits: Limits, account: Account) -> None:
@@ -22,7 +22,7 @@ class Fragments:
         self._begun: dict[str, list[str | None]] = {}
 
     def add(self, operation: dict[str, Any]) -> str | None:
-        """Add a fragment; return the whole message after the last one. Raises ValueError."""
+        """Add a fragment; return the complete message after the last one. Raises ValueError."""
         identity, data = operation.get("id"), operation.get("data")
         number, total = operation.get("num"), operation.get("total")
         if not isinstance(identity, str | int) or not isinstance(data, str):
@@ -45,7 +45,7 @@ class Fragments:
         if not self._account.has_room(_size(parts)):
             raise ValueError("fragments: no room to keep them: too much waits for you, or for all clients")
         self._account.take(_size(parts))
-        self._begun[key] = parts  # moved to the end, so that the longest untouched one comes first
+        self._begun[key] = parts  # moved to the end, so that the least recently used message comes first
         return None
 
     def _forget(self, key: str) -> list[str | None] | None:
@@ -56,5 +56,5 @@ class Fragments:
 
 
 def _size(parts: list[str | None]) -> int:
-    """Return the memory that the parts of a message take."""
+    """Return the memory that the parts of a message occupy [bytes]."""
     return sys.getsizeof(parts) + sum(sys.getsizeof(part) for part in parts if part is not None)

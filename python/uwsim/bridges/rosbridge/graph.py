@@ -1,4 +1,4 @@
-"""The graph: topics and services by name, with their owners and users. It belongs to one thread.
+"""The graph: topics and services by name, with their owners and users. It must be used on one thread only.
 
 Clients and the simulator are peers in it, like nodes in ROS: each is an owner, identified by its name.
 """
@@ -19,9 +19,9 @@ LOGGER = logging.getLogger("uwsim.rosbridge")
 
 Sink = Callable[[Sample], None]
 Reply = Callable[[bool, Any], None]
-"""Answers a call with whether it succeeded, and its values, or the reason as text."""
+"""Answers a call: receives whether it succeeded, and its values or the reason for the failure."""
 Handler = Callable[[Any, Reply, str], None]
-"""Serves a call: takes its arguments, a function to call once with the answer, now or later, and the caller's name."""
+"""Serves a call: receives its arguments, a function to call once with the answer, and the caller's name."""
 
 
 def plain_name(name: object, what: str = "topic") -> str:
@@ -31,16 +31,16 @@ def plain_name(name: object, what: str = "topic") -> str:
     if not name.isprintable() or " " in name:
         raise ValueError(f"{what} = {shortened(name)}: must be a name without spaces")
     plain = name.removeprefix("/")
-    if not all(plain.split("/")):  # "//clock" would be a further name of /clock, with a queue of its own
+    if not all(plain.split("/")):  # "//clock" would be another name for /clock, with a separate queue
         raise ValueError(f"{what} = {shortened(name)}: must be a name without empty parts, such as '/rov/scan'")
     return plain
 
 
 @dataclass(eq=False)
 class Topic:
-    """One topic. publishers: by owner, whether latched. sinks: of subscribers, by owner and key.
+    """One topic. publishers: whether each latches, by owner. sinks: the subscribers' sinks, by owner and key.
 
-    latched: the newest latched message; latched_by: its owner, whose account is charged for it.
+    latched: the latest latched message; latched_by: its owner, whose account is charged for it.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Topic:
     latched_by: tuple[str, Account] | None = None
 
     def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
-        """Store a sample for later subscribers, replacing the previous one. owner: None for this process's own."""
+        """Store a sample for later subscribers, replacing the previous one. owner: None for samples of this process."""
         if self.latched is not None and self.latched_by is not None:
             self.latched_by[1].drop(self.latched)
         self.latched, self.latched_by = sample, owner
@@ -70,11 +70,12 @@ class Service:
 
 
 class Graph:
-    """Topics, services and owners. All methods raise ValueError with a text that names the problem.
+    """Topics, services and owners. All methods raise ValueError with a message that names the problem.
 
-    on_demand: each is called with a topic's name and whether it has subscribers now, when that changes. on_leave: each
-    is called with an owner that has left. on_abandoned: each is called with a topic's name when its last publisher has
-    left. silence_s: time since anything was received from an owner. ledger: of the memory used for clients.
+    on_demand: functions called with a topic's name and whether it has subscribers, whenever that changes. on_leave:
+    functions called with an owner that has left. on_abandoned: functions called with a topic's name when its last
+    publisher has left. silence_s: returns the time since anything was received from an owner. ledger: counts the memory
+    used for clients.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -88,7 +89,7 @@ class Graph:
         self.silence_s: Callable[[str], float] = lambda owner: 0.0
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:
-        """Let an owner publish on a topic."""
+        """Register an owner as a publisher of a topic."""
         topic = self._topic(name, type_name)
         topic.publishers[owner] = latch
         return topic
@@ -96,7 +97,7 @@ class Graph:
     def unadvertise(self, owner: str, name: str) -> None:
         """Remove an owner from a topic's publishers.
 
-        A latched message goes with its owner, or with the last latching publisher.
+        A latched message is removed with its owner, or with the last latching publisher.
         """
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.publishers.pop(owner, None) is None:
@@ -118,14 +119,14 @@ class Graph:
     def publish(
         self, topic: Topic, sample: Sample, latch: bool = False, owner: tuple[str, Account] | None = None
     ) -> None:
-        """Pass a sample to a topic's subscribers. owner: its publisher, if it is latched."""
+        """Pass a sample to a topic's subscribers. owner: the publisher that is charged for a latched sample."""
         if latch:
             topic.latch(sample, owner)
         for sink in list(topic.sinks.values()):
             sink(sample)
 
     def known_type(self, name: str, type_name: str | None) -> str | None:
-        """Return a topic's type, or if it is unknown the one given by a client. Raises if the two differ."""
+        """Return a topic's type, or, if unknown, the type that a client passed. Raises ValueError if they differ."""
         resolved = resolve(type_name)[0] if type_name else None
         topic = self.topics.get(plain_name(name))
         present = topic.type if topic is not None else None
@@ -154,7 +155,7 @@ class Graph:
         self._forget_if_unused(topic)
 
     def advertise_service(self, owner: str, name: str, type_name: str, handler: Handler) -> None:
-        """Offer a service. A service offered by another owner cannot be replaced."""
+        """Offer a service. Another owner's service cannot be replaced."""
         plain = plain_name(name, "service")
         present = self.services.get(plain)
         if present is not None and present.owner != owner:
@@ -169,7 +170,7 @@ class Graph:
         del self.services[service.name]
 
     def call(self, name: str, arguments: Any, reply: Reply, caller: str = "") -> None:
-        """Call a service. A missing one, or one that fails, answers False and the reason."""
+        """Call a service. If it is missing or fails, the reply is False and the reason."""
         service = self.services.get(plain_name(name, "service"))
         if service is None:
             reply(False, f"service '{name}': nobody offers it")

@@ -1,4 +1,4 @@
-"""A part of this process other than a simulator, such as the operator's station, as a peer in the graph."""
+"""Guests in the graph: parts of this process other than a simulator, such as the operator's station."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ THREADS = 6
 
 
 class GuestNode:
-    """A guest's end of the graph, its `Node`, whose methods may be called on any thread."""
+    """A guest's end of the graph (its `Node`), whose methods may be called on any thread."""
 
     def __init__(self, guest: Guest, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._guest = guest
@@ -44,7 +44,7 @@ class GuestNode:
         post(self._loop, self._advertise, {topic.name: topic for topic in topics})
 
     def publish(self, name: str, message: Any, time_ns: int = 0, catch_up: CatchUp | None = None) -> None:
-        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build up."""
+        """Publish a message on an offered topic. catch_up: as in Channel, for messages that build on each other."""
         sample = Sample(message, time_ns) if catch_up is None else Growing(catch_up, time_ns)
         post(self._loop, self._publish, name, sample)
 
@@ -53,7 +53,7 @@ class GuestNode:
         return name in self._wanted
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for the last message of a topic, or there has been none."""
+        """Return whether a subscriber was ready for the last message of a topic, or no message has been published."""
         newest = self._newest.get(name)
         return newest is None or newest.is_taken
 

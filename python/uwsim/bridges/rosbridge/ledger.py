@@ -1,4 +1,4 @@
-"""The bytes stored for clients: for each of them and for all together, both bounded."""
+"""Accounts of the bytes stored for clients: per client and in total, both bounded."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Protocol
 
 
 class Held(Protocol):
-    """An object that may be queued for several clients, but is in memory once."""
+    """An object that may be queued for several clients, but is in memory only once."""
 
     holders: int
 
     @property
     def size(self) -> int:
-        """Return its size in bytes, which does not change."""
+        """The object's size in bytes, which does not change."""
 
 
 class Ledger:
-    """The total stored for all clients. limit: bytes beyond which the client with the most is disconnected."""
+    """The total stored for all clients. limit: bytes beyond which the largest client is disconnected."""
 
     def __init__(self, limit: float = math.inf) -> None:
         self.limit = limit
@@ -26,7 +26,7 @@ class Ledger:
         self.accounts: set[Account] = set()
 
     def relieve(self) -> None:
-        """Close the largest account if the total is too large."""
+        """Disconnect the client with the largest account if the total is too large."""
         if self.bytes > self.limit and self.accounts:
             largest = max(self.accounts, key=lambda account: account.bytes)
             largest.give_up(
@@ -36,13 +36,13 @@ class Ledger:
 
 
 class Account:
-    """The bytes stored for one client. limit: their maximum. give_up: called with the reason if the client must go."""
+    """The bytes stored for one client. limit: the maximum. give_up: disconnects the client, for the reason passed."""
 
     def __init__(self, ledger: Ledger, limit: float, give_up: Callable[[str], None]) -> None:
         self.limit = limit
         self.bytes = 0
         self.give_up = give_up
-        self._own = 0  # the part of the bytes that no other client shares
+        self._own = 0  # the part of the bytes that is not shared with other clients
         self._is_closed = False
         self._ledger = ledger
         ledger.accounts.add(self)
@@ -74,7 +74,7 @@ class Account:
         self._ledger.bytes -= size
 
     def hold(self, held: Held) -> None:
-        """Count an object that other clients may hold as well: in the total it counts once."""
+        """Count an object that other clients may also hold; the total counts it only once."""
         self.bytes += held.size
         if held.holders == 0:
             self._ledger.bytes += held.size
@@ -82,14 +82,14 @@ class Account:
         self._ledger.relieve()
 
     def drop(self, held: Held) -> None:
-        """Stop counting it."""
+        """Stop counting an object."""
         self.bytes -= held.size
         held.holders -= 1
         if held.holders == 0:
             self._ledger.bytes -= held.size
 
     def close(self) -> None:
-        """Return everything that was taken, and stop counting; held objects can be dropped later."""
+        """Give back everything that was taken, and stop counting; held objects can be dropped later."""
         self.give(self._own)
         self._is_closed = True
         self.give_up = _stay  # so that the account does not keep its client in memory

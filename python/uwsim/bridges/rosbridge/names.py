@@ -1,4 +1,4 @@
-"""The names of topics and services that one client uses, which are limited in number."""
+"""The names of topics and services that a client uses; their number is limited."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from uwsim.bridges.rosbridge.subscription import Subscription
 
 
 class Names:
-    """A client's names. advertised: its topics, by plain name, and whether latched. subscriptions: by name as sent."""
+    """A client's names. advertised: whether each topic is latched, by plain name. subscriptions: by name as sent."""
 
     def __init__(self, graph: Graph, limits: Limits) -> None:
         self._graph = graph
@@ -18,7 +18,7 @@ class Names:
         self.services: set[str] = set()
 
     def check_room(self) -> None:
-        """Raise ValueError if the client, or all clients together, can have no more."""
+        """Raise ValueError if the client, or all clients together, may use no more names."""
         if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
             raise ValueError(f"names: you have {self._limits.names} topics and services, which is the most")
         if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:

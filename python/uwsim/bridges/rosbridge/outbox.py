@@ -1,8 +1,8 @@
 """The messages queued for one client: answers first, then each subscription's messages, in bounded memory.
 
-A client that does not read loses the oldest messages of its own subscriptions, without affecting others; if too many
-bytes are queued nevertheless, it is disconnected. Messages of several topics leave in order of arrival, unless a topic
-is throttled.
+A client that does not read loses the oldest messages of its subscriptions, without affecting other clients; if too many
+bytes are queued nevertheless, it is disconnected. Messages are sent in order of arrival across all topics that are not
+throttled.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LARGE_QUEUE = 8
 
 
 class Parcel(NamedTuple):
-    """A due message in its subscriber's encoding, which may take long to make; any thread may do so."""
+    """A due message and the subscriber's encoding; `encode` may take long, and may run on any thread."""
 
     sample: Sample
     topic: str
@@ -31,15 +31,15 @@ class Parcel(NamedTuple):
     compression: Compression
 
     def encode(self) -> Frame:
-        """Return the frame."""
+        """Return the encoded frame."""
         return self.sample.frame(self.topic, self.ros, self.compression)
 
 
 class Mailbox:
-    """One subscription's queue. throttle_s: least wall time between two messages. length: 0 for the default.
+    """One subscription's queue. throttle_s: minimum wall time between messages. length: 0 for the default.
 
-    As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue it gets
-    them later. credit: number of unacknowledged messages that may be on their way; None: unlimited.
+    As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue, it
+    receives them later. credit: the number of messages that may be unacknowledged; None: unlimited.
     """
 
     def __init__(
@@ -71,19 +71,19 @@ class Mailbox:
 
     @property
     def is_blocked(self) -> bool:
-        """Whether the client must send an acknowledgement before it gets more."""
+        """Whether the client must send an acknowledgement before more messages are sent."""
         return self._credit is not None and self._unacknowledged >= self._credit
 
     def acknowledge(self, count: int) -> None:
-        """Restore credit."""
+        """Restore credit for acknowledged messages."""
         self._unacknowledged = max(0, self._unacknowledged - count)
 
     def put(self, order: int, sample: Sample, now_s: float, account: Account, most_bytes: float) -> None:
-        """Queue a sample; the oldest ones are dropped if there are too many, or too many bytes."""
+        """Queue a sample; the oldest samples are dropped if there are too many, or too many bytes."""
         if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
         if sample.builds_up:
-            self.clear(account)  # the new one contains theirs
+            self.clear(account)  # the new sample contains their content
         while self.samples and (len(self.samples) >= self.longest or self.bytes + sample.size > most_bytes):
             self.lost += 1
             self._pop(account)
@@ -92,7 +92,7 @@ class Mailbox:
         account.hold(sample)
 
     def take(self, now_s: float, account: Account) -> Parcel:
-        """Take the oldest sample out."""
+        """Remove and return the oldest sample."""
         self.next_s = now_s + self.throttle_s
         self._unacknowledged += 1
         sample, self._cursor = self._pop(account).after(self._cursor)
@@ -111,7 +111,7 @@ class Mailbox:
 
 
 class Outbox:
-    """A client's queues. wake: called when there is something to send. account: for the size of the queues."""
+    """A client's queues. wake: called when there is something to send. account: charged for the queues' size."""
 
     def __init__(self, limits: Limits, account: Account, clock: Callable[[], float], wake: Callable[[], None]) -> None:
         self._limits = limits
@@ -124,7 +124,7 @@ class Outbox:
         self._is_shut = False
 
     def reply(self, frame: Frame) -> None:
-        """Queue an answer. Too many mean that the client keeps asking without reading: it is disconnected."""
+        """Queue an answer. A client with too many unread answers is disconnected."""
         if self._is_shut:
             return
         if len(self._replies) >= self._limits.replies:
@@ -137,7 +137,7 @@ class Outbox:
         self._wake()
 
     def _check_bytes(self) -> None:
-        """Disconnect a client with too much queued; a single message may have any size."""
+        """Disconnect the client, unless only one message is queued, which may have any size."""
         waiting = len(self._replies) + sum(len(mailbox.samples) for mailbox in self._mailboxes.values())
         if waiting > 1:
             size, most = self._account.bytes / 1e6, self._account.limit / 1e6
@@ -155,14 +155,14 @@ class Outbox:
             mailbox.clear(self._account)
 
     def shut(self) -> None:
-        """Drop everything, and refuse further messages."""
+        """Drop everything, and ignore further messages."""
         self._is_shut = True
         for key in list(self._mailboxes):
             self.close(key)
         self._replies.clear()
 
     def acknowledge(self, key: Any, count: int) -> None:
-        """Record that a subscription's client has processed messages."""
+        """Record that the client has processed messages of a subscription."""
         mailbox = self._mailboxes.get(key)
         if mailbox is not None:
             mailbox.acknowledge(count)
@@ -180,11 +180,11 @@ class Outbox:
 
     @property
     def lost(self) -> int:
-        """Number of messages dropped for newer ones, in the present subscriptions."""
+        """The number of messages dropped for newer ones, in the current subscriptions."""
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
     def pick(self) -> tuple[Frame | Parcel | None, float | None]:
-        """Return what to send next; or None and the seconds until a throttled message is due, None if never."""
+        """Return what to send next; or None, and the seconds until a throttled message is due (None: none is)."""
         if self._replies:
             frame = self._replies.popleft()
             self._account.give(sys.getsizeof(frame))
@@ -197,7 +197,7 @@ class Outbox:
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
     def take(self) -> tuple[Frame | None, float | None]:
-        """Like pick, but return the frame already encoded."""
+        """Like `pick`, but return the encoded frame."""
         found, delay_s = self.pick()
         return found.encode() if isinstance(found, Parcel) else found, delay_s
 

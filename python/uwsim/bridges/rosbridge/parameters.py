@@ -1,4 +1,4 @@
-"""The parameters that clients access by rosapi: the simulator's, and a store like ROS's parameter server."""
+"""The parameters that clients access through rosapi: the simulator's, and a store like ROS's parameter server."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
-LONGEST = 100_000  # length of a value's JSON
+LONGEST = 100_000  # length of a value in JSON
 VALUE_LIMITS = Limits(frame_bytes=LONGEST)
 MOST_BYTES = 16 << 20  # total of all names and values
 
@@ -22,8 +22,8 @@ MOST_BYTES = 16 << 20  # total of all names and values
 class Parameters:
     """Values as JSON, by name.
 
-    The simulator's, such as rov/drag/linear/surge, take effect; all others are only stored for clients. present:
-    initial content of the store, such as use_sim_time. live: the current simulator.
+    The simulator's parameters, such as rov/drag/linear/surge, take effect; all others are only stored for clients.
+    present: the initial content of the store, such as use_sim_time. live: returns the current simulator.
     """
 
     def __init__(self, present: Mapping[str, str], live: Callable[[], LiveSimulator | None] = lambda: None) -> None:
@@ -49,7 +49,7 @@ class Parameters:
         return name in self._values or self._in_simulator(name)
 
     def get_json(self, name: str, default: str = "null") -> str:
-        """Return a parameter's value as JSON; for a prefix of the simulator's names, all values below it as objects."""
+        """Return a parameter's value as JSON; for a prefix of the simulator's names, an object of all values below."""
         own = self._simulators()
         if own is not None and self._in_simulator(name):
             return json.dumps(own[name.replace("/", ".")])
@@ -58,7 +58,7 @@ class Parameters:
     def set_json(self, name: str, text: Any) -> Future[Any] | None:
         """Set a parameter from JSON.
 
-        Raises ValueError, changing nothing; for the simulator's parameters the future does.
+        Raises ValueError without changing anything. For the simulator's parameters, returns a future that may raise it.
         """
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ValueError(f"parameter '{name}': the value must be JSON as a string of {LONGEST} characters at most")
@@ -78,7 +78,7 @@ class Parameters:
         return None
 
     def delete(self, name: str) -> None:
-        """Remove a parameter from the store. Raises ValueError if there is none."""
+        """Remove a parameter from the store. Raises ValueError if it is not in the store."""
         if self._in_simulator(name):
             raise ValueError(f"parameter '{name}': it is the simulator's: reset it with simulation/reset_parameters")
         text = self._values.pop(name, None)
@@ -88,5 +88,5 @@ class Parameters:
 
 
 def _size(name: str, text: str) -> int:
-    """Return the bytes that a value and its name take."""
+    """Return the memory that a value and its name occupy [bytes]."""
     return sys.getsizeof(name) + sys.getsizeof(text)

@@ -1,6 +1,6 @@
-"""Decodes a client's frame to a dict: JSON from text, CBOR from bytes.
+"""Decoding of a client's frame to a dict: JSON from text, CBOR from bytes.
 
-Refuses hostile frames before they cost anything.
+Hostile frames are refused before they cost anything.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from uwsim.channels.message_cost import Meter
 from uwsim.channels.messages import typed_array
 
 SLOW_BYTES = 200_000
-"""Largest size of a frame with NaN or Infinity, which needs a decoder that is five times as slow."""
+"""The largest size of a frame with NaN or Infinity, which needs a decoder that is five times slower."""
 
 
 def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
-    """Return the object in a frame from a trusted peer. Raises ValueError with a reason if there is none."""
+    """Decode the object in a frame from a trusted peer. Raises ValueError with the reason if this fails."""
     if isinstance(frame, bytes):
         walk_cbor(frame, nesting, math.inf)
     return _decode(frame, nesting, math.inf)
 
 
 def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Return the object in a client's frame, and a meter that continues counting. Raises ValueError in the same way.
+    """Decode the object in a client's frame; return it, and a meter for further work on it. Raises ValueError.
 
     pause: passed to the meter.
     """
@@ -43,7 +43,7 @@ def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = 
 
 
 def parse_value(text: str, limits: Limits) -> Any:
-    """Return the value of any type in a client's JSON string. Raises ValueError."""
+    """Decode a value of any type from a client's JSON string. Raises ValueError."""
     value = _from_json(text, SLOW_BYTES, remembers=weigh(text, limits).remembers)
     check_nesting(value, limits.nesting)
     return value
@@ -53,7 +53,7 @@ def _decode(frame: str | bytes, nesting: int, slow_bytes: float, *, remembers: b
     value = _from_cbor(frame) if isinstance(frame, bytes) else _from_json(frame, slow_bytes, remembers=remembers)
     if not isinstance(value, dict):
         raise ValueError("frame: must be a JSON object, or a CBOR map")
-    # Depth is at most the number of opening brackets: a scan has few, and a thousand numbers that need no check.
+    # The depth is at most the number of opening brackets; a scan has few, so its thousand numbers need no check.
     if isinstance(frame, bytes) or frame.count("{") + frame.count("[") > nesting:
         check_nesting(value, nesting)
     return value
@@ -74,7 +74,7 @@ def check_nesting(value: Any, nesting: int) -> None:
 
 
 def _from_json(text: str, slow_bytes: float, *, remembers: bool = False) -> Any:
-    """Decode a text. remembers: use one string for all occurrences of a key, and no intermediate tree."""
+    """Decode JSON text. remembers: share one string among repeated keys, and build no intermediate tree."""
     if not remembers:
         try:
             return orjson.loads(text)
@@ -100,5 +100,5 @@ def _from_cbor(data: bytes) -> Any:
 
 
 def _array_of(*arguments: Any) -> Any:
-    """Make an array from a tag; cbor2 passes the tag last or first, depending on its version."""
+    """Convert a tag to an array; cbor2 passes the tag first or last, depending on its version."""
     return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))

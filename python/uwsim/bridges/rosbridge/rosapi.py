@@ -1,4 +1,4 @@
-"""The services by which clients inspect the graph (package rosapi), as far as roslibpy and roslibjs use them.
+"""Services with which clients inspect the graph (package rosapi), as far as roslibpy and roslibjs use them.
 
 https://github.com/RobotWebTools/rosbridge_suite/tree/ros1/rosapi
 """
@@ -21,8 +21,8 @@ from uwsim.channels.messages import Ros, resolve, spelled
 
 OWNER = "/rosapi"
 MOST_TEXT = 1 << 20
-"""Maximum length of all definitions in one answer."""
-STANDARD = {  # std_srvs, which the simulator's own services use
+"""The maximum total length of the definitions in one answer."""
+STANDARD = {  # std_srvs, used by the simulator's services
     "std_srvs/Empty": ("", ""),
     "std_srvs/SetBool": ("bool data\n", "bool success\nstring message\n"),
     "std_srvs/Trigger": ("", "bool success\nstring message\n"),
@@ -31,11 +31,11 @@ STANDARD = {  # std_srvs, which the simulator's own services use
 
 Args = dict[str, Any]
 Query = tuple[str, str, Callable[[Args], Any]]
-"""A service: the fields of its request and its response, and the function that answers it, at once or by a future."""
+"""A service: the fields of request and response, and the function that returns the answer or a future of it."""
 
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
-    """Offer rosapi's services in a graph. time_ns: the simulated time."""
+    """Offer rosapi's services in a graph. time_ns: returns the simulated time."""
     queries = _graph_queries(graph, ros) | _parameter_queries(parameters) | _time_query(ros, time_ns)
     queries |= _type_queries(ros, queries)
     graph.nodes[OWNER] = None
@@ -44,7 +44,7 @@ def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callab
 
 
 def _type_of(name: str) -> str:
-    """Return a service's type: "rosapi/TopicType" for topic_type."""
+    """Return a service's type, such as "rosapi/TopicType" for topic_type."""
     return "rosapi/GetActionServers" if name == "action_servers" else f"rosapi/{name.title().replace('_', '')}"
 
 
@@ -53,7 +53,7 @@ def _handler(name: str, query: Query) -> Handler:
         if not isinstance(arguments, dict):
             raise ValueError(f"{_type_of(name)}: args must be an object")
         answer = query[2](arguments)
-        if isinstance(answer, Future):  # result of a command to the simulator
+        if isinstance(answer, Future):  # the result of a command to the simulator
             loop = asyncio.get_running_loop()
             answer.add_done_callback(lambda done: post(loop, _reply_done, done, reply))
         else:
@@ -217,7 +217,7 @@ def _type_queries(ros: Ros, queries: dict[str, Query]) -> dict[str, Query]:
             raise ValueError(f"type = '{name:.80}': no such service type is known here")
         return {"typedefs": part_details(name + ("Request", "Response")[half], texts[name][half], ros)}
 
-    request, response = "string type\n", ""  # rosapi/TypeDef[], a type of rosapi's own
+    request, response = "string type\n", ""  # rosapi/TypeDef[], which only rosapi defines
     return {
         "message_details": (request, response, of_message),
         "service_request_details": (request, response, partial(of_service, 0)),

@@ -1,4 +1,4 @@
-"""RosbridgeServer: roslibpy, roslibjs and other rosbridge clients connect to a live simulator, without ROS."""
+"""RosbridgeServer: connects roslibpy, roslibjs and other rosbridge clients to a live simulator, without ROS."""
 
 from __future__ import annotations
 
@@ -33,25 +33,26 @@ from uwsim.channels.served import served_table
 from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
-HANDSHAKE_S = 60.0  # time limit for an answer to a request
-PING_S = 1.0  # between pings if guests watch for silence; a connection that does not answer is closed after
+HANDSHAKE_S = 60.0  # time limit for answering a request
+PING_S = 1.0  # interval of pings if guests watch for silence; a connection that does not answer is closed after PONG_S
 PONG_S = 24.0
 BEAT_S = 0.5  # interval at which silence is counted
 
 
 class RosbridgeServer:
-    """A rosbridge v2 server on an event loop of its own thread.
+    """A rosbridge v2 server on an event loop in a separate thread.
 
         with LiveSimulator("lake") as live, RosbridgeServer(live, port=9090):
             ...
 
-    live: the simulator that clients see; None: they see only each other, or with a feed a recording. host, port: the
-    address on which it listens; port 0 chooses one, see `port`. ros: the generation whose spelling of times and headers
-    is used for clients whose type names fit both ("sensor_msgs/LaserScan"). origins: web pages, in addition to this
-    machine's own, that may connect. token: secret that clients must send: ws://HOST:PORT/?token=TOKEN. certfile,
-    keyfile: for wss. wire, origin: selection of topics and origin of odom, see uwsim.channels.Table; channels and
-    services, such as those of a shared Table, replace them. feed: shared with other sinks. guests: other peers in this
-    process. site: serves HTTP on the same port, without a check of the token. Raises ValueError, OSError.
+    live: the simulator that clients see; None: clients see only each other, or, with a feed, a recording. host, port:
+    the address on which the server listens; port 0 chooses a free port, see `port`. ros: the ROS generation whose
+    spelling of times and headers is used for clients whose type names fit both ("sensor_msgs/LaserScan"). origins: web
+    pages that may connect, in addition to this machine's. token: a secret that clients must send:
+    ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
+    odom, see uwsim.channels.Table; channels and services, such as those of a shared Table, replace them. feed: shared
+    with other sinks. guests: other peers in this process. site: serves HTTP on the same port, without a check of the
+    token. Raises ValueError, OSError.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class RosbridgeServer:
         if live is not None and channels is None:
             table = served_table(live, wire=wire, origin=origin)
             channels, services = table.channels, table.services
-        self.channels: list[Channel] = list(channels or ())  # others may be assigned before start
+        self.channels: list[Channel] = list(channels or ())  # may be replaced before start
         self.services: list[Service] = list(services)
         self._numbers = itertools.count(1)
         self._node: SimulatorNode | None = None
@@ -106,12 +107,12 @@ class RosbridgeServer:
 
     @property
     def sessions(self) -> dict[str, Session]:
-        """The clients, by their names in the graph."""
+        """The clients' sessions, by their names in the graph."""
         return {seat.session.name: seat.session for seat in list(self._listener.sessions.values())}
 
     @property
     def port(self) -> int:
-        """The port on which it listens. Raises RuntimeError before start."""
+        """The port on which the server listens. Raises RuntimeError before start."""
         return self._listener.port
 
     @property
@@ -120,14 +121,14 @@ class RosbridgeServer:
         return self._listener.url
 
     def start(self) -> Self:
-        """Listen; return itself. Raises OSError if it cannot, and warns (UserWarning) if other machines can connect."""
+        """Start listening; return self. Raises OSError if this fails; warns (UserWarning) if others can connect."""
         self._listener.start()
         return self
 
     def stop(self) -> None:
-        """Close all connections and end the thread."""
+        """Close all connections and stop the thread."""
         self._listener.stop()
-        if self._pool is not None:  # after the last session, which still works while the listener closes it
+        if self._pool is not None:  # after the last session, which may use the pool until the listener has closed it
             self._pool.shutdown(wait=False, cancel_futures=True)
 
     def __enter__(self) -> Self:
@@ -141,7 +142,7 @@ class RosbridgeServer:
 
     async def _serve(self, listener: Listener[Seat], ready: Callable[[], None]) -> None:
         loop = asyncio.get_running_loop()
-        ros1_typestore(), typestore()  # takes a third of a second, for which the first client should not have to wait
+        ros1_typestore(), typestore()  # takes a third of a second, so it is done before the first client connects
         self.graph = Graph(Ledger(self._limits.total_bytes))
         self.graph.silence_s = self._silence_s
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="uwsim-rosbridge-desk")
@@ -161,7 +162,7 @@ class RosbridgeServer:
             self._node.close()
 
     async def _count_silence(self, stopping: asyncio.Event) -> None:
-        """Count for how long each connection has been silent, until the server stops."""
+        """Count how long each connection has been silent, until the server stops."""
         while not stopping.is_set():
             with suppress(TimeoutError):
                 await asyncio.wait_for(stopping.wait(), BEAT_S if self._guests else None)
@@ -179,7 +180,7 @@ class RosbridgeServer:
         services: Iterable[Service],
         feed: Readings | None = None,
     ) -> None:
-        """Replace the simulator that clients see, with another or none; they stay connected and subscribed.
+        """Replace the simulator that clients see by another or none; clients stay connected and subscribed.
 
         Must not be called on the network thread.
         """
@@ -197,7 +198,7 @@ class RosbridgeServer:
         asyncio.run_coroutine_threadsafe(change(), loop).result(STOP_S)
 
     def _join(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Make the present simulator or recording, if any, a peer of the clients."""
+        """Add the current simulator or recording, if any, to the graph."""
         self._node = None
         if self._live is not None or self._feed is not None:
             self._node = SimulatorNode(self._live, self.channels, self.services, self._feed, self.graph, loop)

@@ -1,4 +1,4 @@
-"""One client's side of the protocol, without a transport: frames go in, an outbox fills.
+"""A session of the protocol with one client, without a transport: handles frames and fills an outbox.
 
 The protocol is rosbridge v2: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md
 """
@@ -30,9 +30,9 @@ LEVELS = ("info", "warning", "error", "none")
 
 
 class Prepared(NamedTuple):
-    """A frame that has been read: its operation, or the readable part of it, and what is wrong with it.
+    """A decoded frame: its operation, or the readable part of it and the error.
 
-    spent_bytes: upper limit of the memory that the operation uses.
+    spent_bytes: an upper bound on the memory that the operation uses.
     """
 
     operation: dict[str, Any]
@@ -41,13 +41,13 @@ class Prepared(NamedTuple):
 
 
 class Session:
-    """A client. name: its name in the graph. agent: its User-Agent.
+    """A session with one client. name: its name in the graph. agent: its User-Agent.
 
-    ros: generation assumed for type names that are the same in both.
+    ros: the ROS generation assumed for type names that are spelled the same in both.
 
-    wake: called when the outbox has something to send; give_up: called with the reason when the client must be
-    disconnected. A session that is given up does nothing more and stores nothing; close() must follow. roslibpy
-    supports neither status (unless it asks for it by set_level) nor png: it is sent neither.
+    wake: called when the outbox has a frame to send. give_up: called with the reason when the client must be
+    disconnected; the session then does nothing more and stores nothing, and close() must follow. roslibpy supports
+    neither status (unless requested by set_level) nor png, so neither is sent to it.
     """
 
     _calls: Calls
@@ -99,15 +99,15 @@ class Session:
         graph.nodes[name] = None
 
     def receive(self, frame: Frame) -> None:
-        """Handle a frame. Errors are reported to the client by status; never raises."""
+        """Handle a frame. Errors are reported to the client as a status; never raises."""
         whole = self.perform(self.prepare(frame))
         if whole is not None:
             self.perform(self.prepare(whole, is_whole=True))
 
     def prepare(self, frame: Frame, pause: Callable[[], None] | None = None, *, is_whole: bool = False) -> Prepared:
-        """Read a frame, on any thread; never raises. pause: called between slices of the work.
+        """Decode a frame, on any thread; never raises. pause: called between chunks of the work.
 
-        is_whole: whether it was assembled from fragments.
+        is_whole: whether the frame was assembled from fragments.
         """
         operation: dict[str, Any] = {}
         try:
@@ -129,7 +129,7 @@ class Session:
         return Prepared(operation, None, int(meter.spent_bytes))
 
     def perform(self, prepared: Prepared) -> Frame | None:
-        """Handle a frame on the graph's thread. Return the message that its fragment completes, if any."""
+        """Handle a decoded frame on the graph's thread; return the message that its fragment completes, if any."""
         if self._is_over:
             return None
         try:
@@ -173,11 +173,11 @@ class Session:
         perform(self)(operation)
 
     def _wrong_with(self, identity: object) -> str | None:
-        """Return as text what is wrong with an id; None if answers can carry it."""
+        """Return the error in an id as text, or None if answers can carry it."""
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
         if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:
-            return "id: an integer beyond 64 bits: must be a string"  # even to write it takes too long
+            return "id: an integer beyond 64 bits: must be a string"  # even formatting it takes too long
         if len(str(identity)) > self.limits.identity:
             return f"id: {len(str(identity))} characters: must be {self.limits.identity} at most"
         if not is_unicode(str(identity)):

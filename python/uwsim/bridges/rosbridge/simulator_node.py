@@ -1,4 +1,4 @@
-"""The simulator as a peer in the graph: its channels and services. A channel is read only while a peer subscribes.
+"""The simulator as a peer in the graph, with its channels and services. A channel is read only while subscribed to.
 
 Readings come from the feed on the simulator's thread and are passed on through a bounded queue; commands and calls go
 the other way. The simulator's thread never waits for the graph's.
@@ -21,12 +21,12 @@ from uwsim.channels.feed import Reading, Readings
 from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
-"""Its names in the graph: with a live simulator, and with a recording."""
-WAITING = 1000  # messages on their way from the simulator's thread; beyond it the oldest are dropped
+"""The node's name in the graph for a live simulator, and for a recording."""
+WAITING = 1000  # queued messages from the simulator's thread; beyond that, the oldest are dropped
 
 
 class SimulatorNode(Bridge):
-    """Connects a live simulator's channels and services, or a recording's channels, to a graph, on the graph's loop."""
+    """Connects a live simulator's channels and services, or a recording's channels, to a graph, on its event loop."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class SimulatorNode(Bridge):
         self._graph = graph
         self._loop = loop
         self._arrived: deque[tuple[Reading, Sample]] = deque(maxlen=WAITING)
-        self._latched: dict[str, Reading] = {}  # the newest message of each latched channel
+        self._latched: dict[str, Reading] = {}  # the latest message of each latched channel
         self._drain_is_due = False
         graph.nodes[self._name] = None
         graph.on_demand.append(self._notice_demand)
@@ -70,7 +70,7 @@ class SimulatorNode(Bridge):
         if channel.direction == "in":
             self._graph.subscribe(self._name, channel.name, channel.name, channel.type, partial(self._apply, channel))
         elif self._graph.advertise(self._name, channel.name, channel.type, channel.latched).sinks:
-            self.demand(channel.name, True)  # a client has been waiting for it
+            self.demand(channel.name, True)  # a client already subscribes to it
 
     def _notice_demand(self, name: str, is_wanted: bool) -> None:
         if name in self.outputs:
@@ -98,13 +98,13 @@ class SimulatorNode(Bridge):
             if self.is_closed or topic is None or not (topic.sinks or latch):
                 continue
             if latch and self._latched.get(name) is reading:
-                continue  # subscribers already get it from the graph
+                continue  # subscribers already received it from the graph
             if latch:
                 self._latched[name] = reading
             self._graph.publish(topic, sample, latch)
 
     def _apply(self, channel: Channel, sample: Sample) -> None:
-        """Apply a client's message. A ValueError is reported to the client that sent the message."""
+        """Apply a client's message. A ValueError is reported to the client that sent it."""
         try:
             self.apply(channel, sample.message)
         except NotRunningError as error:

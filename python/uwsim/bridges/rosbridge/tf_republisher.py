@@ -1,8 +1,8 @@
-"""Transforms for clients without their own tree: the services of tf2_web_republisher, which tf clients call.
+"""Transforms for clients without a tf tree: the services of tf2_web_republisher, which tf clients call.
 
-A client specifies frames, a target, a rate and thresholds, and receives changes: through the service (roslibpy) on a
-separate topic, through the action (roslibjs) as feedback. This ends after a while without subscribers, or when the goal
-is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
+A client requests frames, a target, a rate and thresholds, and receives changes: after a service call (roslibpy) on a
+separate topic, after an action goal (roslibjs) as feedback. A request ends after a while without subscribers, or when
+the goal is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ ACTIVE = 1  # actionlib_msgs/GoalStatus
 MOST = 100  # requests at a time
 MOST_FRAMES = 1000
 FRAMES_DEEP = 64
-LONGEST_NAME = 256  # of a frame or a goal; longer ones are skipped or refused
+LONGEST_NAME = 256  # for names of frames and goals; longer names are skipped or refused
 
 
 @dataclass(frozen=True)
 class Transform:
-    """The pose of a frame in another: translation_m (3,), rotation, and the time of the newest part."""
+    """The pose of one frame in another: translation_m (3,), rotation, and the header of the last link in the chain."""
 
     translation_m: np.ndarray[Any, np.dtype[np.float64]]
     rotation: Rotation
@@ -47,7 +47,7 @@ class Transform:
         return Transform(moved, self.rotation * other.rotation, other.stamp or self.stamp)
 
     def inverse(self) -> Transform:
-        """Return b_from_a."""
+        """Return the inverse transform: b_from_a for a_from_b."""
         back = self.rotation.inv()
         return Transform(-back.apply(self.translation_m), back, self.stamp)
 
@@ -57,7 +57,7 @@ IDENTITY = Transform(np.zeros(3), Rotation.identity())
 
 @dataclass(eq=False)
 class Request:
-    """One client's request, and what was last sent for each frame. goal_id: of an action's goal, else ""."""
+    """A client's request, and the transform last sent for each frame. goal_id: the action goal's id, or ""."""
 
     topic: Topic
     frames: list[str]
@@ -72,12 +72,12 @@ class Request:
 
 
 class TfRepublisher:
-    """Keeps the newest transform of each frame to its parent, while any request needs it."""
+    """Stores the latest transform of each frame to its parent while there are requests, and publishes changes."""
 
     def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._graph = graph
         self._loop = loop
-        self._parents: dict[str, tuple[str, Any]] = {}  # with the stamped transform, computed on demand
+        self._parents: dict[str, tuple[str, Any]] = {}  # parent, and the stamped transform, converted on demand
         self._requests: list[Request] = []
         self._numbers = itertools.count()
         graph.nodes[OWNER] = None
@@ -130,7 +130,7 @@ class TfRepublisher:
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
-        """Publish the changes, then schedule the next tick; end after a while without subscribers."""
+        """Publish changes, then schedule the next tick; end after a while without subscribers."""
         if request not in self._requests:
             return
         now_s = time.monotonic()
@@ -169,7 +169,7 @@ class TfRepublisher:
         self._graph.publish(request.topic, Sample(message))
 
     def _find(self, target: str, frame: str) -> Transform | None:
-        """Return target_from_frame through their common ancestor, or None if the tree does not connect them."""
+        """Return target_from_frame through their common ancestor, or None if they have none."""
         of_target, of_frame = self._ancestors(target), self._ancestors(frame)
         for ancestor, from_frame in of_frame.items():
             if ancestor in of_target:
@@ -177,7 +177,7 @@ class TfRepublisher:
         return None
 
     def _ancestors(self, frame: str) -> dict[str, Transform]:
-        """Return ancestor_from_frame for the frame itself and all its ancestors, nearest first."""
+        """Return ancestor_from_frame for the frame and all its ancestors, nearest first."""
         found = {frame: IDENTITY}
         ancestor, transform = frame, IDENTITY
         while ancestor in self._parents and len(found) < FRAMES_DEEP:
@@ -196,12 +196,12 @@ def _transform(stamped: Any) -> Transform:
 
 
 def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
-    """Offer the service in a graph."""
+    """Offer tf2_web_republisher's service and action in a graph."""
     return TfRepublisher(graph, loop)
 
 
 def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
-    """Read the call's arguments, or the goal's. Raises ValueError."""
+    """Parse a request from a call's arguments or a goal. Raises ValueError."""
     if not isinstance(arguments, dict):
         raise ValueError("args: must be an object")
     frames, target = arguments.get("source_frames"), arguments.get("target_frame")

@@ -1,4 +1,4 @@
-"""One client's topics: those that it publishes and those that it subscribes to."""
+"""One client's topics, published and subscribed to."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Operation = dict[str, Any]
 
 
 class Made(NamedTuple):
-    """A message object for a type that a client publishes. size: its bytes in memory."""
+    """A message object built from a client's message. size: its size in memory [bytes]."""
 
     message: Any
     type: str
@@ -27,7 +27,7 @@ class Made(NamedTuple):
 
 
 class Topics:
-    """A client's topics. name: the client's name in the graph. png: whether it can read that compression."""
+    """A client's topics. name: the client's name in the graph. png: whether the client can decode this compression."""
 
     def __init__(
         self,
@@ -47,14 +47,14 @@ class Topics:
         self._png = png
 
     def advertise(self, operation: Operation) -> None:
-        """Let the client publish on a topic."""
+        """Register the client as a publisher of a topic."""
         name, latch = plain_name(operation.get("topic")), operation.get("latch") is True
         self._names.check_room()
         self._graph.advertise(self._name, name, resolve(operation.get("type"))[0], latch)
         self._names.advertised[name] = latch
 
     def unadvertise(self, operation: Operation) -> None:
-        """Stop the client's publishing on a topic."""
+        """Remove the client as a publisher of a topic."""
         name = plain_name(operation.get("topic"))
         self._names.advertised.pop(name, None)
         self._graph.unadvertise(self._name, name)
@@ -73,7 +73,7 @@ class Topics:
         self._graph.publish(topic, sample, latch, (self._name, self._account))
 
     def subscribe(self, operation: Operation) -> None:
-        """Send a topic's messages to the client, with the options of this id combined with earlier ones."""
+        """Subscribe the client to a topic; the options of this id are combined with those of earlier ids."""
         name, type_name = operation.get("topic"), operation.get("type") or None
         options = read_options(operation, self._limits)
         plain_name(name)
@@ -93,7 +93,7 @@ class Topics:
         self._graph.subscribe(self._name, name, name, type_name, lambda sample: self._outbox.put(name, sample))
 
     def unsubscribe(self, operation: Operation) -> None:
-        """End one of a topic's subscriptions by its id, or all of them."""
+        """End a subscription to a topic by its id, or all of them."""
         name, identity = operation.get("topic"), operation.get("id")
         plain_name(name)
         subscription = self._names.subscriptions.get(name)  # type: ignore[arg-type]
@@ -111,7 +111,7 @@ class Topics:
     def acknowledge(self, operation: Operation) -> None:
         """Restore credit after the client has processed messages of a subscription.
 
-        This is our extension of rosbridge.
+        This operation extends rosbridge.
         """
         name, count = operation.get("topic"), operation.get("count", 1)
         if not isinstance(name, str) or name not in self._names.subscriptions:

@@ -1,4 +1,4 @@
-"""The description of a type for rosapi: its fields, and those of the types in it."""
+"""Descriptions of types for rosapi: a type's fields, and those of the types in it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ EXAMPLES = {"string": "", "wstring": "", "bool": "False", "float32": "0.0", "flo
 
 
 def message_details(type_name: Any, ros: Ros) -> list[dict[str, Any]]:
-    """Return the typedefs of a message type and of all types in it, each once. Raises ValueError."""
+    """Return the typedefs of a message type and all types in it, without duplicates. Raises ValueError."""
     return _typedefs([resolve(type_name)[0]], ros)
 
 
 def part_details(type_name: str, text: str, ros: Ros) -> list[dict[str, Any]]:
-    """Return the typedefs of one half of a service, from its text in the language of .srv files."""
+    """Return the typedefs of a service's request or response, from its definition in .srv syntax."""
     name = f"uwsim/msg/{type_name.split('/')[-1]}"
     definition = get_types_from_msg(text, name)[name][1]
     kinds = [(field, kind_of(description)) for field, description in definition]

@@ -1,7 +1,7 @@
-"""The memory that a client's frame will take once decoded, from a scan of its characters or of its items' heads.
+"""An estimate of the memory that a client's frame will take once decoded, from a scan of its characters or items.
 
-An empty list is two characters, or one byte, but takes seventy bytes in memory. So the scan comes first: a frame with
-too many objects, or one that would expand too much, is refused before it is decoded.
+An empty list is two characters in JSON, or one byte in CBOR, but takes seventy bytes in memory. Hence frames are
+scanned first, and a frame with too many objects, or that would expand too much, is refused before it is decoded.
 """
 
 from __future__ import annotations
@@ -14,21 +14,23 @@ import numpy as np
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
 
-CONTAINER_BYTES = 184  # of an object with up to five members, including the garbage collector's share
-MEMBER_BYTES = 48  # of each member beyond that
-KEY_BYTES = 176  # of a key that the decoder caches
-NODE_BYTES = 16  # of the tree that orjson builds first; it asks for twelve times the text, and uses this much per value
-KEY_ENDS = 8  # characters at either end, by which keys are distinguished
-ITEMS_PER_OBJECT = 5  # of CBOR, whose walk takes a microsecond per item
-SLOW_VALUES = 200_000  # for a decoder that takes 80 ns for each
-FRACTIONS = 300_000  # for one that takes 16 ns for an integer and 57 ns for these, in one uninterruptible call
-TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would also make numbers, patterns and references from other tags
+CONTAINER_BYTES = 184  # an object with up to five members, including the garbage collector's share
+MEMBER_BYTES = 48  # each further member
+KEY_BYTES = 176  # a key that the decoder caches
+NODE_BYTES = 16  # per value in the tree that orjson builds first (it allocates twelve times the text)
+KEY_ENDS = 8  # characters at either end that distinguish keys
+ITEMS_PER_OBJECT = 5  # limit for CBOR, whose scan takes a microsecond per item
+SLOW_VALUES = 200_000  # limit for a decoder that takes 80 ns per value
+FRACTIONS = 300_000  # limit for a decoder that takes 57 ns for each (16 ns for an integer), in one uninterruptible call
+TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would convert other tags to numbers, patterns and references
 
 
 class Load(NamedTuple):
-    """The content of a frame. values: elements and members. strings: values, and keys that each need a separate string.
+    """The content of a frame.
 
-    keys: those that are cached. nodes: of a tree of the text, if there is one.
+    values: the number of elements and members. strings: the number of string values, and of keys that each need a
+    separate string. keys: the number of cached keys. nodes: the number of nodes of an intermediate tree, if there is
+    one.
     """
 
     containers: int
@@ -39,27 +41,27 @@ class Load(NamedTuple):
     nodes: int = 0
 
     def decoded_bytes(self, frame: str | bytes) -> int:
-        """Return an upper bound on the memory that the frame takes, including the objects made from it."""
+        """Return an upper bound on the memory that the frame and its decoded objects take."""
         texts = (2 if isinstance(frame, bytes) or frame.isascii() else 3) * sys.getsizeof(frame)
         own = CONTAINER_BYTES * self.containers + STRING_BYTES * self.strings + KEY_BYTES * self.keys
         many = MEMBER_BYTES * max(0, self.members - 5 * self.containers)
         numbers = max(0, self.values - self.containers - self.strings)
-        if isinstance(frame, str):  # Python shares small numbers, and others have at least three characters
+        if isinstance(frame, str):  # Python shares small integers; other numbers have at least three characters
             numbers = min(numbers, max(0, (len(frame) - 2 * numbers) // 2))
         return texts + own + many + SLOT_BYTES * self.values + NUMBER_BYTES * numbers
 
 
 class Weight(NamedTuple):
-    """The maximum memory of a decoded frame. remembers: valid only if the decoder makes each key once."""
+    """The maximum memory of a decoded frame. remembers: whether this requires a decoder that shares repeated keys."""
 
     bytes: int
     remembers: bool
 
 
 def weigh(frame: str | bytes, limits: Limits) -> Weight:
-    """Return the memory that a frame will take. Raises ValueError if that is too much for its size.
+    """Return the memory that a frame will take. Raises ValueError if it is too much for the frame's size.
 
-    CBOR is validated on the way: lengths fit the data, nesting is bounded, all tags are those of arrays.
+    CBOR is validated in the process: lengths fit the data, nesting is bounded, all tags are typed arrays.
     """
     allowed, remembers = limits.cost_of(len(frame)), False
     if isinstance(frame, bytes):
@@ -85,8 +87,8 @@ def weigh(frame: str | bytes, limits: Limits) -> Weight:
 
 
 def _check_fractions(text: str) -> None:
-    """Raise ValueError if a JSON text has more numbers with a fraction or an exponent than are decoded in 20 ms."""
-    if text.count(".") + text.count("e") + text.count("E") <= FRACTIONS:  # including those within strings
+    """Raise ValueError if JSON text has more numbers with a fraction or exponent than can be decoded in 20 ms."""
+    if text.count(".") + text.count("e") + text.count("E") <= FRACTIONS:  # including those inside strings
         return
     data = _bytes_of(text)
     outside = _outside(_quotes(data))
@@ -103,16 +105,16 @@ def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
 
 
 def _quick_load(text: str) -> Load:
-    """Return an upper bound: characters within strings are counted as well, and each key as a separate string."""
+    """Return an upper bound, which also counts characters inside strings, and each key as a separate string."""
     containers = text.count("{") + text.count("[")
     commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
     values = commas + containers + 1
-    # If a key is counted as a string value, one value too many is counted: it must not hide a number.
+    # A key counted as a string value needs an extra value, or it would hide a number.
     return Load(containers, quotes // 2, colons, values + quotes // 2, nodes=values + quotes // 2)
 
 
 def exact_load(text: str) -> Load:
-    """Return the content of a JSON text, ignoring characters within its strings."""
+    """Return the content of JSON text, ignoring characters inside its strings."""
     data = _bytes_of(text)
     quotes = _quotes(data)
     bounds, outside = np.flatnonzero(quotes), _outside(quotes)
@@ -129,12 +131,12 @@ def _bytes_of(text: str) -> Any:
 
 
 def _outside(quotes: Any) -> Any:
-    """Return which characters of a text are outside its strings."""
+    """Return which characters of a text are outside strings."""
     return np.cumsum(quotes, dtype=np.uint8) & 1 == 0
 
 
 def _quotes(data: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return where strings begin and end: at quotation marks after an even number of backslashes."""
+    """Return where strings begin and end: at quotation marks preceded by an even number of backslashes."""
     quotes: np.ndarray[tuple[int], np.dtype[np.bool_]] = data == ord('"')
     strokes = data == ord("\\")
     if strokes.any():
@@ -148,7 +150,7 @@ def _quotes(data: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> np.ndarray[tupl
 
 
 def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
-    """Return how many keys differ in length or at either end; keys that differ only in between must be long."""
+    """Return the number of keys that differ in length or near their ends; only long keys can differ elsewhere."""
     closing = np.searchsorted(bounds, colons) - 1
     closing = closing[closing >= 1]
     starts, ends = bounds[closing - 1] + 1, bounds[closing]
@@ -162,14 +164,14 @@ def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
 
 
 def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
-    """Walk over the items' heads (RFC 8949, appendix C).
+    """Scan the heads of CBOR items (RFC 8949, appendix C).
 
-    Check lengths, the depth of nesting, and that tags are arrays'. Raises ValueError as soon as there are more lists
-    and maps than `objects`, or five times as many items.
+    Checks lengths, nesting depth, and that all tags are typed arrays. Raises ValueError as soon as there are more lists
+    and maps than `objects`, or more than five times as many items.
     """
     at, size = 0, len(data)
     containers = strings = members = items = 0
-    open_items = [1]  # remaining items of the frame and of each container around the present position
+    open_items = [1]  # remaining items of the frame, and of each container around the current position
     while open_items:
         if open_items[-1] == 0:
             open_items.pop()
@@ -200,7 +202,7 @@ def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
         elif major == 6:
             if argument not in TYPED_ARRAYS:
                 raise ValueError(f"frame: CBOR tag {argument}: only typed arrays of RFC 8746 are accepted")
-            containers += 1  # an array takes as much as a container
+            containers += 1  # an array takes as much memory as a container
             open_items.append(1)
         if at > size:
             raise ValueError("frame: CBOR that ends too early")
