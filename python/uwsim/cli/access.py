@@ -1,4 +1,4 @@
-"""Options of all commands that accept clients: who may connect, and encryption."""
+"""Options shared by all commands that accept clients: who may connect, and encryption."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def access(
 ) -> dict[str, Any]:
     """Return the access settings, which all servers of a command share.
 
-    Raises WithoutEffectError for a lone keyfile.
+    Raises WithoutEffectError for a keyfile without a certfile.
     """
     if certfile is None:
         need("--certfile", keyfile=keyfile)

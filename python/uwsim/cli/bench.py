@@ -20,14 +20,14 @@ from uwsim.cli.values import packaged_folder
 
 
 class Benchmarks(TyperGroup):
-    """The files of the benchmarks' folder. Each is a program; only the one to be run is imported."""
+    """One command per file in the benchmarks' folder; only the benchmark that runs is imported."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the benchmarks."""
         return sorted(path.stem for path in _folder().glob("*.py"))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a benchmark; for help and shell completion a quick outline of it."""
+        """Return a benchmark's command, or, for help and shell completion, a quick outline of it."""
         path = _folder() / f"{cmd_name}.py"
         if not path.is_file():
             return None
@@ -38,7 +38,7 @@ class Benchmarks(TyperGroup):
         return typer.main.get_command(program)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return name, command and arguments. Raises UsageError, which lists the benchmarks."""
+        """Return name, command and arguments. Raises UsageError, listing the benchmarks."""
         if not ctx.resilient_parsing and args[0] not in (known := self.list_commands(ctx)):
             raise UsageError(f"benchmark '{args[0]}': unknown; there are: {', '.join(known)}")
         return super().resolve_command(ctx, args)
@@ -71,7 +71,7 @@ def _first_line(text: str) -> str:
 
 
 def _outline(text: str) -> Any:
-    """Return a function without a body that has the options of a benchmark's `main`, all as text."""
+    """Return an empty function with the options of a benchmark's `main`, all as text."""
 
     def main() -> None: ...
 

@@ -1,4 +1,4 @@
-"""Checks of numbers and files on a command line, before a command starts."""
+"""Checks of numbers and files on the command line, before a command starts."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import typer
 
 
 class UsageError(typer.BadParameter):
-    """A wrong command line; typer exits with the code for an unknown option."""
+    """An invalid command line; typer exits with the same code as for an unknown option."""
 
     def format_message(self) -> str:
-        """Return the message as it is."""
+        """Return the message unchanged."""
         return str(self.message)
 
 
 def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
-    """Return typer's callback for an option that takes numbers in [low, high]; nan is refused."""
+    """Return a typer callback for options that take numbers in [low, high]; nan is refused."""
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for number in value if isinstance(value, tuple) else (value,):
@@ -30,12 +30,12 @@ def within(low: float, high: float, unit: str = "") -> Callable[..., Any]:
                 raise UsageError(f"{shown}: {rule}")
         return value
 
-    check.bounds = low, high, unit  # type: ignore[attr-defined]  # for whoever asks whether an option has some
+    check.bounds = low, high, unit  # type: ignore[attr-defined]  # read by code that lists options with bounds
     return check
 
 
 def readable(param: typer.CallbackParam, value: Any) -> Any:
-    """Return the paths if they may be read: typer's callback.
+    """Return paths if they may be read; a typer callback.
 
     Raises UsageError for devices and pipes, which may be endless.
     """
@@ -46,7 +46,7 @@ def readable(param: typer.CallbackParam, value: Any) -> Any:
 
 
 def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
-    """Return the path if it can be written: typer's callback, so that an error comes before long work."""
+    """Return a path if it can be written; a typer callback, which reports an error before a long computation."""
     if value is not None:
         _require_file(value, option_name(param))
         if not os.access(value.parent, os.W_OK):
@@ -57,7 +57,7 @@ def writable(param: typer.CallbackParam, value: Path | None) -> Path | None:
 def _require_file(path: Path, name: str) -> None:
     try:
         kind = path.stat().st_mode
-    except (OSError, ValueError):  # such as a name that is too long: opening it will raise the error
+    except (OSError, ValueError):  # such as a name that is too long; opening it will raise the error
         return
     if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
         what = "a device" if stat.S_ISCHR(kind) or stat.S_ISBLK(kind) else "a pipe or a socket"
@@ -65,5 +65,5 @@ def _require_file(path: Path, name: str) -> None:
 
 
 def option_name(param: typer.CallbackParam) -> str:
-    """Return a parameter's name as the user types it, such as --voxel or MAP."""
+    """Return a parameter's name as users type it, such as --voxel or MAP."""
     return str(param.opts[-1]) if param.opts and param.opts[-1].startswith("-") else str(param.name).upper()

@@ -1,4 +1,4 @@
-"""The bridges of a command in addition to its rosbridge: nodes of ROS 1 and ROS 2, and the Foxglove server."""
+"""A command's bridges besides its rosbridge: ROS 1 and ROS 2 nodes, and the Foxglove server."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ FoxglovePort = Annotated[int | None, typer.Option(help="Port for Foxglove. Defau
 
 
 def need_subnet(ros_reach: str | None, ros_peer: Sequence[str] | None) -> None:
-    """Raise WithoutEffectError for peers if only this machine is to be reached."""
+    """Raise WithoutEffectError if peers are named but the reach is only this machine."""
     if ros_reach in (None, "localhost"):
         need("--ros-reach subnet", ros_peer=ros_peer)
 
 
 class Bridges:
-    """The bridges that the options request. Raises ValueError for impossible options, before anything is built."""
+    """The bridges that options request. Raises ValueError for impossible options, before anything is built."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class Bridges:
             load_rospy(), require_master()
         if ros2:
             need_subnet(ros_reach, ros_peer)
-            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # Ros2Node checks for the extra
+            from uwsim.bridges.ros2 import Ros2Node, settings_from  # noqa: F401  # importing the node checks the extra
 
             self._ros2 = settings_from(
                 os.environ,
@@ -108,9 +108,9 @@ class Bridges:
         origin: str = "world",
         access: Mapping[str, Any] = MappingProxyType({}),
     ) -> list[str]:
-        """Open the bridges, to be closed with the stack; return their addresses, for the greeting.
+        """Open the bridges, which the stack closes; return their addresses, for the greeting.
 
-        origin: of odom, as of a Table. access: who may connect, from `uwsim.cli.access`.
+        origin: the world's origin in odom, as for a Table. access: the access settings from `uwsim.cli.access`.
         """
         said = []
         if self._ros1:

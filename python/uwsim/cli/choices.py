@@ -1,4 +1,4 @@
-"""Options and arguments that take one of a few words: checked before a command starts, and completed by the shell."""
+"""Options and arguments that take one of a few words, checked before a command starts and completed by the shell."""
 
 from __future__ import annotations
 

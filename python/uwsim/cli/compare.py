@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from uwsim.flight.compare import Comparison
 
 
-WIDTH = 165  # of the table in a file
+WIDTH = 165  # width of the table if stdout is a file
 BY: dict[str, Literal["truth", "filter"]] = {"truth": "truth", "estimate": "filter"}
 
 
@@ -94,7 +94,7 @@ def compare(
 
 
 def _fault(text: str) -> dict[str, Any]:
-    """Return a fault as in a scenario's file, with or without its braces. Raises ValueError."""
+    """Parse a fault, written as in a scenario file, with or without its braces. Raises ValueError."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 

@@ -32,8 +32,8 @@ def connect(
 
     As the paper's simulator did. Ctrl-C ends it.
 
-    It reconnects whenever the connection is lost. Every topic is sent at its rate: rosbridge does not report the
-    subscribers.
+    It reconnects whenever the connection is lost. Every topic is sent at its rate, since rosbridge does not report
+    whether it has subscribers.
     """
     import logging
     from contextlib import ExitStack
@@ -56,7 +56,7 @@ def connect(
         simulator,
         wire=wire,  # type: ignore[arg-type]  # checked there
         origin=origin,
-        may_wait=lambda: live.speed == "max",  # on the wall clock, the pace has priority
+        may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
     )
     if wire != "published":
         table.channels.append(diagnostics_channel(live))

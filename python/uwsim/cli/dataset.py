@@ -1,4 +1,4 @@
-"""`uwsim dataset`: labelled pictures of cameras and sonars, for learning."""
+"""`uwsim dataset`: labelled camera and sonar images, for machine learning."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def _interval(option: str, text: str) -> tuple[float, float]:
 
 
 def _variation(text: str) -> tuple[str, dict[str, Any]]:
-    """Return the name and the variation of --vary NAME=LOW..HIGH or NAME=A,B,C."""
+    """Parse --vary NAME=LOW..HIGH or NAME=A,B,C; return the name and the variation."""
     name, equals, values = text.partition("=")
     if not equals or not name or not values:
         raise ValueError(f"--vary {text}: must be NAME=LOW..HIGH or NAME=A,B,C")
@@ -183,7 +183,7 @@ def _variation(text: str) -> tuple[str, dict[str, Any]]:
 
 
 def _value(text: str) -> Any:
-    """Return a number or boolean, or the text itself."""
+    """Parse a number or boolean; return any other text unchanged."""
     import json
 
     try:

@@ -1,4 +1,4 @@
-"""`uwsim camera`: pictures from one camera with different effects, side by side in one file."""
+"""Drawing for `uwsim camera`: pictures from one camera with different effects, side by side in one file."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ LONGEST_WAIT_S = 36_000.0  # minutes of wall time
 class CameraRequest:
     """The camera of a picture, its pose and its light.
 
-    effects: those of each picture: "on", "off", or names joined by "+". pose: X,Y,Z[,YAW[,PITCH[,ROLL]]] of the
-    vehicle, metres and degrees, positive pitch is down; by default its start. lamps: names of the switches to turn on.
-    at_s: simulated time. vehicle: its name; by default the first.
+    effects: one entry per picture: "on", "off", or names joined by "+". pose: the vehicle's X,Y,Z[,YAW[,PITCH[,ROLL]]]
+    in metres and degrees, positive pitch is down; by default its start. lamps: names of the switches to turn on. at_s:
+    the simulated time. vehicle: its name; by default the first.
     """
 
     camera: str = "front"
@@ -74,5 +74,5 @@ def set_up(sim: Simulator, request: CameraRequest) -> Camera:
         raise ValueError(f"at = {request.at_s} s: must be in [0, {LONGEST_WAIT_S:g}] s")
     sim.advance(request.at_s)
     if request.pose is not None and request.at_s:
-        place_as_typed(rov, request.pose)  # again, since it may have drifted
+        place_as_typed(rov, request.pose)  # again, since the vehicle may have drifted
     return cameras[request.camera]

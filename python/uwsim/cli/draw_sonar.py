@@ -1,4 +1,4 @@
-"""`uwsim sonar`: draw pings of a vehicle's multibeam and of imaging sonars from one pose."""
+"""Drawing for `uwsim sonar`: pings of a vehicle's multibeam and of imaging sonars from one pose."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
 
 KINDS = ("all", "fan", "image", "side-scan", "profile")
-IMAGE_TILT_DEG = 12.0  # nose down: the imaging sonar's aperture then covers 2 to 22 degrees below the level
+IMAGE_TILT_DEG = 12.0  # nose down, so that the imaging sonar's aperture covers 2 to 22 degrees below horizontal
 TRACK_M, PING_SPACING_M = 60.0, 0.15
 PROFILE_HALF_DEG, PROFILE_STEP_DEG = 60.0, 0.9  # half the beam's width
 PROFILE_REACH_M, PROFILE_BIN_M = 50.0, 0.01
-WATERFALL_IN = 5.8  # height of the side-scan's panel: 60 m of track to 100 m across at one scale
+WATERFALL_IN = 5.8  # height of the side-scan panel: 60 m along and 100 m across the track at the same scale
 GAP_IN = 1.3  # between panels, for titles and legends
 
 
 @dataclass(frozen=True)
 class Request:
-    """The request of `uwsim sonar`: what to draw, and from where."""
+    """The options of `uwsim sonar`: what to draw, and from which pose."""
 
     scenario: str | Path
     out: Path
@@ -45,7 +45,7 @@ class Request:
 
 
 def run_sonar(request: Request) -> list[str]:
-    """Draw the request and return a summary as lines. Raises ValueError or OSError; no file is left incomplete."""
+    """Draw the requested panels; return a summary as lines. Raises ValueError, OSError; leaves no incomplete file."""
     if request.kind not in KINDS:
         raise ValueError(f"--kind {request.kind}: must be one of {', '.join(KINDS)}")
     _require_picture(request.out)
@@ -80,7 +80,7 @@ def _require_picture(out: Path) -> None:
 
 
 def _require_in_the_water(sim: Simulator, rov: Vehicle) -> None:
-    """Raise ValueError for a head in the air or under the ground, which receives no echo."""
+    """Raise ValueError if the sonar's head is in the air or under the ground, where it receives no echo."""
     x, y, z = (float(value) for value in rov.sonar.ping().world_from_sonar[:3, 3])
     if z > 0.0:
         raise ValueError(f"the sonar's head is at z = {z:.2f} m: must be in the water, at or below 0")
@@ -142,7 +142,7 @@ class _Sheet:
         return height_in + GAP_IN + SECTION_IN + GAP_IN
 
     def _profile(self, top_in: float) -> float:
-        """Draw a pencil beam's profile across the track, to either side of straight down."""
+        """Draw a pencil beam's profile across the track, on both sides of straight down."""
         model = SingleBeam(range_max_m=PROFILE_REACH_M, range_bins=round(PROFILE_REACH_M / PROFILE_BIN_M))
         body, head = self._rov.pose.world_from_body, self._rov.sonar.ping().world_from_sonar[:3, 3]
         pose = imaging.pose_matrix(head, yaw_rad=np.arctan2(body[1, 0], body[0, 0]), pitch_rad=np.pi / 2)

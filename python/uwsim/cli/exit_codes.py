@@ -1,4 +1,4 @@
-"""The exit codes of `uwsim`: one table, for the commands, `uwsim --help` and docs/guides/conventions.md."""
+"""The exit codes of `uwsim`, used by the commands, `uwsim --help` and docs/guides/conventions.md."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ EXIT_CODES = {
     "recording was cut off",
     INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0 once they run",
 }
-"""The meaning of each code; USAGE is typer's own."""
+"""The meaning of each code; USAGE is typer's."""
 
 
 def exit_code_help() -> str:
-    """Return the table as text for --help, marked so that its lines stay apart."""
+    """Return the table as text for --help, marked so that its lines are not joined."""
     rows = (f"{code:>5}  {meaning}" for code, meaning in EXIT_CODES.items())
     return "\b\nExit codes:\n" + "\n".join(rows)

@@ -1,4 +1,4 @@
-"""`uwsim fingerprint`: one hash of everything a short run produces, to compare two machines."""
+"""`uwsim fingerprint`: a hash of everything that a short run produces, for comparing machines."""
 
 from __future__ import annotations
 

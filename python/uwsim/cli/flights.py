@@ -1,4 +1,4 @@
-"""Options of a flight, shared by `uwsim survey` and `uwsim run`, and its exit code."""
+"""Options of flights, shared by `uwsim survey` and `uwsim run`, and their exit codes."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ Resume = Annotated[bool, typer.Option("--resume", help="Continue the flight last
 
 
 def given(**options: Any) -> dict[str, Any]:
-    """Return the options that were given: those that are not None."""
+    """Return the options that are not None."""
     return {name: value for name, value in options.items() if value is not None}
 
 
@@ -115,7 +115,7 @@ def require_consistent(
 
 
 def exit_as(flown: FlightRecord, min_coverage: float | None = None) -> None:
-    """Exit with the code of a flight's end; return if it is a success."""
+    """Exit with the code for how the flight ended; return if it succeeded."""
     from uwsim.flight.summary import coverage_shortfall
 
     if flown.interrupted:

@@ -1,4 +1,4 @@
-"""Commands in groups: the headings of `uwsim --help`, and commands that have commands of their own."""
+"""Groups of commands: the headings of `uwsim --help`, and commands with subcommands."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typer.core import TyperGroup
 
 
 class CommandsByHeading(TyperGroup):
-    """A program whose --help lists each command under its heading, the command's `rich_help_panel`.
+    """A program whose --help lists each command under a heading, the command's `rich_help_panel`.
 
-    Typer shows these headings only with its own markup, which would swallow units in brackets.
+    Typer shows these headings only in its markup mode, which would swallow units in brackets.
     """
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the commands by heading, all in the same columns."""
+        """Write the commands by heading, all aligned in the same columns."""
         shown = {name: command for name, command in self.commands.items() if not command.hidden}
         width = max(map(len, shown))
         for heading in dict.fromkeys(_heading(command) for command in shown.values()):
@@ -33,6 +33,6 @@ def _heading(command: Any) -> str:
 
 
 def show_help(context: typer.Context) -> None:
-    """Print a group's help if no subcommand is given: the callback of its typer program."""
+    """Print a group's help if it is called without a subcommand; the callback of its typer program."""
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())

@@ -1,6 +1,6 @@
-"""The `uwsim` command: its subcommands, and its reaction to errors and signals.
+"""The `uwsim` command: its subcommands, and the handling of errors and signals.
 
-Each subcommand has a file of its own and imports its dependencies when it runs, so that --help is fast.
+Each subcommand has a separate file and imports its dependencies when it runs, so that --help is fast.
 """
 
 from __future__ import annotations
@@ -90,12 +90,12 @@ _add("Check", validate, fingerprint, reproduce, bench=bench_app)
 
 
 def main() -> NoReturn:
-    """Run the command. A user's mistake is one line on stderr and a non-zero exit code, without a traceback."""
+    """Run the command. A user's mistake gives one line on stderr and a non-zero exit code, without a traceback."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _exit_on_signal)
     _spare_address_space()
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for terminals that know only ASCII
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]  # for ASCII terminals
     warnings.showwarning = _show_warning
     if "_UWSIM_COMPLETE" in os.environ:  # a shell asks for completions
         from uwsim.cli.values import offer_fast
@@ -106,17 +106,17 @@ def main() -> NoReturn:
         code = app(args=sys.argv[1:] or ["--help"], prog_name="uwsim", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):  # the second Ctrl-C
         _exit_on_signal(signal.SIGINT, None)
-    except (ValueError, OSError, MemoryError, ImportError) as error:  # the last: no memory for a library
+    except (ValueError, OSError, MemoryError, ImportError) as error:  # ImportError: no memory for a library
         if os.environ.get("UWSIM_TRACEBACK"):
             raise
-        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # a scenario file's
+        for mistake in getattr(error, "mistakes", None) or [_told(error)]:  # mistakes in a scenario file
             _print_error(mistake)
         sys.exit(FAILED)
     except Exception as error:
         if str(error) == "can't start new thread":  # CPython's RuntimeError
             _print_error("the system allows no further thread: its limit of processes, threads or memory is reached")
             sys.exit(FAILED)
-        # Recognise typer's class for wrong options by its method: the class's module depends on typer's version.
+        # Recognise typer's usage errors by their method, since the class's module depends on typer's version.
         if not hasattr(error, "format_message"):
             raise
         _print_error(error.format_message().rstrip("."))
@@ -131,7 +131,7 @@ def _told(error: Exception) -> str:
 
 
 def _require_no_empty_word(words: list[str]) -> None:
-    """Raise UsageError for an empty word, as from an unset shell variable, which would otherwise select a default."""
+    """Raise UsageError for an empty argument, as from an unset shell variable, which would select a default."""
     for before, word in zip(["", *words], words, strict=False):
         option = re.fullmatch(r"(--[\w-]+)=", word)
         if not word or option:
@@ -142,7 +142,7 @@ def _require_no_empty_word(words: list[str]) -> None:
 def _spare_address_space() -> None:
     """Limit OpenBLAS to one thread if the address space is limited.
 
-    When loaded it claims 33 MB per thread, and if it does not get them it retries forever or aborts.
+    When loaded, it claims 33 MB per thread; if that fails, it retries forever or aborts.
     """
     if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -154,21 +154,21 @@ def _print_error(message: str) -> None:
 
 
 def _printable(text: str) -> str:
-    """Escape control characters for the terminal: names in an untrusted file may hold any."""
+    """Escape control characters for the terminal, since names in an untrusted file may contain any."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def _exit_on_signal(number: int, frame: object) -> NoReturn:
-    """End the process at once: an exception during an import could be swallowed, or leave the module half imported."""
+    """End the process immediately: an exception during an import could be swallowed or leave a module half imported."""
     if (files := sys.modules.get("uwsim.base.atomic_file")) is not None:
         files.remove_unfinished()
     if (core := sys.modules.get("uwsim._core")) is not None:
-        core.remove_unfinished_files()  # those of other threads
+        core.remove_unfinished_files()  # written by other threads
     os.write(2, b"uwsim: interrupted\n")
     os._exit(INTERRUPTED)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    """Print warnings about a user's scenario; discard those for programmers, from libraries."""
+    """Print warnings about a user's scenario; discard libraries' warnings, which are for programmers."""
     if issubclass(category, UserWarning):
         typer.echo(f"uwsim: warning: {_printable(' '.join(str(message).split()))}", err=True)

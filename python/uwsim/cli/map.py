@@ -1,4 +1,4 @@
-"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Each command imports what it needs on call."""
+"""`uwsim map`: inspect, convert, merge, score, draw and compare maps. Each command imports its dependencies on call."""
 
 from __future__ import annotations
 

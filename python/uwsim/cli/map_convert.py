@@ -1,4 +1,4 @@
-"""Conversion of a map or a cloud to another format, chosen by the target's suffix."""
+"""Conversion of a map or a point cloud to another format, selected by the target's suffix."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def convert(
     cell_m: float | None = None,
     scenario: str | None = None,
 ) -> str:
-    """Write `source` as `target` atomically; return a description of the content.
+    """Convert `source` to `target`, written atomically; return a description of the content.
 
     .bt, .ot: from a map only. .ply, .pcd, .las, .xyz: the centres of a map's occupied voxels, or a cloud's points.
     .tif: a depth grid with cells of cell_m (by default the map's voxels), placed on Earth by the scenario's terrain.
-    Raises ValueError or OSError, with nothing written.
+    Raises ValueError or OSError without writing anything.
     """
     suffix = target.suffix.lower()
     known = (*MAP_SUFFIXES, *CLOUD_FORMATS, *TIFF_SUFFIXES)

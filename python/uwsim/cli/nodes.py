@@ -1,4 +1,4 @@
-"""`uwsim nodes`: the paper's chain as ROS nodes over rosbridge."""
+"""`uwsim nodes`: the paper's processing chain as ROS nodes over rosbridge."""
 
 from __future__ import annotations
 

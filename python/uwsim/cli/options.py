@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and the parsing of their text."""
+"""Arguments and options that several commands share, and parsers for their values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SETTINGS: dict[str, Any] = {
     "pretty_exceptions_enable": False,
     "rich_markup_mode": None,  # markup would swallow units in brackets
 }
-"""Settings of every typer program."""
+"""Settings for all typer programs."""
 
 ScenarioName = Annotated[
     str, typer.Argument(help="Name of a packaged scenario, or path of a YAML file.", autocompletion=scenarios)
@@ -83,13 +83,14 @@ Threads = Annotated[
 
 
 class WithoutEffectError(UsageError):
-    """An option that would have no effect."""
+    """Raised for an option that would have no effect."""
 
 
 def need(needed: str, **options: object) -> None:
-    """Raise WithoutEffectError for options that were given without the one that they need.
+    """Raise WithoutEffectError for options that were passed without the one that they need.
 
-    needed: such as "--record". options: by argument name; None, False and empty lists were not given.
+    needed: the missing option, such as "--record". options: values by argument name; None, False and empty lists mean
+    that an option was not passed.
     """
     given = [
         f"--{name.replace('_', '-')}"
@@ -101,5 +102,5 @@ def need(needed: str, **options: object) -> None:
 
 
 def sonar_model(text: str | None) -> int | str | None:
-    """Return a number of the protocol as int; a name or path unchanged."""
+    """Convert a protocol number to int; return a name or path unchanged."""
     return int(text) if text is not None and text.isascii() and text.isdigit() else text

@@ -1,4 +1,4 @@
-"""`uwsim parameters`: the parameters of a scenario that may be changed while it runs."""
+"""`uwsim parameters`: the parameters of a scenario that can be changed while it runs."""
 
 from __future__ import annotations
 

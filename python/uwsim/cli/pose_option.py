@@ -13,7 +13,7 @@ POSE_FIELDS = ("X", "Y", "Z", "YAW", "PITCH", "ROLL")
 
 
 def parsed_pose(text: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the position (3,) [m] and the quaternion (4,), x, y, z, w, of a pose in metres and degrees.
+    """Parse a pose in metres and degrees; return position (3,) [m] and quaternion (4,), x, y, z, w.
 
     Raises ValueError.
     """
@@ -32,7 +32,7 @@ def parsed_pose(text: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def place_as_typed(vehicle: Vehicle, text: str) -> None:
-    """Place a vehicle at the pose of --pose. Raises ValueError for an invalid pose or position."""
+    """Place a vehicle at the pose in --pose. Raises ValueError for an invalid pose or position."""
     position, quaternion = parsed_pose(text)
     try:
         vehicle.place(position, quaternion)
@@ -41,5 +41,5 @@ def place_as_typed(vehicle: Vehicle, text: str) -> None:
 
 
 def chosen_vehicle(sim: Simulator, name: str | None) -> Vehicle:
-    """Return the vehicle of --vehicle; by default the first. Raises ValueError for an unknown name."""
+    """Return the vehicle named by --vehicle, by default the first. Raises ValueError for an unknown name."""
     return sim.rov if name is None else sim.vehicles[name]

@@ -169,7 +169,7 @@ def run(
 
 
 def _refuse(options: dict[str, Any], by: str, why: str) -> None:
-    """Raise WithoutEffectError for an option that was given although another one leaves it without effect."""
+    """Raise WithoutEffectError for an option that was passed although another option makes it useless."""
     if given := [name for name, value in options.items() if value is not None]:
         raise WithoutEffectError(f"{given[0]}: cannot be given with {by}: {why}")
 

@@ -1,4 +1,4 @@
-"""Shared by the commands that run a live simulator: they wait for Ctrl-C, and report when the pace is not held."""
+"""Helpers for commands that run a live simulator: waiting for Ctrl-C, and reporting a pace that is not held."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import typer
 from uwsim.live import LiveSimulator
 
 LOOK_S = 5.0
-SLIP_S = 0.5  # of wall time within LOOK_S that is worth reporting
+SLIP_S = 0.5  # wall time slipped within LOOK_S that is worth reporting
 SWITCH_S = 0.0005
 
 
 def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
-    """Print the greeting; return at Ctrl-C or SIGTERM.
+    """Print the greeting; return on Ctrl-C or SIGTERM.
 
-    Meanwhile report on stderr when the simulation slips or fails.
+    Meanwhile, report on stderr when the simulation slips or fails.
     """
     interrupted = _interrupt()
     typer.echo(f"{greeting}: {_how_it_runs(live)}; Ctrl-C ends it")
@@ -38,17 +38,17 @@ def run_until_interrupted(live: LiveSimulator, greeting: str) -> None:
 
 
 def wait_for_interrupt(greeting: str) -> None:
-    """Print the greeting; return at Ctrl-C or SIGTERM."""
+    """Print the greeting; return on Ctrl-C or SIGTERM."""
     interrupted = _interrupt()
     typer.echo(greeting)
     interrupted.wait()
 
 
 def keep_threads_moving() -> None:
-    """Set up a server process: no thread may block the interpreter for the others for a whole step.
+    """Set up a server process so that no thread blocks the interpreter for a whole step.
 
-    By default a computing Python thread blocks it for 5 ms, and a full garbage collection for 60 ms, mostly for modules
-    and classes that live as long as the process: these are excluded from all later collections.
+    By default, a busy Python thread blocks it for 5 ms, and a full garbage collection for 60 ms, mostly for modules and
+    classes that live as long as the process: these are excluded from later collections.
     """
     sys.setswitchinterval(SWITCH_S)
     gc.collect()
@@ -56,7 +56,7 @@ def keep_threads_moving() -> None:
 
 
 def _interrupt() -> threading.Event:
-    """Return an event that is set at Ctrl-C or SIGTERM."""
+    """Return an event that is set on Ctrl-C or SIGTERM."""
     keep_threads_moving()
     interrupted = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -1,4 +1,4 @@
-"""`uwsim scenario`: list, create and check scenarios, and print their schemas. Commands import what they need."""
+"""`uwsim scenario`: list, create and check scenarios, and print their schemas. Imports happen on call."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem")
 
 
 class ScenarioCommands(TyperGroup):
-    """Scenario commands; for a scenario's name instead of a command, the error suggests the right command."""
+    """The scenario commands; the error for a scenario's name in place of a command suggests the right command."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name, command and arguments. Raises UsageError."""

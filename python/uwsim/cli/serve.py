@@ -101,7 +101,7 @@ def serve(
         feed = Feed(live)
 
         def record_from(table: Table) -> None:
-            """Start recording what clients of a table see, if a recording was requested."""
+            """Start recording the channels that a table's clients see, if a recording was requested."""
             if record is not None:
                 from uwsim.recording import Recorder
 
@@ -123,7 +123,7 @@ def serve(
             shown = hub.present().table
         else:
             shown = served_table(live, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
-            # refuses invalid ones before a file is made
+            # refuses invalid options before a file is created
             server = RosbridgeServer(live, channels=(), feed=feed, **options)
             if simulator.link is not None:
                 from uwsim.link import Carrier
@@ -146,7 +146,7 @@ def page_url(server_url: str, token: str | None) -> str:
 
 
 def parsed_speed(text: str) -> float | Literal["max"]:
-    """Return "max", or the text as a number. Raises ValueError."""
+    """Parse "max" or a number. Raises ValueError."""
     if text == "max":
         return "max"
     try:

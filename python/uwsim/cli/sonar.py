@@ -1,4 +1,4 @@
-"""`uwsim sonar`: draw the pictures of a vehicle's sonars from a pose."""
+"""`uwsim sonar`: draw pictures of a vehicle's sonars from a pose."""
 
 from __future__ import annotations
 

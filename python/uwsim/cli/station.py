@@ -1,4 +1,4 @@
-"""`uwsim station`: the operator's station, a web page to choose, fly and map."""
+"""`uwsim station`: the operator's station, a web page for choosing a scenario, flying and mapping."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def station(
     from uwsim.scenario.read.assets import packaged_names
 
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
-    load(scenario)  # reports mistakes here, not on the page
+    load(scenario)  # reports mistakes here instead of on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
     hub = Station(offered=scenario, link=link, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
@@ -78,5 +78,5 @@ def station(
 
 
 def _has_display() -> bool:
-    """Return whether a browser would open a window, rather than take over this terminal."""
+    """Return whether a browser would open a window rather than take over the terminal."""
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -67,9 +67,9 @@ def teleop(
 
 @contextmanager
 def own_server(simulator: Simulator) -> Iterator[RosbridgeServer]:
-    """Run and serve a simulator on a free port of this machine: over its link, if it has one.
+    """Run and serve a simulator on a free local port, over its link if it has one.
 
-    Over a modem, the link carries the terminal's values, unless the scenario selects the channels.
+    If the link is a modem, it carries the values that the terminal shows, unless the scenario selects the channels.
     """
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.map import PLACED

@@ -40,7 +40,7 @@ def validate(
     jobs = min(jobs or len(os.sched_getaffinity(0)), len(names))
     if jobs > 1:
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.default_int_handler)  # an exception, with which the jobs' processes end
+            signal.signal(number, signal.default_int_handler)  # raises an exception, which ends the jobs' processes
     found = {}
     for suite, checks in run_suites(names, out, jobs):
         found[suite] = checks

@@ -1,4 +1,4 @@
-"""Shell completion for the values of arguments and options. Without a match, the shell offers files."""
+"""Shell completion for values of arguments and options. Without a match, the shell offers files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 from typer.core import TyperArgument, TyperOption
 
 Completer = Callable[[str], list[str]]
-"""Typer's autocompletion: from the beginning of a word to its possible completions."""
+"""A completion function for typer: maps the beginning of a word to its possible completions."""
 
 
 def packaged_folder(name: str, in_sources: str) -> Path:
@@ -20,7 +20,7 @@ def packaged_folder(name: str, in_sources: str) -> Path:
 
 
 def words(*known: str) -> Completer:
-    """Return the completion for these words."""
+    """Return the completion function for these words."""
 
     def complete(incomplete: str) -> list[str]:
         return [word for word in known if word.startswith(incomplete)]
@@ -29,9 +29,9 @@ def words(*known: str) -> Completer:
 
 
 def packaged(kind: str, *others: str) -> Completer:
-    """Return the completion for packaged files of a folder, other words, and YAML files of the current folder.
+    """Return the completion function for packaged files, further words, and YAML files in the current folder.
 
-    It lists the folders itself, since `uwsim.scenario` is slow to import.
+    It lists folders itself, since `uwsim.scenario` is slow to import.
     """
 
     def complete(incomplete: str) -> list[str]:
@@ -50,7 +50,7 @@ modems = packaged("modems")
 def offer_fast() -> None:
     """Skip typer's slow imports in a process that only completes words.
 
-    It imports pydantic for values, which nothing uses there, and rich for markup, which our help does not have.
+    Typer imports pydantic, which completion does not need, and rich for markup, which our help does not use.
     """
 
     def process_value(self: Any, ctx: Any, value: Any) -> Any:
