@@ -1,4 +1,4 @@
-"""Distortion: the wrong readings of a faulty sensor."""
+"""Distortion: changes the readings of a faulty sensor."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Distortion:
-    """The error of a faulty sensor's readings.
+    """An error in a faulty sensor's readings.
 
-    stuck: constant values, by quantity. bias: added to every number of `field`, or of every field if it is None.
+    stuck: constant values by quantity, which replace the readings. bias: added to every value of `field`, or of all
+    fields if `field` is None.
     """
 
     stuck: dict[str, list[float]] | None = None
@@ -26,7 +27,7 @@ class Distortion:
         return Distortion({name: [float(number) for number in np.ravel(value)] for name, value in values.items()})
 
     def check(self, fields: Mapping[str, tuple[int, str]]) -> None:
-        """Raise ValueError unless it fits readings with these fields: width and unit by name."""
+        """Raise ValueError unless the distortion fits readings with these fields, given as width and unit by name."""
         widths = {name: width for name, (width, _) in fields.items()}
         if self.stuck is not None and {name: len(told) for name, told in self.stuck.items()} != widths:
             raise ValueError(f"stuck = {', '.join(self.stuck):.80}: must be values of {', '.join(widths)}")
@@ -34,11 +35,11 @@ class Distortion:
             raise ValueError(f"field = {self.field!r:.40}: must be one of {', '.join(widths)}")
 
     def of(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return distorted values, by quantity: numbers, arrays (width,) or rows of them (n, width)."""
+        """Return distorted values by quantity. Values are numbers, arrays (width,) or rows (n, width)."""
         return {name: self._told(name, value) for name, value in values.items()}
 
     def of_rows(self, readings: Any, fields: Mapping[str, tuple[int, str]]) -> Any:
-        """Return distorted readings (n, width), the fields' quantities side by side."""
+        """Return distorted readings (n, width), in which the columns of all fields lie side by side."""
         starts = np.cumsum([width for width, _ in fields.values()])[:-1]
         columns = dict(zip(fields, np.split(readings, starts, axis=1), strict=True))
         return np.hstack(list(self.of(columns).values()))

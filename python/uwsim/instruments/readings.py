@@ -1,4 +1,4 @@
-"""Readings of sensors with several quantities: one class for each kind, with the core's fields."""
+"""Readings of sensors that measure several quantities: one class per kind, with the same fields as in the core."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reading:
-    """The quantities that one sensor measured at one time; Sensor.unit has their units."""
+    """Quantities that a sensor measured at one time; Sensor.unit has their units."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the quantities by name."""
@@ -31,8 +31,8 @@ class Reading:
 class ImuReading(Reading):
     """The fields of sensor_msgs/Imu, in the sensor's axes.
 
-    angular_velocity_rad_s (3,). linear_acceleration_m_s2 (3,): specific force, which points up at rest.
-    orientation_xyzw (4,): world from sensor.
+    angular_velocity_rad_s: (3,). linear_acceleration_m_s2: (3,), specific force, which points up at rest.
+    orientation_xyzw: (4,), world from sensor.
     """
 
     angular_velocity_rad_s: Floats
@@ -42,7 +42,7 @@ class ImuReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VelocityReading(Reading):
-    """linear_velocity_m_s (3,) over ground and angular_velocity_rad_s (3,), in the sensor's axes."""
+    """Velocity over ground, linear_velocity_m_s (3,), and angular_velocity_rad_s (3,), in the sensor's axes."""
 
     linear_velocity_m_s: Floats
     angular_velocity_rad_s: Floats
@@ -50,7 +50,7 @@ class VelocityReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AccelerationReading(Reading):
-    """linear_acceleration_m_s2 (3,) without gravity and angular_acceleration_rad_s2 (3,), in the sensor's axes."""
+    """Linear and angular acceleration, (3,) each, in the sensor's axes; the linear one is without gravity."""
 
     linear_acceleration_m_s2: Floats
     angular_acceleration_rad_s2: Floats
@@ -58,9 +58,9 @@ class AccelerationReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DvlReading(Reading):
-    """velocity_m_s (3,) over the bottom in the sensor's axes.
+    """Velocity over the bottom, velocity_m_s (3,), in the sensor's axes, and the beams' measurements.
 
-    beam_ranges_m (4,): inf if lost; beam_velocities_m_s (4,) along each beam; bottom_lock: 1 or 0.
+    beam_ranges_m: (4,), inf for a lost beam. beam_velocities_m_s: (4,), along each beam. bottom_lock: 1 or 0.
     """
 
     velocity_m_s: Floats
@@ -71,9 +71,9 @@ class DvlReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UsblReading(Reading):
-    """position_m (3,) from the station along east, north and up; range_m.
+    """Position from the station, position_m (3,), along east, north and up; its distance, range_m; and two angles.
 
-    azimuth_rad from east to north; elevation_rad, up is positive.
+    azimuth_rad: counted from east to north. elevation_rad: positive up.
     """
 
     position_m: Floats
@@ -89,4 +89,4 @@ READINGS: dict[str, type[Reading]] = {
     "dvl": DvlReading,
     "usbl": UsblReading,
 }
-"""The reading's class by the sensor's kind. Kinds that are not listed measure one number."""
+"""Classes of readings by the sensor's kind. Kinds that are not listed measure a single value."""

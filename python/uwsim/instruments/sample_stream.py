@@ -1,4 +1,4 @@
-"""A sensor's samples, each once, as they arrive."""
+"""Streams that deliver each of a sensor's samples once, as it arrives."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Take = Callable[[], tuple[Any, Any, Any, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples in order of arrival; dropped ones are not included.
+    """Samples in order of arrival, without dropped samples.
 
-    stamps_ns, arrivals_ns: (n,) uint64, when they were measured and when they arrived. readings: (n, width) float64,
-    the kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
+    stamps_ns, arrivals_ns: (n,) uint64, times of measurement and of arrival. readings: (n, width) float64, the columns
+    of the kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
     """
 
     stamps_ns: NDArray[np.uint64]
@@ -30,7 +30,7 @@ class Samples:
         return len(self.stamps_ns)
 
     def since(self, from_ns: int) -> Samples:
-        """Return those that were measured at from_ns or later."""
+        """Return the samples that were measured at from_ns or later."""
         new = self.stamps_ns >= from_ns
         return self if new.all() else Samples(*(part[new] for part in self.parts))
 
@@ -41,7 +41,7 @@ class Samples:
 
     @staticmethod
     def joined(pieces: Sequence[Samples]) -> Samples:
-        """Return several pieces as one."""
+        """Return the concatenation of several pieces."""
         if len(pieces) == 1:
             return pieces[0]
         columns = zip(*(piece.parts for piece in pieces), strict=True)
@@ -49,7 +49,7 @@ class Samples:
 
 
 class SampleStream:
-    """The samples of one sensor from a time on; see Sensor.stream."""
+    """Delivers the samples that a sensor measures from a given time on; see Sensor.stream."""
 
     def __init__(self, source: SampleSource, from_ns: int) -> None:
         self._source = source
@@ -76,9 +76,10 @@ class SampleStream:
 
 
 class SampleSource:
-    """Distributes a sensor's samples to all its streams.
+    """Distributes a sensor's samples to all of its streams.
 
-    take: returns the sensor's new samples. watch(from_ns): starts collecting them, or with None stops.
+    take: returns the sensor's new samples. watch: called with from_ns to start collecting samples, or with None to
+    stop.
     """
 
     def __init__(self, take: Take, watch: Callable[[int | None], None]) -> None:
@@ -108,12 +109,12 @@ class SampleSource:
                 self._watch(None)
 
     def close(self) -> None:
-        """End all streams, for a simulator that goes back in time."""
+        """End all streams, because the simulator goes back in time."""
         self._streams.clear()
         self._watch(None)
 
     def settle(self) -> None:
-        """Deliver everything that has arrived so far, since the sensor's readings change from now on."""
+        """Deliver everything that has arrived so far, before the sensor's errors or power change."""
         if self._streams:
             self.hand_out()
 

@@ -1,4 +1,4 @@
-"""A vehicle's sensors."""
+"""A vehicle's sensors and their samples."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity"
 
 @dataclass(frozen=True, eq=False)
 class Sample(Generic[R]):
-    """A sensor's value, as from `Sensor.read`, with the simulated time of its measurement and whether it is valid."""
+    """A sensor's value, as returned by `Sensor.read`, with the time of its measurement and whether it is valid."""
 
     value: R
     stamp_ns: int
@@ -37,24 +37,24 @@ class Sample(Generic[R]):
 
     @property
     def stamp_s(self) -> float:
-        """Time of the measurement, seconds."""
+        """Simulated time of the measurement in seconds."""
         return self.stamp_ns * 1e-9
 
 
 class Sensor(Sealed, Generic[R]):
-    """A sensor whose noise comes from its own seeded random stream.
+    """A sensor whose noise comes from a seeded random stream of its own.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
-    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether it is powered; see
-    Simulator.parameters. period_s: between samples. spec: its mounting, parameters and errors. Axes: x forward, y left,
-    z up, unless the vehicle's YAML file rotates the sensor.
+    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether the sensor is powered; see
+    Simulator.parameters. period_s: time between samples. spec: its mounting, parameters and errors. Axes: x forward, y
+    left, z up, unless the vehicle's YAML file rotates the sensor.
 
     - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
     - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
     - acceleration: linear_acceleration_m_s2 (3,) without gravity, angular_acceleration_rad_s2 (3,)
     - depth [m], from pressure with a nominal density; pressure [Pa, absolute]; temperature [deg C]
-    - altitude [m, inf out of range]; proximity [m, the maximum range if nothing is nearer]
+    - altitude [m, inf if out of range]; proximity [m, the maximum range if nothing is nearer]
     - dvl: velocity_m_s (3,), beam_ranges_m (4,) (inf: lost), beam_velocities_m_s (4,), bottom_lock (1 or 0)
     - usbl: position_m (3,) from the station along east, north and up, range_m, azimuth_rad (from east to north),
       elevation_rad (up is positive)
@@ -104,7 +104,10 @@ class Sensor(Sealed, Generic[R]):
         return self._distortion
 
     def distort(self, distortion: Distortion | None) -> None:
-        """Distort readings from now on; None ends it. Faults call this. Raises ValueError if it does not fit."""
+        """Distort readings from now on; None ends the distortion.
+
+        Faults call this. Raises ValueError if it does not fit.
+        """
         if distortion is not None:
             distortion.check(self._fields)
         self._source.settle()
@@ -115,7 +118,7 @@ class Sensor(Sealed, Generic[R]):
         self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
 
     def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
-        """Return samples as reported now: distorted by a fault, or invalid while the sensor is off."""
+        """Return samples as the sensor reports them: distorted by a fault, or invalid while the sensor is off."""
         if self._distortion is not None:
             readings = self._distortion.of_rows(readings, self._fields)
         return stamps_ns, arrivals_ns, readings, valid & self.on
@@ -137,27 +140,27 @@ class Sensor(Sealed, Generic[R]):
     def read(self, *, noise: bool = True) -> R:
         """Return the newest sample that has arrived: a float in `unit`, or several values (`readings.py`).
 
-        Between samples the last one is returned, and dropped samples are skipped; before the first one arrives, the
+        Between samples, the last sample is returned; dropped samples are skipped. Before the first sample arrives, the
         present value is measured. `sample` distinguishes these cases. noise=False returns the present true value,
-        without errors, rate, latency or drop-outs. A sensor that is off reads NaN.
+        without errors, rate, latency or drop-outs. A sensor that is off returns NaN.
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
 
     def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
 
-        Not valid: there is no measurement (a DVL without bottom lock, a distance out of range, no USBL fix), the newest
-        sample was dropped, none has arrived yet, or the sensor is off.
+        A sample is not valid if there is no measurement (a DVL without bottom lock, a distance out of range, no USBL
+        fix), if the newest sample was dropped, if none has arrived yet, or if the sensor is off.
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
         return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
-        """Return a stream of the sensor's future samples: each once, in the order of arrival, without dropped ones.
+        """Return a stream of the sensor's future samples: each once, in order of arrival, without dropped samples.
 
-        from_ns: the earliest measurement time; later than now by default. Samples are kept until they are taken, so
-        take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that is off
-        are invalid.
+        from_ns: the earliest measurement time; by default, any time after the present. Samples are kept until they are
+        taken, so take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that
+        is off are invalid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
@@ -167,12 +170,12 @@ class Sensor(Sealed, Generic[R]):
 
     @property
     def averaging_s(self) -> float:
-        """The time before a sample over which its accelerations are averaged: the simulator's step, seconds."""
+        """The period before a sample over which accelerations are averaged: the simulator's step in seconds."""
         return self._step_s
 
     @property
     def time_ns(self) -> int:
-        """Simulated time, nanoseconds."""
+        """Simulated time in nanoseconds."""
         return self._simulation.time_ns
 
     def _value(self, reading: _core.SensorReading, noise: bool) -> R:
@@ -190,7 +193,10 @@ class Sensor(Sealed, Generic[R]):
 
 
 class Sensors(Named[Sensor[Any]]):
-    """A vehicle's sensors by name. A sensor named after a kind is of that kind, which determines its readings' type."""
+    """A vehicle's sensors by name.
+
+    A sensor named after a kind is of that kind, so its name determines its readings' type.
+    """
 
     if TYPE_CHECKING:
 

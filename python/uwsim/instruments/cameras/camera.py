@@ -1,4 +1,4 @@
-"""A camera, which captures pictures of the world at the present time."""
+"""Camera: captures pictures of the world at the present time."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 
 Floats = NDArray[np.float64]
-CLEARANCE_M = 0.3  # above the ground, for a camera that follows a vehicle
+CLEARANCE_M = 0.3  # least height above the ground of a camera that follows a vehicle's heading
 Carrier = int | tuple[Floats, Floats]
-"""The carrier of a camera: a vehicle, by index, or a fixed pose: position (3,) and orientation x, y, z, w (4,)."""
+"""What carries a camera: a vehicle, as its index, or a fixed pose, as position (3,) and orientation x, y, z, w (4,)."""
 
 
 @dataclass(eq=False)
 class _Lens:
-    """The native camera, built on first use: its table of rays takes time to compute."""
+    """The native camera, built on first use because its table of rays takes time to compute."""
 
     name: str
     mount: CameraMount
@@ -43,9 +43,10 @@ class _Lens:
 class Camera(Sealed):
     """A camera on a vehicle or on the station.
 
-    Its frame is x ahead, y left, z up; `info` gives the intrinsics of the optical frame. Capturing does not advance
-    time, and at one time it gives the same picture, whatever the number of threads. A camera's own vehicle is not in
-    its pictures, unless it follows the vehicle's heading. A camera with a motor pans and tilts by `aim`.
+    Its frame is x ahead, y left, z up; `info` has the intrinsics of the optical frame. Capturing does not advance
+    simulated time, and repeated captures at one time give the same picture for any number of threads. The vehicle that
+    carries a camera does not appear in its pictures, unless the camera follows the vehicle's heading. A camera with a
+    motor is panned and tilted with `aim`.
     """
 
     name: str
@@ -62,7 +63,7 @@ class Camera(Sealed):
         owner: str | None = None,
         key: str | None = None,
     ) -> None:
-        """owner: its vehicle, None for the station; key: the camera's name there, by default `name`."""
+        """Create a camera. owner: its vehicle's name, None for the station. key: its name there, by default `name`."""
         self.name = name
         self.mount = mount
         self.info = _camera_info(name, mount)
@@ -96,10 +97,11 @@ class Camera(Sealed):
     ) -> Frame:
         """Return a picture of the world as it is now, or as it was `at` a snapshot.
 
-        effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply; without:
-        names of effects to leave out. geometry_only: depth, normals, labels and classes only. radiance: include it.
-        measure: fill task_s. A camera that is off gives a black picture without any surface. Raises ValueError for
-        unknown effects and for a camera below the ground; a camera inside another solid shows the inside of that solid.
+        effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply. without: names
+        of effects to leave out. geometry_only: whether to omit colour and return only depth, normals, labels and
+        classes. radiance: whether to include the radiance. measure: whether to fill task_s. A camera that is off
+        returns a black picture in which nothing is hit. Raises ValueError for unknown effects, or if the camera is
+        below the ground; a camera inside another solid shows the inside of that solid.
         """
         off = effects_on(without)
         names = [name for name in effects_on(effects) if name not in off]
@@ -149,12 +151,12 @@ class Camera(Sealed):
 
     @property
     def world_from_camera(self) -> Floats:
-        """The present pose of its frame, (4, 4): x ahead, y left, z up."""
+        """The present pose of the camera's frame (x ahead, y left, z up), (4, 4)."""
         return self._pose(self._scene.snapshot(with_lamps=False))[2]
 
     @property
     def pose(self) -> tuple[Floats, Floats]:
-        """The pose as position (3,) and orientation x, y, z, w (4,) in the world."""
+        """The present pose as position (3,) and orientation x, y, z, w (4,) in the world."""
         return self._pose(self._scene.snapshot(with_lamps=False))[:2]
 
     @property
@@ -163,9 +165,9 @@ class Camera(Sealed):
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn towards these angles at the motor's rate; None: that axis keeps its aim.
+        """Turn towards these angles at the motor's rate; None leaves that axis's aim as it is.
 
-        Raises ValueError, with nothing changed, for an angle beyond the motor's limits or a camera without a motor.
+        Raises ValueError and changes nothing if an angle is beyond the motor's limits or the camera has no motor.
         """
         if self._head is None:
             raise ValueError(f"camera '{self.name}': has no pan_tilt")
@@ -179,8 +181,8 @@ class Camera(Sealed):
     def resized(self, width: int, height: int | None = None) -> Camera:
         """Return this camera with another size in pixels; by default, the height keeps the aspect ratio.
 
-        It turns with this one and has the same horizontal field of view. Raises ValueError for sizes outside the limits
-        of a mount.
+        The returned camera turns with this one and has the same horizontal field of view. Raises ValueError for sizes
+        beyond a mount's limits.
         """
         for name, pixels in (("width", width), ("height", height or 1)):
             if not 1 <= pixels <= LARGEST_SIDE:
@@ -194,25 +196,26 @@ class Camera(Sealed):
     def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
         """Return X/Z and Y/Z of the ray through each pixel's centre in the optical frame, (H, W, 2) float32.
 
-        distort: as in pictures with the effect `distortion`. The bends of `wobble` are not included.
+        distort: whether the rays are distorted as by the effect `distortion`. The deflections of `wobble` are not
+        included.
         """
         return self._lens.core.ray_table(distort)
 
     def snapshot(self) -> Snapshot:
-        """Return the present state, for a `capture` later or on another thread."""
+        """Return the present state, for a `capture` at a later time or on another thread."""
         return self._scene.snapshot(with_lamps=True)
 
     def later(self) -> Callable[[], Frame]:
         """Store the present state; return a function that captures it at any later time, on any thread.
 
-        Unlike a snapshot, it also stores the camera's own parameters and the scene's.
+        Unlike a snapshot, this also stores the parameters of the camera and of the scene.
         """
         kept, snapshot = copy(self), self.snapshot()
         kept._scene = self._scene.kept()
         return lambda: kept.capture(at=snapshot)
 
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
-        """Return the packets of rays that a picture casts through the world, and their origin (3,), for benchmarks."""
+        """Return the ray packets that a picture casts through the world, and their origin (3,), for benchmarks."""
         picture, _, pose = self._render(list(EFFECTS), 1, None, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
 
@@ -246,7 +249,7 @@ class Camera(Sealed):
         self._lens = _Lens(self.name, mount)
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
-        """Return the camera's position (3,), orientation x, y, z, w (4,) and both as (4, 4)."""
+        """Return the camera's position (3,), its orientation x, y, z, w (4,), and both as a matrix (4, 4)."""
         carrier, mount = self._carrier_pose(snapshot), (self.mount.position_m, self.mounting_xyzw(snapshot))
         position, orientation, world_from_camera = _core.mounted_pose(*carrier, *mount)
         if self.mount.follows == "heading":
@@ -254,7 +257,10 @@ class Camera(Sealed):
         return position, orientation, world_from_camera
 
     def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
-        """Return the rotation from its frame to its carrier's, (4,) x, y, z, w: at present, or at a snapshot."""
+        """Return the rotation from the camera's frame to its carrier's, x, y, z, w (4,).
+
+        snapshot: when; None for the present.
+        """
         if self._head is None:
             return self._orientation_xyzw
         pan_tilt = self.aim_rad if snapshot is None else snapshot.aims_rad[self.name]
@@ -268,7 +274,7 @@ class Camera(Sealed):
 
 
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
-    """Return the rotation about the vertical that turns east to the heading of a body's x axis, (4,) x, y, z, w."""
+    """Return the rotation about the vertical from east to the heading of a body's x axis, x, y, z, w (4,)."""
     return about_z(heading_rad(orientation_xyzw))
 
 

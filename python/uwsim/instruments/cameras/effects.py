@@ -1,4 +1,4 @@
-"""The effects of pictures, by name."""
+"""Names of the effects that pictures can have."""
 
 from __future__ import annotations
 

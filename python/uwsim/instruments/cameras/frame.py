@@ -1,4 +1,4 @@
-"""A frame: one captured picture, with depth, normals and labels from the same pass."""
+"""Frame: a captured picture, with depth, normals and labels from the same pass."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from uwsim.instruments.cameras.image_file import check_suffix, encode_jpeg, enco
 Floats = NDArray[np.float64]
 
 MOUNT_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-"""Rotation from the optical frame (x right, y down, z ahead) to the camera's (x ahead, y left, z up)."""
+"""Rotation from the optical frame (x right, y down, z ahead) to the camera's frame (x ahead, y left, z up)."""
 
 
 @dataclass(frozen=True, eq=False)
 class CameraInfo:
-    """Intrinsics as in sensor_msgs/CameraInfo: d (5,) k1 k2 p1 p2 k3, k (3, 3), r (3, 3), p (3, 4); pixels.
+    """Intrinsics as in sensor_msgs/CameraInfo, in pixels: d (5,) is k1 k2 p1 p2 k3; k (3, 3), r (3, 3), p (3, 4).
 
     frame: the name of the optical frame (x right, y down, z ahead).
     """
@@ -38,16 +38,16 @@ class CameraInfo:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame:
-    """One picture. All arrays are read-only and come from one pass.
+    """A captured picture. All arrays are read-only and come from the same pass.
 
-    rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a frame of geometry only. depth_m: (H, W) float32 along the optical axis,
-    inf if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 if
-    nothing is hit. labels: (H, W) uint16, classes: (H, W) uint8, indices into label_names and class_names;
-    class_of_label: of each label. Depth, normals, labels and classes describe the first solid on the straight ray
-    through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
-    radiance: (H, W, 3) float32 before exposure, if requested; in units in which the sun's irradiance outside the
-    atmosphere is 1. gain: the factor from radiance to exposed signal. rays: rays cast, by kind. task_s: processor
-    seconds by rendering task, if measured.
+    rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a geometry-only frame. depth_m: (H, W) float32 along the optical axis, inf
+    if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 if nothing is
+    hit. labels: (H, W) uint16, indices into label_names. classes: (H, W) uint8, indices into class_names.
+    class_of_label: the class of each label. Depth, normals, labels and classes describe the first solid on the straight
+    ray through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
+    radiance: (H, W, 3) float32 before exposure, if requested, in units in which the sun's irradiance outside the
+    atmosphere is 1. gain: factor from radiance to the exposed signal. rays: number of rays cast, by kind. task_s:
+    processor seconds by rendering task, if measured.
     """
 
     rgb: NDArray[np.uint8]
@@ -74,20 +74,26 @@ class Frame:
         return pose
 
     def jpeg(self, quality: int = 90) -> bytes:
-        """Return a JPEG file. Raises ValueError for a frame of geometry only or a quality outside [1, 100]."""
+        """Return a JPEG file. Raises ValueError for a geometry-only frame or a quality outside [1, 100]."""
         return encode_jpeg(self._rgb_or_error(), quality)
 
     def png(self) -> bytes:
-        """Return a PNG file. Raises ValueError for a frame of geometry only."""
+        """Return a PNG file. Raises ValueError for a geometry-only frame."""
         return encode_png(self._rgb_or_error())
 
     def save(self, path: str | Path) -> None:
-        """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError."""
+        """Write a .png, .jpg or .jpeg file atomically.
+
+        Raises ValueError for other suffixes, OSError if writing fails.
+        """
         check_suffix("path", Path(path))
         write_image(Path(path), self._rgb_or_error())
 
     def save_npz(self, path: str | Path) -> None:
-        """Write all arrays, the time and the pose atomically, for np.load. Raises ValueError, OSError."""
+        """Write all arrays, the time and the pose atomically, for np.load.
+
+        Raises ValueError unless the path ends in .npz, OSError if writing fails.
+        """
         target = Path(path)
         if target.suffix != ".npz":
             raise ValueError(f"path '{target}': must end in .npz")
@@ -106,7 +112,7 @@ class Frame:
         return {**plain, **names, "k": self.info.k, "d": self.info.d}
 
     def _repr_png_(self) -> bytes | None:
-        """Return the picture, for notebooks."""
+        """Return the picture as a PNG, for notebooks; None for a geometry-only frame."""
         return self.png() if len(self.rgb) else None
 
     def __repr__(self) -> str:

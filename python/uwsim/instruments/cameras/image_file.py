@@ -1,4 +1,4 @@
-"""PNG and JPEG files."""
+"""Encoding and writing of PNG and JPEG files."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 def check_suffix(name: str, path: Path) -> None:
-    """Raise ValueError, with `name` for the path, unless it ends in .png, .jpg or .jpeg."""
+    """Raise ValueError, which calls the path `name`, unless it ends in .png, .jpg or .jpeg."""
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"{name} = {path}: must end in .png, .jpg or .jpeg")
 
 
 def encode_png(rgb: NDArray[np.uint8], *, optimize: bool = False) -> bytes:
-    """Return a PNG file. rgb: (H, W, 3). optimize: takes longer, for a smaller file."""
+    """Return a PNG file. rgb: (H, W, 3). optimize: whether to take longer for a smaller file."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -38,7 +38,7 @@ def encode_jpeg(rgb: NDArray[np.uint8], quality: int = 90) -> bytes:
 
 
 def write_image(path: Path, rgb: NDArray[np.uint8], *, optimize: bool = False) -> None:
-    """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError."""
+    """Write a .png, .jpg or .jpeg file atomically. Raises ValueError for other suffixes, OSError if writing fails."""
     check_suffix("path", path)
     is_png = path.suffix.lower() == ".png"
     write_atomically(path, encode_png(rgb, optimize=optimize) if is_png else encode_jpeg(rgb))

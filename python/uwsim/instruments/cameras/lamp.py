@@ -1,4 +1,4 @@
-"""Lamps, which light the scene for all cameras."""
+"""Lamp: the lamps on one switch, which light the scene for all cameras."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class Lamp(Sealed):
-    """The lamps on one switch, such as rov.lamps["front"]. Their light is in every camera's pictures."""
+    """The lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
 
     name: str
     spec: Lamps
@@ -37,7 +37,7 @@ class Lamp(Sealed):
 
     @property
     def on(self) -> bool:
-        """Whether they are on; off at the start, unless the vehicle's file sets `on`."""
+        """Whether the lamps are on; at the start they are off, unless the vehicle's file sets `on`."""
         return self._on
 
     @on.setter
@@ -49,15 +49,15 @@ class Lamp(Sealed):
             self._journal.note("set_lamp", vehicle=self._vehicle, lamp=self.name, on=self._on)
 
     def set_silently(self, on: bool) -> None:
-        """Switch them without a journal entry, as part of another command such as a reset."""
+        """Switch the lamps without a journal entry, as part of another command such as a reset."""
         self._on = on
 
     def report_to(self, journal: Journal, vehicle: str) -> None:
-        """Log in a journal when they are switched."""
+        """Log in this journal when the lamps are switched."""
         self._journal, self._vehicle = journal, vehicle
 
     def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
-        """Return each lamp for the renderer, given the pose of its vehicle."""
+        """Return the lamps for the renderer, placed by the pose of their vehicle."""
         lights = []
         for spot, turn in zip(self.spec.spots, self._orientations_xyzw, strict=True):
             position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)

@@ -1,4 +1,4 @@
-"""The cameras of vehicles and of the station."""
+"""Creates the cameras of vehicles and of the station."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> dict[str, Camera]:
-    """Return a vehicle's cameras by name: those in its file, and "chase". index: the vehicle's, in the simulation."""
+    """Return a vehicle's cameras by name: those in its file, and "chase".
+
+    index: the vehicle's index in the simulation.
+    """
     return {
         key: Camera(_core.stream_name(vehicle.name, key), mount, scene, index, owner=vehicle.name, key=key)
         for key, mount in camera_mounts(vehicle.model).items()
@@ -32,7 +35,7 @@ def camera_mounts(model: VehicleModel) -> Mapping[str, CameraMount]:
 
 
 def change_cameras(cameras: Mapping[str, Camera], mounts: Mapping[str, CameraMount]) -> None:
-    """Replace the mounts of cameras."""
+    """Replace the mounts of cameras, by name."""
     for name, mount in mounts.items():
         cameras[name].change(mount)
 

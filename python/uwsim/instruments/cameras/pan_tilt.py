@@ -1,4 +1,4 @@
-"""The motor that pans and tilts a camera: each axis turns towards its aim at a finite rate of simulated time."""
+"""The motor that pans and tilts a camera: each axis turns towards its aim at a finite rate in simulated time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from uwsim.scenario.spec.camera import PanTilt
 MOTORS = ("pan", "tilt")
 Angles = tuple[FiniteFloat, FiniteFloat]
 Motion = tuple[Nanoseconds, Angles, Angles]
-"""A time, the angles of the axes then, and their targets."""
-TOLERANCE_RAD = 1e-9  # for limits that were converted from degrees
+"""A time [ns], the angles of the axes at that time, and the angles that they turn to."""
+TOLERANCE_RAD = 1e-9  # allows for rounding in limits converted from degrees
 
 
 class PanTiltHead:
-    """A motor's state: the angles of its axes at some time, and their targets."""
+    """A pan-tilt motor. Its state is the angles of its axes at some time, and the angles that they turn to."""
 
     def __init__(self, camera: str, spec: PanTilt) -> None:
         self._camera = camera
@@ -27,18 +27,21 @@ class PanTiltHead:
         self._motion: Motion = 0, (0.0, 0.0), (0.0, 0.0)
 
     def restart(self) -> None:
-        """Point along the mount."""
+        """Return to the initial state: time 0, pointing along the mount."""
         self._motion = 0, (0.0, 0.0), (0.0, 0.0)
 
     def angles_rad(self, time_ns: int) -> Angles:
-        """Return pan, positive to port, and tilt, positive down."""
+        """Return pan, positive to port, and tilt, positive down, at a time."""
         since_ns, start, aim = self._motion
         reach = self._rate_rad_s * max(time_ns - since_ns, 0) * 1e-9
         pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
         return pan, tilt
 
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
-        """Turn to these angles from now on; None: that axis keeps its aim. Raises ValueError, with nothing changed."""
+        """Turn to these angles from time_ns on; None leaves that axis's aim as it is.
+
+        Raises ValueError and changes nothing if an angle is beyond its limits.
+        """
         given = (pan_rad, tilt_rad)
         for axis, value, (low, high) in zip(MOTORS, given, self._limits_rad, strict=True):
             if value is not None and not low - TOLERANCE_RAD <= value <= high + TOLERANCE_RAD:

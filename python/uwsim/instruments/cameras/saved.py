@@ -1,4 +1,4 @@
-"""The saved states of lamps and cameras' motors."""
+"""Saves and restores the states of lamps and of cameras' motors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.instruments.cameras.pan_tilt import Motion, PanTiltHead
 
 
 class SavedLamps:
-    """Which lamps are on, by vehicle and name."""
+    """Saves which lamps are on, by vehicle and name."""
 
     STATE: ClassVar[Any] = dict[str, dict[str, bool]]
 
@@ -19,11 +19,11 @@ class SavedLamps:
         self._lamps = lamps
 
     def save(self) -> dict[str, dict[str, bool]]:
-        """Return the state, as JSON values."""
+        """Return the state as JSON values."""
         return {vehicle: {name: lamp.on for name, lamp in lamps.items()} for vehicle, lamps in self._lamps.items()}
 
     def restore(self, state: Mapping[str, Mapping[str, bool]]) -> None:
-        """Continue from the result of `save`. Raises ValueError if it belongs to other lamps."""
+        """Continue from the result of `save`. Raises ValueError if its lamps differ from these."""
         require_names("lamps", _paths(state), _paths(self._lamps))
         for vehicle, lit in state.items():
             for name, on in lit.items():
@@ -31,7 +31,7 @@ class SavedLamps:
 
 
 class SavedHeads:
-    """The motion of cameras with a motor, by name."""
+    """Saves the motion of cameras with a motor, by name."""
 
     STATE: ClassVar[Any] = dict[str, Motion]
 
@@ -39,11 +39,11 @@ class SavedHeads:
         self._heads = heads
 
     def save(self) -> dict[str, Any]:
-        """Return the state, as JSON values."""
+        """Return the state as JSON values."""
         return {name: head.save() for name, head in self._heads.items()}
 
     def restore(self, state: Mapping[str, Motion]) -> None:
-        """Continue from the result of `save`. Raises ValueError if it belongs to other cameras."""
+        """Continue from the result of `save`. Raises ValueError if its cameras differ from these."""
         require_names("cameras", state, self._heads)
         for name, motion in state.items():
             self._heads[name].restore(motion)

@@ -1,4 +1,4 @@
-"""The state that all cameras of a simulator share: the scene, its light, and the present poses."""
+"""The state that all of a simulator's cameras share: the scene, its light, and the present poses."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The moving parts at one time: positions (n, 3) and orientations (n, 4) of all vehicles, lamps that are on, light.
+    """The scene's variable state at one time.
 
-    aims_rad: pan and tilt of cameras with a motor, by name.
+    positions_m (n, 3), orientations_xyzw (n, 4): poses of all vehicles. lamps: the lamps that are on. aims_rad: pan and
+    tilt of the cameras with a motor, by name.
     """
 
     time_ns: int
@@ -52,9 +53,9 @@ class _Native:
 class SharedScene:
     """The scene of a simulator's cameras.
 
-    optics: the water, sun and wind; may be replaced. lamps: each vehicle's, by the name of the switch.
-    heads: the motors of cameras that turn, by the camera's name.
-    The native scene is built for the first picture, so that simulators without pictures do not pay for it.
+    optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps by the name of their switch. heads:
+    the motors of cameras, by the camera's name. The native scene is built for the first picture, so that simulators
+    that take no pictures do not pay for it.
     """
 
     def __init__(
@@ -76,15 +77,18 @@ class SharedScene:
 
     @property
     def core(self) -> _core.CameraScene:
-        """The native scene: the world with its materials, and the vehicles' hulls. Raises ScenarioError."""
+        """The native scene: the world with its materials, and the vehicles' hulls.
+
+        Raises ScenarioError if it cannot be built.
+        """
         return self._native.core
 
     def kept(self) -> SharedScene:
-        """Return a scene that keeps the present materials, hulls and water, whatever changes later."""
+        """Return a copy that keeps the present materials, hulls and water, whatever changes later."""
         return copy(self)
 
     def restart(self, scenario: Scenario) -> None:
-        """Restart with a scenario that differs from the first only in its seed: its own lamps and light."""
+        """Restart with a scenario that differs from the first only in its seed, with its initial lamps and light."""
         if scenario.seed != self._scenario.seed:
             self._native = _Native(scenario, self._world, self._rays)
         self._scenario = scenario
@@ -96,7 +100,7 @@ class SharedScene:
             head.restart()
 
     def change(self, scenario: Scenario) -> None:
-        """Apply a scenario that differs only in parameters."""
+        """Switch to a scenario that differs only in parameters."""
         before = self._scenario
         hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
         same_hulls = all(
@@ -112,16 +116,16 @@ class SharedScene:
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start."""
+        """Simulated time since the start in nanoseconds."""
         return self._simulation.time_ns
 
     def ground_m(self, position_m: Floats) -> float:
-        """Return the height of the terrain below or above a position (3,), -inf outside it."""
+        """Return z of the terrain at a position (3,), whose z is ignored; -inf outside the terrain."""
         height = float(self._world.height_at(position_m[None, :2])[0])
         return height if np.isfinite(height) else -np.inf
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
-        """Return the present state, consistent even if other threads step the simulation meanwhile."""
+        """Return the present state; it is consistent even if other threads step the simulation meanwhile."""
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]

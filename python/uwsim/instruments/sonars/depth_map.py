@@ -1,7 +1,7 @@
 """The depth-map method: a multibeam's ranges from a depth image, as in simulators based on game engines.
 
 A depth image is rendered at the sonar's pose, each beam selects the pixel column at its angle, and depth is converted
-to range by 1 / cos(angle). Casting a ray along each beam is exact; this method serves as a comparison.
+to range by 1 / cos(angle). uwsim casts a ray along each beam, which is exact; this method is for comparison.
 """
 
 from __future__ import annotations
@@ -15,18 +15,19 @@ from uwsim import _core
 from uwsim.instruments.sonars.imaging import Place, checked_pose, pose_matrix
 
 REDUCTIONS = {"middle": _core.RowReduction.MIDDLE, "nearest": _core.RowReduction.NEAREST}
-EDGE_MARGIN = 1e-9  # relative widening of a camera's field of view, so that rounding excludes no outermost beam
+EDGE_MARGIN = 1e-9  # relative widening of a camera's field of view, so that rounding keeps the outermost beams
 
 
 @dataclass(frozen=True, kw_only=True)
 class DepthMap:
     """Settings for rendering a depth image and converting it to ranges.
 
-    width, height: pixels of one camera. cameras: side by side, sharing the field of view: one pinhole camera
-    cannot cover 180 degrees, and near that spends its pixels on the edges. field_of_view_rad, vertical_fov_rad: of all
-    cameras together, and of each. reduction: "middle", the row in the fan's plane, or "nearest", the nearest of all
-    rows: the first echo within vertical_fov_rad. interpolate: between the inverse depths of two columns instead of the
-    nearest pixel. depth_bits: of quantised depths; 0 for floats.
+    width, height: size of one camera in pixels. cameras: number of cameras that share the field of view side by side,
+    since one pinhole camera cannot cover 180 degrees and, close to that, spends most of its pixels on the edges.
+    field_of_view_rad: horizontal field of view of all cameras together. vertical_fov_rad: vertical field of view of
+    each. reduction: "middle" for the row in the fan's plane, or "nearest" for the nearest depth in any row, which is
+    the first echo within vertical_fov_rad. interpolate: whether to interpolate between the inverse depths of two
+    columns instead of taking the nearest pixel. depth_bits: bits of quantised depths; 0 for floats.
     """
 
     field_of_view_rad: float
@@ -45,7 +46,7 @@ class DepthMap:
         return self.width * self.height * self.cameras
 
     def camera(self) -> _core.DepthCamera:
-        """Return one of the cameras. Raises ValueError."""
+        """Return one of the cameras, which are alike. Raises ValueError if a setting is invalid."""
         if self.reduction not in REDUCTIONS:
             raise ValueError(f"depth_map.reduction = {self.reduction!r}: must be one of {', '.join(REDUCTIONS)}")
         for name in ("width", "height", "cameras", "depth_bits"):
@@ -64,9 +65,10 @@ class DepthMap:
 
 
 def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> NDArray[np.float32]:
-    """Return depths along each camera's axis, (cameras, height, width) float32; inf = nothing. Raises ValueError.
+    """Return depths along each camera's axis, (cameras, height, width) float32, inf if nothing is hit.
 
-    Cameras from starboard to port about the sonar's x axis; row 0 is the top one, column 0 the one to port.
+    Cameras are ordered from starboard to port of the sonar's x axis; row 0 is the top row, column 0 is farthest to
+    port. Raises ValueError if the pose or a setting is invalid.
     """
     from scipy.spatial.transform import Rotation  # slow to import
 
@@ -82,9 +84,9 @@ def depth_images(sim: Place, world_from_sonar: ArrayLike, model: DepthMap) -> ND
 
 
 def ranges_m(sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: DepthMap) -> NDArray[np.float32]:
-    """Return ranges (n,) float32 at angles (n,) about the sonar's z axis, positive to port; inf = no echo.
+    """Return ranges (n,) float32 at angles (n,) about the sonar's z axis, positive to port; inf if there is no echo.
 
-    Raises ValueError.
+    Raises ValueError if the pose or a setting is invalid.
     """
     angles = np.asarray(angles_rad, np.float64)
     images, axes = depth_images(sim, world_from_sonar, model), _axes_rad(model)
@@ -99,10 +101,10 @@ def ranges_m(sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, mod
 
 @dataclass(frozen=True)
 class Difference:
-    """Statistics of the differences of ranges from exact ones.
+    """Statistics of the differences between ranges and exact ranges.
 
-    beams: number of beams with an echo in both, over which lengths are taken. missed: number with an echo only in the
-    exact ranges. invented: number with an echo only in the others.
+    beams: number of beams with an echo in both; the differences in metres are over these. missed: number of beams with
+    an echo only in the exact ranges. invented: number of beams with an echo only in the other ranges.
     """
 
     beams: int
@@ -114,7 +116,10 @@ class Difference:
 
 
 def difference(found_m: ArrayLike, exact_m: ArrayLike) -> Difference:
-    """Compare ranges (n,) with exact ones (n,); NaN if no beam has an echo in both. Raises ValueError."""
+    """Compare ranges (n,) with exact ranges (n,); differences are NaN if no beam has an echo in both.
+
+    Raises ValueError if the shapes differ.
+    """
     found, exact = np.asarray(found_m, np.float64), np.asarray(exact_m, np.float64)
     if found.shape != exact.shape:
         raise ValueError(f"found_m.shape = {found.shape}: expected {exact.shape}, that of the exact ranges")

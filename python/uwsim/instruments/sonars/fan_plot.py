@@ -1,4 +1,4 @@
-"""A drawing of a ping's fan, for notebooks and `ping.plot()`."""
+"""Plots a ping's fan, for notebooks and `ping.plot()`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIZE_IN = (6.0, 4.0)
 
 
 def plot(ping: _core.Ping) -> Figure:
-    """Return a figure of the echoes in the sonar's plane: ahead is up, port is left; colour is the intensity."""
+    """Return a figure of the echoes in the sonar's plane, with ahead up and port left, coloured by intensity."""
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     heard = np.asarray(ping.valid)

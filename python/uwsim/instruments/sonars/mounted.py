@@ -1,4 +1,4 @@
-"""A vehicle's imaging sonars, as its YAML file describes them."""
+"""A vehicle's imaging sonars, as described in its YAML file."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 class Fleet(imaging.Place, Protocol):
-    """A simulator with its vehicles."""
+    """The part of a simulator that sonars on its vehicles need."""
 
     @property
     def vehicles(self) -> Mapping[str, Any]:
-        """The vehicles by name; each has a pose."""
+        """The vehicles by name; each of them has a pose."""
 
     def around(self, vehicle: str | None = None) -> Surroundings:
-        """Return the surroundings of a sonar on that vehicle."""
+        """Return the surroundings of a sonar on a vehicle."""
 
 
 class ImagingSonar(Sealed):
     """An imaging sonar on a vehicle; its pings include the other vehicles.
 
-    Pings at one time are always the same and do not advance time. model: its parameters, one of
-    uwsim.instruments.sonars.imaging's models.
+    Pinging does not advance simulated time, and all pings at one time are equal. model: its parameters, of one of the
+    models in uwsim.instruments.sonars.imaging.
     """
 
     name: str
@@ -63,13 +63,13 @@ class ImagingSonar(Sealed):
 
     @property
     def world_from_sonar(self) -> Matrix:
-        """The present pose, (4, 4)."""
+        """The sonar's present pose, (4, 4)."""
         return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
 
     def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
-        """Ping once from here. The arguments and the result depend on the kind; see look, line and profile.
+        """Ping once from the present pose. The arguments and the result depend on the kind; see look, line and profile.
 
-        with_labels: include the surface that each cell shows.
+        with_labels: whether to include the surface that each cell shows.
         """
         return self.later(*arguments, with_labels=with_labels)()
 
@@ -89,13 +89,13 @@ class ImagingSonar(Sealed):
         return cast(Waterfall, self.ping(with_labels=with_labels))
 
     def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
-        """Return a single beam's pings at angles (n,), all from here. Raises ValueError for another kind."""
+        """Return a single beam's pings at angles (n,) from the present pose. Raises ValueError for another kind."""
         self._require(SingleBeam)
         return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 
     @property
     def stream(self) -> str:
-        """The name of its random stream, such as rov/forward_looking."""
+        """The name of the sonar's random stream, such as rov/forward_looking."""
         return _core.stream_name(self._vehicle, self.name)
 
     def _require(self, kind: type[Acoustics]) -> None:
@@ -104,18 +104,18 @@ class ImagingSonar(Sealed):
 
 
 def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
-    """Return the model of a mounted sonar. Raises ValueError."""
+    """Return the model of a mounted sonar. Raises ValueError if it is invalid."""
     model = imaging.KINDS[mount.kind].model(**mount.figures)
     imaging.check(model, place)
     return model
 
 
 def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Acoustics]:
-    """Return the models of a vehicle's imaging sonars, by name. Raises ValueError."""
+    """Return the models of a vehicle's imaging sonars, by name. Raises ValueError if one is invalid."""
     return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
 
 
 def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:
-    """Return the imaging sonars of a vehicle by name."""
+    """Return a vehicle's imaging sonars, by name."""
     mounts = vehicle.model.imaging_sonars
     return {name: ImagingSonar(sim, vehicle.name, name, mount) for name, mount in mounts.items()}

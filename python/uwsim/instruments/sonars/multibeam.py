@@ -16,9 +16,9 @@ from uwsim.base.sealed import Sealed
 
 
 class Sonar(Sealed):
-    """A multibeam head that faces forward and tilts.
+    """A multibeam sonar, whose head faces forward and tilts.
 
-    mode: "geometry" (one exact ray for each beam) or "physics" (echoes with their errors; see _core.PhysicsPing).
+    mode: "geometry" (one exact ray per beam) or "physics" (echoes with errors; see _core.PhysicsPing).
     """
 
     name: str
@@ -55,7 +55,7 @@ class Sonar(Sealed):
         return f"<Sonar '{self.name}': {self.model.name}, {fan}, {self.mode} mode>"
 
     def aim(self, elevation_rad: float) -> None:
-        """Set the elevation that the head turns to: positive is up, 0 straight ahead. Raises ValueError beyond +-pi/2.
+        """Set the elevation that the head turns to: positive up, 0 straight ahead. Raises ValueError beyond +-pi/2.
 
         The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
         """
@@ -71,19 +71,19 @@ class Sonar(Sealed):
 
     @property
     def ping_rate_max_hz(self) -> float:
-        """The largest ping rate: sound returns from the maximum range before the next ping, c / (2 range).
+        """The highest ping rate at which sound returns from the maximum range before the next ping: c / (2 range).
 
-        c is the speed of sound at the head's present depth. A survey keeps to this rate; `ping` does not enforce it,
-        since it takes no time.
+        c is the speed of sound at the head's present depth. A survey does not exceed this rate; `ping` does not enforce
+        it, since pinging takes no simulated time.
         """
         return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
     def ping(self) -> _core.Ping:
-        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. At one time, all pings are equal.
+        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. All pings at one time are equal.
 
-        Surfaces above the water return no echo. A head above the water or under the terrain receives none: no beam is
-        valid, ranges are inf. A head inside an obstacle receives echoes of its walls from within. In physics mode the
-        result is a _core.PhysicsPing, which has the same arrays and more.
+        Surfaces above the water return no echo. A head above the water or under the terrain receives no echoes: no beam
+        is valid, and all ranges are inf. A head inside an obstacle receives echoes from its walls. In physics mode the
+        result is a _core.PhysicsPing, which has additional arrays.
         """
         version = self._simulation.version
         last = self._last
@@ -97,9 +97,10 @@ class Sonar(Sealed):
         return self._simulation.ping(self._vehicle, self._index)
 
     def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
-        """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving it. Raises ValueError.
+        """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving the vehicle.
 
-        Arrays are (n, beams); see _core.PingBatch. Always in geometry mode, with the head at its present elevation.
-        threads: by default all; results do not depend on it.
+        The result's arrays are (n, beams); see _core.PingBatch. The mode is always geometry, with the head at its
+        present elevation. threads: by default all; results do not depend on it. Raises ValueError if a pose is not
+        rigid.
         """
         return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

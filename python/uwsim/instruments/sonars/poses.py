@@ -1,4 +1,4 @@
-"""A sonar's poses as matrices (4, 4), world from sonar."""
+"""Poses of sonars as matrices (4, 4), world from sonar."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.base.quaternions import about_x, about_y, about_z, product
 
 Matrix = NDArray[np.float64]
 
-POSE_TOLERANCE = 1e-6  # for the orthogonality of a pose's rotation
+POSE_TOLERANCE = 1e-6  # largest deviation of a pose's rotation from orthogonality
 
 
 def pose_matrix(
@@ -22,7 +22,10 @@ def pose_matrix(
     pitch_rad: float = 0.0,
     roll_rad: float = 0.0,
 ) -> Matrix:
-    """Return (4, 4) from a position, and rotations about z, new y (nose down), new x. Raises ValueError."""
+    """Return the pose (4, 4) with this position, rotated about z, then the new y (nose down), then the new x.
+
+    Raises ValueError if a value is not finite.
+    """
     matrix = np.eye(4)
     turns = np.array([yaw_rad, pitch_rad, roll_rad], np.float64)
     if not np.isfinite(turns).all():
@@ -48,7 +51,7 @@ def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
 
 
 def split_poses(poses: Matrix) -> tuple[Matrix, Matrix]:
-    """Return positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), for the native core."""
+    """Return the positions (n, 3) and quaternions (n, 4) of poses (n, 4, 4), for the native core."""
     from scipy.spatial.transform import Rotation  # slow to import
 
     turns = Rotation.from_matrix(poses[:, :3, :3]).as_quat() if len(poses) else np.zeros((0, 4))

@@ -1,4 +1,4 @@
-"""A sonar's surroundings: the surfaces and the water around it, at one time."""
+"""A sonar's surroundings: the surfaces and the water around it at one time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from uwsim import _core
 class Surroundings:
     """A snapshot from `Simulator.around`, for imaging sonars and depth maps.
 
-    scene: the world and the other vehicles. strengths_db: of each surface's material, by Simulator.label_names.
+    scene: the world and the other vehicles. strengths_db: Lambert strength of each surface's material, by
+    Simulator.label_names.
     """
 
     scene: _core.RayScene

@@ -1,13 +1,13 @@
-"""Imaging sonars: forward-looking, side-scan, and a profiling single beam, one file each.
+"""Imaging sonars: forward-looking, side-scan and profiling single beam, with a file for each kind.
 
-They ping in the same scene and water as every other sensor. A picture is a function of the pose, the scenario's seed
-and a number (by default simulated time): repeated calls give the same picture for any number of threads. `sim` is
-a Simulator or anything with its scene, world, strengths_db, seed, threads and time_ns.
+They ping in the same scene and water as all other sensors. A picture depends only on the pose, the scenario's seed and
+a number (by default the simulated time): repeated calls give the same picture, for any number of threads. `sim` is a
+Simulator or any object with its scene, world, strengths_db, seed, threads and time_ns.
 
-A pose is a matrix (4, 4), world from sonar, with the sonar's x axis ahead, y to port, z up. For a sonar on a vehicle it
-is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad=0.3)`, and `sim.around("rov")` is its
-surroundings, with the other vehicles; a Simulator's own scene is the world alone. A head above the water, in the ground
-or in a solid receives only noise.
+A pose is a matrix (4, 4), world from sonar, where the sonar's x axis points ahead, y to port, z up. For a sonar on a
+vehicle it is `rov.pose.world_from_body @ imaging.pose_matrix(mount_m, pitch_rad=0.3)`, and its surroundings are
+`sim.around("rov")`, which includes the other vehicles; a Simulator's own scene has no vehicles. A head above the water,
+in the ground or in a solid receives only noise.
 """
 
 from uwsim.instruments.sonars.imaging import forward_looking, side_scan, single_beam
@@ -20,7 +20,10 @@ from uwsim.instruments.sonars.poses import Matrix, checked_pose, pose_matrix
 KINDS: dict[str, ImagingKind] = {
     kind.model.kind: kind for kind in (forward_looking.KIND, side_scan.KIND, single_beam.KIND)
 }
-"""All kinds by their names in YAML. A new kind is one C++ file, one Python file and an entry in the table of each."""
+"""All kinds, by their names in YAML.
+
+A new kind needs a C++ file, a Python file, and an entry in each language's table.
+"""
 
 __all__ = [
     "KINDS",

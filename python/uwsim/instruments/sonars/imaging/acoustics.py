@@ -1,4 +1,4 @@
-"""The base of all imaging sonars: acoustic parameters, the place where they ping, and the native instrument."""
+"""The common part of all imaging sonars: acoustic parameters, the place where they ping, and the native instrument."""
 
 from __future__ import annotations
 
@@ -32,40 +32,40 @@ class Place(Protocol):
 
     @property
     def world(self) -> _core.World:
-        """The world with the water in which the sound travels."""
+        """The world, including the water in which the sound travels."""
 
     @property
     def strengths_db(self) -> Mapping[str, float]:
-        """Lambert strengths of the surfaces' materials: those of World.label_names, then of the vehicles in `scene`."""
+        """Lambert strengths of the surfaces' materials by name: World.label_names, then the vehicles in `scene`."""
 
     @property
     def seed(self) -> int:
-        """The seed of the speckle."""
+        """The random seed of the speckle."""
 
     @property
     def threads(self) -> int:
-        """The number of threads to use; results do not depend on it."""
+        """Number of threads to use; results do not depend on it."""
 
     @property
     def time_ns(self) -> int:
-        """Simulated time."""
+        """Simulated time in nanoseconds."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Acoustics:
-    """Acoustic parameters of every imaging sonar. Levels are in dB re 1 uPa.
+    """Acoustic parameters that all imaging sonars have. Levels are in dB re 1 uPa.
 
-    source_level_db: at 1 m. noise_level_db: in the receiver's band, after beam forming. Surfaces scatter like the
-    scenario's materials unless values here override them (Lambert's strength, per square metre at normal incidence):
-    bottom_strength_db for the terrain, solid_strength_db for all solids, strengths_db for single surfaces by
-    Simulator.label_names. range_max_m is divided into range_bins, each one resolution cell. The time-varied gain is
-    gain_db_decade log10 R + 2 alpha R, with the absorption alpha of the water at the head (Francois and Garrison);
-    time_varied_gain False leaves levels as received. looks: independent looks averaged in a cell; 1 is full speckle
-    (Rayleigh amplitude), 0 none.
+    source_level_db: level at 1 m. noise_level_db: noise in the receiver's band, after beam forming. Surfaces scatter
+    like the scenario's materials unless overridden by one of these Lambert strengths (per square metre at normal
+    incidence): bottom_strength_db for the terrain, solid_strength_db for all solids, strengths_db for single surfaces
+    by Simulator.label_names. range_max_m is divided into range_bins, each of which is one resolution cell. The
+    time-varied gain is gain_db_decade log10 R + 2 alpha R, where alpha is the absorption of the water at the head
+    (Francois and Garrison); if time_varied_gain is False, levels remain as received. looks: number of independent looks
+    averaged in a cell; 1 gives full speckle (Rayleigh amplitude), 0 gives none.
     """
 
     kind: ClassVar[str] = ""
-    """The name of the kind in _core.imaging_kinds() and in YAML."""
+    """Name of the kind in _core.imaging_kinds() and in YAML."""
 
     frequency_hz: float
     source_level_db: float
@@ -96,8 +96,9 @@ class Acoustics:
 class ImagingKind:
     """A kind of imaging sonar.
 
-    model: its parameters, by default those of a typical instrument. ping: called as ping(sim, world_from_sonar, model,
-    name, *arguments); pings once from a vehicle at the present time and returns the kind's result.
+    model: the class of its parameters, whose defaults are those of a typical instrument. ping: called as ping(sim,
+    world_from_sonar, model, name, *arguments); pings once from a vehicle at the present time and returns the kind's
+    result.
     """
 
     model: type[Acoustics]
@@ -105,12 +106,15 @@ class ImagingKind:
 
 
 def check(model: Acoustics, sim: Place | None = None) -> None:
-    """Raise ValueError, which names the parameter, for an invalid model; strengths_db are checked only with a sim."""
+    """Raise ValueError, which names the parameter, if a model is invalid.
+
+    strengths_db is checked only if there is a sim.
+    """
     instrument(sim, model)
 
 
 def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = Acoustics) -> _core.ImagingSonar:
-    """Return the native instrument. Raises ValueError, which names the parameter."""
+    """Return the native instrument. Raises ValueError, which names the parameter, if the model is invalid."""
     if not isinstance(model, expected) or not model.kind:
         raise ValueError(
             f"model is a {type(model).__name__}: must be a {expected.__name__} of uwsim.instruments.sonars.imaging"
@@ -122,14 +126,14 @@ def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
     figures = {
         name: _number(name, value, parameters[name].type)
         for name, value in given.items()
-        if value is not None or np.isnan(parameters[name].by_default)  # others have a default
+        if value is not None or np.isnan(parameters[name].by_default)  # a None is left to the core's default
     }
     strengths_db = [] if sim is None else _strengths_by_label(sim, model)
     return _core.ImagingSonar(model.kind, figures, strengths_db)
 
 
 def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:
-    """Return the mean noise power as a level, with the gain of each range, (bins,)."""
+    """Return the mean noise level after the time-varied gain, for each range bin: (bins,)."""
     gain_db = np.zeros(model.range_bins)
     if model.time_varied_gain:
         absorption_db_m = core.absorption_db_m(sim.world.water, head_z_m)
@@ -143,14 +147,14 @@ def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | No
 
 
 def whole_number(value: int, name: str) -> int:
-    """Return a ping's number. Raises ValueError unless it is a whole number and not negative."""
+    """Return a ping number as an int. Raises ValueError unless it is a whole number and not negative."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
         raise ValueError(f"{name} = {value!r}: must be a whole number, not negative")
     return int(value)
 
 
 def _number(name: str, value: Any, type_name: str) -> float:
-    """Return a parameter in the core's type; the core checks its range. Raises ValueError for another type."""
+    """Return a parameter as a float; the core checks its range. Raises ValueError if it is not of the named type."""
     fits = isinstance(value, ACCEPTED[type_name]) and (type_name == "flag" or not isinstance(value, bool))
     if not fits:
         raise ValueError(f"sonar.{name} = {value!r}: must be a {type_name}")
@@ -158,10 +162,10 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
-    """Return each surface's strength: the model's for it, else the model's for its class, else its material's."""
+    """Return each surface's strength: the model's for that surface, else for its class, else its material's."""
     given_db, material_db = model.strengths_db, sim.strengths_db
     fixed = sim.world.label_names
-    names = [*fixed, *(name for name in material_db if name not in fixed)]  # then the vehicles
+    names = [*fixed, *(name for name in material_db if name not in fixed)]  # the vehicles come last
     unknown = sorted(set(given_db) - set(names[1:]))
     if unknown:
         raise ValueError(f"sonar.strengths_db['{unknown[0]}']: not in the world; there are: {', '.join(names[1:])}")

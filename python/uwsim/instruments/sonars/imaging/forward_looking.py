@@ -1,4 +1,4 @@
-"""The forward-looking sonar: one broad transmission, many narrow beams side by side; see forward_looking.cpp."""
+"""The forward-looking sonar: one broad transmission, received in many narrow beams; see forward_looking.cpp."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class ForwardLooking(Acoustics):
     """A forward-looking imaging sonar. The defaults resemble the Oculus M750d in its low-frequency mode.
 
     [OM] Blueprint Subsea, Oculus M-series user manual: 130 deg across, 20 deg vertical; [VR] VideoRay's training page
-    on that sonar: 512 beams. Values without a source are assumed.
+    about that sonar: 512 beams. Values without a source are assumed.
     """
 
     kind: ClassVar[str] = "forward_looking"
 
-    frequency_hz: float = 750e3  # from its name
+    frequency_hz: float = 750e3  # from the instrument's name
     source_level_db: float = 205.0
     # Thermal noise -15 + 20 log10 f[kHz] (Mellen 1952) + 10 log10 of 19 kHz, less an assumed directivity of 30 dB.
     noise_level_db: float = 55.0
@@ -49,12 +49,12 @@ class ForwardLooking(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class SonarImage:
-    """A forward-looking sonar's picture.
+    """A picture taken by a forward-looking sonar.
 
-    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
-    ranges_m (bins,), bearings_rad (beams,) float64: the centres of the cells; bearings about the sonar's z axis, rising
-    from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the surface, by
-    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
+    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of the noise alone.
+    ranges_m (bins,), bearings_rad (beams,): float64, the centres of the cells; bearings are about the sonar's z axis
+    and increase from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the
+    surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
     """
 
     level_db: Levels
@@ -70,10 +70,10 @@ def look_ahead(
     sim: Place, world_from_sonar: ArrayLike, model: ForwardLooking | None = None, *, name: str = "forward_looking",
     number: int | None = None, with_labels: bool = False,
 ) -> SonarImage:  # fmt: skip
-    """Return one picture of a forward-looking sonar. Raises ValueError.
+    """Return a picture taken by a forward-looking sonar. Raises ValueError if an argument is invalid.
 
-    name: of its random stream. number: of the picture, which selects its speckle; by default simulated time in
-    nanoseconds. with_labels: include the surface that each cell shows.
+    name: name of its random stream. number: selects the picture's speckle; by default the simulated time in
+    nanoseconds. with_labels: whether to include the surface that each cell shows.
     """
     model = model or ForwardLooking()
     pose = checked_pose(world_from_sonar)

@@ -1,4 +1,4 @@
-"""Conversion of levels by range and bearing to pixels in the sonar's plane, and of levels to display colours."""
+"""Converts levels by range and bearing to pixels in the sonar's plane, and levels to display colours."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ DARK_DB = 10.0
 AMBER = ("#000000", "#4a2503", "#c47a1a", "#ffd98a", "#fffbe8")
 """Colours from the weakest to the strongest level, evenly spaced."""
 NIGHT = "#0b0f14"
-"""The colour of pixels without a level."""
+"""Colour of pixels without a level."""
 
 
 @dataclass(frozen=True, eq=False)
 class FanPixels:
     """An image in the sonar's plane.
 
-    level_db: (height, width) float32, NaN outside the fan; the first row is the farthest ahead, the first column the
-    farthest to port. extent_m: left, right, bottom, top; right is starboard, up is ahead.
+    level_db: (height, width) float32, NaN outside the fan; the first row is farthest ahead, the first column farthest
+    to port. extent_m: left, right, bottom, top; right is starboard, up is ahead.
     """
 
     level_db: Levels
@@ -41,9 +41,11 @@ def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
 
 
 def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, height: int) -> FanPixels:
-    """Return levels (bins, beams) warped into their plane: bins evenly to reach_m, beams from starboard to port.
+    """Return levels (bins, beams) warped into their plane.
 
-    Power is averaged over the range bins within a pixel, then interpolated between four neighbours. Raises
+    Bins divide reach_m evenly; beams run from starboard to port.
+
+    Power is averaged over the range bins within a pixel, and then interpolated between four neighbours. Raises
     ValueError unless height is positive.
     """
     if height < 1:
@@ -69,10 +71,10 @@ def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, hei
 
 
 def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
-    """Return the levels of black and white, like an operator's setting: about the median of the echoes.
+    """Return the levels shown as black and white, around the median of the echoes, as an operator would set them.
 
-    level_db, noise_db: of shapes that broadcast. Shadows, which contain only noise, are dark; hard targets saturate.
-    Without enough echoes, noise stays near black.
+    level_db, noise_db: arrays whose shapes broadcast. Shadows, which contain only noise, are dark; hard targets
+    saturate. Without enough echoes, noise stays near black.
     """
     over_db = level_db - noise_db
     echoes = level_db[np.isfinite(level_db) & (over_db > ECHO_OVER_NOISE_DB)]
@@ -82,7 +84,7 @@ def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
 
 
 def in_colours(level_db: Levels, limits_db: tuple[float, float]) -> NDArray[np.uint8]:
-    """Return levels (rows, columns) as colours (rows, columns, 3), from AMBER; NaN is NIGHT.
+    """Return levels (rows, columns) as colours (rows, columns, 3) from AMBER; NaN becomes NIGHT.
 
     limits_db: the levels of the first and the last colour, see shown_range.
     """

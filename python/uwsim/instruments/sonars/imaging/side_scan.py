@@ -1,4 +1,4 @@
-"""The side-scan sonar: one beam to either side, narrow along the track and wide across it; see side_scan.cpp."""
+"""The side-scan sonar: a beam on either side, narrow along the track and wide across it; see side_scan.cpp."""
 
 from __future__ import annotations
 
@@ -27,11 +27,10 @@ from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
 class SideScan(Acoustics):
     """A side-scan sonar. The defaults resemble the StarFish 450.
 
-    [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the level, most energy within 60 deg. The
-    page's width along the track is 2 deg; the default is that of a longer array. Values without a source are assumed.
-
-    planes: of rays across the track, spread over the beam's width. detection_db: level above the noise at which the
-    first bottom return begins.
+    [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the horizontal, most of the energy within 60
+    deg. That page's width along the track is 2 deg; the default here is that of a longer array. Values without a source
+    are assumed. planes: number of planes of rays across the track, spread over the beam's width. detection_db: level
+    above the noise at which the first bottom return begins.
     """
 
     kind: ClassVar[str] = "side_scan"
@@ -53,10 +52,10 @@ class Waterfall:
     """A side-scan sonar's pings along a track, one per row.
 
     port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. noise_db: (bins,) float32, the mean
-    level of noise alone in the water of the first ping. ranges_m (bins,) float64. altitude_m (pings,) float32: range of
-    the first bottom return, inf without one. world_from_sonar (pings, 4, 4). port_labels, starboard_labels: (pings,
-    bins) uint16, if requested: the surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0
-    where none is above the noise.
+    level of the noise alone, in the water at the first ping. ranges_m: (bins,) float64. altitude_m: (pings,) float32,
+    range of the first bottom return, inf if there is none. world_from_sonar: (pings, 4, 4). port_labels,
+    starboard_labels: (pings, bins) uint16, if requested: the surface, by Simulator.label_names, whose mean echo is the
+    strongest in each cell; 0 where none is above the noise.
     """
 
     port_db: Levels
@@ -70,11 +69,11 @@ class Waterfall:
     starboard_labels: Labels | None = None
 
     def picture_db(self) -> Levels:
-        """Picture (pings, 2 bins) float32: port on the left, its range growing to the left, starboard on the right."""
+        """Return the picture, (pings, 2 bins) float32: port on the left, mirrored, and starboard on the right."""
         return np.concatenate([self.port_db[:, ::-1], self.starboard_db], axis=1)
 
     def over_ground(self) -> Waterfall:
-        """Return the same pings by range over ground, r -> sqrt(r^2 - altitude^2), assuming a level bottom.
+        """Return the same pings by ground range, r -> sqrt(r^2 - altitude^2), assuming a level bottom.
 
         This removes the water column. Pings without altitude and cells beyond the largest range are NaN.
         """
@@ -93,10 +92,10 @@ def look_aside(
     sim: Place, worlds_from_sonar: Sequence[ArrayLike] | Matrix, model: SideScan | None = None, *,
     name: str = "side_scan", first_ping: int = 0, with_labels: bool = False,
 ) -> Waterfall:  # fmt: skip
-    """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError.
+    """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError if an argument is invalid.
 
-    name: of its random stream. Ping k has the number first_ping + k, so a track gives the same result in one call
-    or in many. with_labels: include the surface that each cell shows.
+    name: name of its random stream. Ping k has the number first_ping + k, so a track gives the same result in one call
+    or in several. with_labels: whether to include the surface that each cell shows.
     """
     model = model or SideScan()
     poses = np.array([checked_pose(pose, f"worlds_from_sonar[{k}]") for k, pose in enumerate(worlds_from_sonar)])

@@ -1,4 +1,4 @@
-"""The profiling sonar: one pencil beam that a motor steps about the head's z axis; see single_beam.cpp."""
+"""The profiling sonar: a pencil beam that a motor steps about the head's z axis; see single_beam.cpp."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class SingleBeam(Acoustics):
     """A profiling sonar with one pencil beam. The defaults resemble the Imagenex 881L.
 
     [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is round here; the 881L's is a fan of 1.8 x 20
-    deg. Values without a source are assumed. detection_db: an echo whose peak is less than this above the noise is
-    discarded.
+    deg. Values without a source are assumed. detection_db: least height of an echo's peak above the noise; lower echoes
+    are discarded.
     """
 
     kind: ClassVar[str] = "single_beam"
@@ -46,12 +46,13 @@ class SingleBeam(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class Profiles:
-    """A single beam's pings, one per angle.
+    """The pings of a single-beam sonar, one per angle.
 
-    level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, the mean level of noise alone.
-    ranges_m: (angles,) float32, inf = no echo. angles_rad (angles,) float64 about the sonar's z axis, positive to port.
-    bin_centres_m (bins,) float64. world_from_sonar (4, 4). labels: (angles, bins) uint16, if requested: the surface, by
-    Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
+    level_db: (angles, bins) float32, dB re 1 uPa. noise_db: (bins,) float32, the mean level of the noise alone.
+    ranges_m: (angles,) float32, inf if there is no echo. angles_rad: (angles,) float64, about the sonar's z axis,
+    positive to port. bin_centres_m: (bins,) float64. world_from_sonar: (4, 4). labels: (angles, bins) uint16, if
+    requested: the surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is
+    above the noise.
     """
 
     level_db: Levels
@@ -65,7 +66,7 @@ class Profiles:
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:
-        """Echoes, (angles, 3) float64: the range along the beam's axis; NaN without an echo."""
+        """The echoes in the world, (angles, 3) float64: the range along the beam's axis; NaN if there is no echo."""
         ranges = np.where(np.isfinite(self.ranges_m), self.ranges_m, np.nan).astype(np.float64)
         flat = np.stack([np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(ranges))], axis=1)
         return np.asarray((flat * ranges[:, None]) @ self.world_from_sonar[:3, :3].T + self.world_from_sonar[:3, 3])
@@ -75,10 +76,10 @@ def profile(
     sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: SingleBeam | None = None, *,
     name: str = "single_beam", first_ping: int = 0, with_labels: bool = False,
 ) -> Profiles:  # fmt: skip
-    """Ping once at each angle (n,) about the sonar's z axis, from its x axis, positive to port. Raises ValueError.
+    """Ping once at each angle (n,) about the sonar's z axis, counted from its x axis, positive to port.
 
-    name: of its random stream. Ping k has the number first_ping + k. with_labels: include the surface that each
-    cell shows.
+    name: name of its random stream. Ping k has the number first_ping + k. with_labels: whether to include the surface
+    that each cell shows. Raises ValueError if an argument is invalid.
     """
     model = model or SingleBeam()
     pose = checked_pose(world_from_sonar)
