@@ -1,7 +1,7 @@
-"""The engine of all environments: draws and starts the episodes of a batch, steps them, and reports which have ended.
+"""The engine of all environments: starts and steps the episodes of a batch, and reports which have ended.
 
-A lone environment is a batch of one, so member i of a vector environment has the same episodes as a lone one with its
-seed, to the last bit.
+A lone environment is a batch of one, so member i of a vector environment has the same episodes, to the last bit, as a
+lone environment with the same seed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SEED_MAX = 2**63
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The outcome of one step, one row per member; figures: the values in `info`, by name."""
+    """The outcome of a step, one row per member. figures: the values for `info`, by name."""
 
     observation: Any
     reward: Floats
@@ -38,7 +38,7 @@ class Outcome:
 
 
 class Episodes:
-    """n members of one task. Each draws its episodes from its own generator."""
+    """The episodes of n members of a task. Each member draws its episodes from its own random generator."""
 
     def __init__(self, kind: type[Task], n: int, options: EpisodeOptions) -> None:
         scenario = task_scenario(kind, options.scenario)
@@ -67,15 +67,15 @@ class Episodes:
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
-        """Give a member a new generator; None: a random one if it has none yet."""
+        """Give a member a new generator; if the seed is None, only if it has none yet, with a random seed."""
         if seed is not None or self.generators[member] is None:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 
     def begin(self, mask: Flags) -> Any:
-        """Begin episodes of the members in a mask (n,); return all observations."""
+        """Begin episodes for the members in a mask (n,); return all members' observations."""
         self._restart(mask)
         observation = self.observe()
-        self._judged()  # so that what is seen at the start earns no reward
+        self._judged()  # so that cells seen at the start earn no reward
         return observation
 
     def _restart(self, mask: Flags) -> None:
@@ -109,13 +109,13 @@ class Episodes:
 
     @property
     def motion(self) -> Motion:
-        """The members' motion when they were last observed."""
+        """The motion of all members at their last observation."""
         if self._motion is None:
             raise ValueError("motion: no episode has begun")
         return self._motion
 
     def observe(self) -> Any:
-        """Return all observations at the present time."""
+        """Return all members' observations at the present time."""
         motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
         observation = self.task.observe(motion, self._actions)
         if self.eye is None:
@@ -124,7 +124,7 @@ class Episodes:
         return {**state, "camera": self.eye.pictures(self.batch)}
 
     def step(self, actions: Any, anew: Flags | None = None) -> Outcome:
-        """Apply actions (n, axes) for one period; members in `anew` (n,) begin episodes instead, without reward.
+        """Apply actions (n, axes) for one period; members in `anew` (n,) begin new episodes instead, without reward.
 
         Raises ValueError for actions outside [-1, 1].
         """
@@ -147,7 +147,7 @@ class Episodes:
         return self.task.judge(self.motion, self._actions)
 
     def _advance(self, efforts: Floats, before_s: Floats) -> Flags | None:
-        """Step the batch; return which members' motion diverged, or None."""
+        """Step the batch; return a mask of members whose motion diverged, or None if none did."""
         try:
             self.batch.step(self.steps, {self.task.vehicle: efforts})
         except ValueError:
@@ -170,7 +170,7 @@ class Episodes:
         return values
 
     def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3) of the present, by a camera of the member's vehicle."""
+        """Return a picture (height, width, 3) of the present state, taken by a camera of the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
         seen = vehicle.cameras[camera]
         seen.change(seen.mount.model_copy(update={"width": width, "height": height}))
@@ -178,12 +178,12 @@ class Episodes:
 
 
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
-    """Return a task's scenario, or the one that replaces it."""
+    """Return the scenario that replaces the task's, or else the task's own."""
     return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
 
 
 def require_driven(task: Task) -> None:
-    """Raise ValueError unless the vehicle has actuators for all axes that actions set."""
+    """Raise ValueError unless the vehicle has actuators for all axes that the task's actions set."""
     driven = task.batch.simulator(0).vehicles[task.vehicle].controllable
     idle = [axis for axis in task.axes if axis not in driven]
     if idle:

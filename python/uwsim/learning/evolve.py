@@ -1,4 +1,4 @@
-"""Search for a linear policy by CMA-ES: Hansen 2016, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772.
+"""Searches for a linear policy by CMA-ES (Hansen 2016, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772).
 
 A generation is one batch: every candidate flies the same few episodes, with new seeds in each generation, so that no
 candidate can memorise them.
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Generation:
-    """One generation: mean and best return of its candidates, processor time so far."""
+    """Results of a generation: mean and best return of its candidates, and the processor time used so far."""
 
     index: int
     mean: float
@@ -45,10 +45,11 @@ def evolve(
     spread: float = 0.5,
     told: Callable[[Generation], None] = lambda generation: None,
 ) -> LinearPolicy:
-    """Return the mean of the last generation's distribution. The episodes' seeds begin with first_seed.
+    """Return the mean of the last generation's distribution. Episodes have the seeds from first_seed on.
 
-    spread: of the first candidates about `start`, by default zero: the standard deviation of a weight times the usual
-    size of its input. Raises MissingExtraError.
+    start: the mean of the first candidates; by default all weights are zero. spread: their standard deviation, for a
+    weight times the usual size of its input. told: called after each generation. Raises MissingExtraError if cma is not
+    installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma
@@ -75,10 +76,10 @@ def evolve(
 
 
 def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
-    """Return which weights, and last biases, are free: (axes, width + 1).
+    """Return which weights and, in the last column, biases are free: (axes, width + 1).
 
-    A vehicle that is symmetric to port and starboard acts mirrored in the mirrored situation: half of the weights are
-    zero. If a field has no mirror factors, all are free.
+    A vehicle that is symmetric to port and starboard acts mirrored in a mirrored situation, so half of the weights are
+    zero. If a field has no mirror factors, all weights are free.
     """
     fields = kind.fields()
     if not all(field.mirror for field in fields):
@@ -88,13 +89,13 @@ def free_weights(kind: type[Task]) -> NDArray[np.bool_]:
 
 
 def usual_sizes(kind: type[Task]) -> Floats:
-    """Return the usual size of each number in an observation, and 1 for the bias: (width + 1,)."""
+    """Return the usual size of each value in an observation, and 1 for the bias: (width + 1,)."""
     sizes = [size for field in kind.fields() for size in (field.usual or (field.limit,) * field.width)]
     return np.array([*sizes, 1.0])
 
 
 class Candidates:
-    """Linear policies, weights and biases (k, axes, width + 1); each acts in as many consecutive members."""
+    """k linear policies, as weights and biases (k, axes, width + 1). Each acts in episodes_each consecutive members."""
 
     def __init__(self, weights: Floats, episodes_each: int) -> None:
         self._weights, self._each = weights, episodes_each

@@ -1,4 +1,4 @@
-"""Pictures as part of observations, by one camera that is moved from member to member."""
+"""Pictures as part of observations, taken by one camera that moves from member to member."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ EFFECTS = ("attenuation", "backscatter", "sunlight", "lamps", "distortion", "exp
 
 
 class Eye:
-    """One simulator's camera, which takes the pictures of all members from their poses.
+    """A simulator's camera that takes pictures from the poses of all members.
 
-    Noise depends on the scenario's seed and the member's time, not on the member's seed. The light is the scenario's.
+    Image noise depends on the scenario's seed and the member's time, not on the member's seed. All members have the
+    light of the scenario.
     """
 
     def __init__(self, scenario: Scenario, options: EpisodeOptions, threads: int) -> None:
@@ -42,7 +43,7 @@ class Eye:
 
     @property
     def space(self) -> Box:
-        """The space of one picture."""
+        """The Gymnasium space of one picture."""
         return Box(0, 255, (self.height, self.width, 3), np.uint8)
 
     def pictures(self, batch: Batch) -> NDArray[np.uint8]:
@@ -69,7 +70,7 @@ class Eye:
         return pictures
 
     def _blacken(self, pictures: NDArray[np.uint8], batch: Batch) -> None:
-        """Blacken the pictures of members whose camera has failed."""
+        """Make the pictures of members whose camera has failed black."""
         for k, faults in enumerate(batch.faults):
             if any(isinstance(fault, CameraFault) for fault in faults):
                 pictures[k] *= batch.aboard(k).camera_is_on(self._names[0], self._name)

@@ -1,4 +1,4 @@
-"""Ranges of a sonar and an echo sounder, as part of observations."""
+"""Ranges from a sonar and an echo sounder, as part of observations."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ ALTITUDE = Field("altitude", 1, 100.0, "m", "above the bed, by the echo sounder,
 
 
 def ranges_field(beams: int, range_max_m: float) -> Field:
-    """Return the field for the ranges of a ping."""
+    """Return the observation field for a ping's ranges."""
     return Field(
         "sonar_ranges", beams, range_max_m, "m", f"of a ping, starboard to port; {range_max_m:g}: no echo", low=0.0
     )
 
 
 def seen_by_fan(batch: Batch, vehicle: str, fields: tuple[Field, ...]) -> Floats:
-    """Return ranges and altitude, (n, beams + 1). Raises ValueError for a sonar with another number of beams."""
+    """Return ranges and altitude, (n, beams + 1). Raises ValueError if the sonar's number of beams differs."""
     fan = fields[0]
     ranges = batch.ping(vehicle).ranges_m
     if ranges.shape[1] != fan.width:

@@ -1,4 +1,4 @@
-"""A task as a Gymnasium environment."""
+"""Gymnasium environment for one member of a task."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from uwsim.learning.view import RENDER_MODES, View
 
 
 class LoneEnv(gymnasium.Env[Any, Any]):
-    """One member of a task, with the same episodes as a member of a VectorEnv that has the same seed.
+    """An environment with one member of a task, with the same episodes as a VectorEnv's member with the same seed.
 
-    task: the kind. render_mode: "rgb_array" or None. view: the camera and size of its pictures. options: see
-    EpisodeOptions. Raises ValueError for wrong options, before anything is built.
+    task: the task's class. render_mode: "rgb_array" or None. view: camera and size of rendered pictures. options: see
+    EpisodeOptions. Raises ValueError for invalid options, before anything is built.
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012, as Env declares it
@@ -35,9 +35,9 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         self._ended = True
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode; with a seed, the first of that seed's generator. There are no options.
+        """Begin an episode; with a seed, the first episode of that seed's generator.
 
-        Raises ValueError.
+        Raises ValueError for any option, since there are none.
         """
         if options:
             raise ValueError(f"options = {options!r:.60}: would be without effect")
@@ -48,7 +48,10 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         return first(self.episodes.begin(np.ones(1, np.bool_))), {}
 
     def step(self, action: NDArray[np.float32]) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Apply an action for one period. Raises ValueError for one outside [-1, 1], and after the end."""
+        """Apply an action for one period.
+
+        Raises ValueError if the action is outside [-1, 1], or the episode has ended.
+        """
         if self._ended:
             raise ValueError("step: the episode has ended, or none has begun: reset() first")
         outcome = self.episodes.step(np.asarray(action)[None])

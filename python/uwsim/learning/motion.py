@@ -1,4 +1,4 @@
-"""The motion of a batch's members, in the axes that tasks need."""
+"""The motion of a batch's members, with conversions to the axes that tasks need."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The true motion of one vehicle in each member.
+    """The true motion of a vehicle in each member of a batch.
 
-    position_world_m (n, 3); world_from_body (n, 3, 3); velocity_body (n, 6) [m/s, rad/s]; time_s (n,), since each
-    member's start; collisions (n,): number of contacts begun.
+    position_world_m: (n, 3). world_from_body: (n, 3, 3). velocity_body: (n, 6), linear and angular [m/s, rad/s].
+    time_s: (n,), since each member's start. collisions: (n,), number of contacts begun.
     """
 
     position_world_m: Floats
@@ -29,7 +29,7 @@ class Motion:
 
     @staticmethod
     def of(batch: BatchMotion) -> Motion:
-        """Return copies of a batch's motion."""
+        """Return a copy of a batch's motion."""
         return Motion(
             batch.position_world_m.copy(),
             rotations(batch.orientation_xyzw),
@@ -40,7 +40,7 @@ class Motion:
 
     @staticmethod
     def of_one(vehicle: EstimateLike) -> Motion:
-        """Return one vehicle's own estimate, at time 0 and without collisions: for flying a policy."""
+        """Return a single vehicle's own estimate, at time 0 and without collisions, for flying a policy."""
         pose, velocity = vehicle.pose, vehicle.velocity
         return Motion(
             np.asarray(pose.position_world_m, np.float64)[None],
@@ -61,7 +61,7 @@ class Motion:
         return self.world_from_body[:, :2, 0]
 
     def in_body(self, vectors_world: Floats) -> Floats:
-        """Return vectors of the world, (n, 3) or (3,), in each member's body axes."""
+        """Return world vectors, (n, 3) or (3,), in each member's body axes."""
         vectors = np.broadcast_to(vectors_world, self.position_world_m.shape)
         return np.asarray(np.einsum("nij,ni->nj", self.world_from_body, vectors))
 

@@ -21,14 +21,14 @@ PICTURE_MAX = 1024
 
 @dataclass(frozen=True)
 class EpisodeOptions:
-    """The options of all environments.
+    """Options that all environments have.
 
-    scenario: instead of the task's own; it must have what the task needs. randomize: parameters, by their names in
-    `Simulator.parameters`, that are drawn uniformly from (low, high) for each episode; they add to the task's own and
-    override those of the same name. duration_s: the time after which an episode is truncated. threads: by default all.
-    camera: of the vehicle, whose pictures (camera_size: height, width) are added to the observation. faults: instead of
-    the scenario's, in each episode, with the same keys; random ones (rate_per_h) are drawn for each episode.
-    sonar_mode: "geometry" or "physics", of the task's sonar.
+    scenario: replaces the task's scenario; it must contain what the task needs. randomize: (low, high) by name in
+    `Simulator.parameters`; values are drawn uniformly for each episode. They add to the task's own ranges and override
+    those of the same name. duration_s: time after which an episode is truncated. threads: by default all. camera: name
+    of a vehicle's camera whose pictures, of camera_size (height, width), are added to the observation. faults: replace
+    the scenario's faults in each episode, and have the same keys; random faults (rate_per_h) are drawn for each
+    episode. sonar_mode: mode of the task's sonar, "geometry" or "physics".
     """
 
     scenario: str | Path | Scenario | None = None
@@ -41,7 +41,7 @@ class EpisodeOptions:
     sonar_mode: Literal["geometry", "physics"] | None = None
 
     def __post_init__(self) -> None:
-        """Check all options that do not depend on the scenario. Raises ValueError."""
+        """Check all options that can be checked without the scenario. Raises ValueError if one is invalid."""
         if self.duration_s is not None and not 0.0 < self.duration_s < math.inf:
             raise ValueError(f"duration_s = {self.duration_s} s: must be positive and finite")
         height, width = self.camera_size
@@ -54,7 +54,7 @@ class EpisodeOptions:
 
 
 def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
-    """Return the scenario with its first vehicle's sonar in a mode. Raises ValueError."""
+    """Return the scenario with its first vehicle's sonar in this mode. Raises ValueError if the task uses no sonar."""
     if not kind.pings:
         raise ValueError(f"sonar_mode = {mode!r}: is without effect: {kind.__name__} uses no sonar")
     parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
@@ -63,7 +63,7 @@ def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
 
 
 def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Scenario, camera: str | None) -> None:
-    """Raise ValueError for faults that affect neither the task nor a failsafe. camera: in the observations."""
+    """Raise ValueError for faults that affect neither the task nor a failsafe. camera: the observed camera, if any."""
     failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
     watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
     for index, fault in enumerate(faults):
@@ -80,7 +80,7 @@ def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Sce
 
 
 def checked_ranges(ranges: Ranges, scenario: Scenario) -> dict[str, tuple[float, float]]:
-    """Return ranges whose names are parameters of the scenario and whose ends are in order. Raises ValueError."""
+    """Return the ranges, checked. Raises ValueError unless names are parameters of the scenario and low <= high."""
     parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
     names = list(parameters)
     checked = {}

@@ -33,11 +33,11 @@ STRUCK = -20.0
 
 
 class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stubs
-    """Each of two BlueROV2 Heavy, 3 m apart in a gusty current, must go to the other's start and stay there.
+    """Two BlueROV2 Heavy start 3 m apart in a gusty current; each must go to the other's start and stay there.
 
-    Observation: that of uwsim/StationKeeping-v0 for the target, then the other's relative position and velocity.
-    Reward: that of uwsim/StationKeeping-v0, at the target, and -20 for both on a collision. End, for both: a collision,
-    or one is 8 m from its target. Truncated after 30 s.
+    Observation: as in uwsim/StationKeeping-v0 with respect to the target, then the other vehicle's relative position
+    and velocity. Reward: as in uwsim/StationKeeping-v0 with respect to the target, and -20 for both vehicles on a
+    collision. End, for both: a collision, or one vehicle is 8 m from its target. Episodes are truncated after 30 s.
     """
 
     metadata = {"name": "uwsim_exchange_v0", "render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012
@@ -70,17 +70,17 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return next(other for other in self.possible_agents if other != name)
 
     def observation_space(self, agent: str) -> Space[Any]:
-        """Return the space of one vehicle's observations."""
+        """Return the space of a vehicle's observations."""
         return self._space
 
     def action_space(self, agent: str) -> Box:
-        """Return the space of one vehicle's actions: six efforts."""
+        """Return the space of a vehicle's actions: six efforts."""
         return self._action_space
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
-        """Begin an episode; with a seed, the first of that seed's generator. options: none has an effect."""
+        """Begin an episode; with a seed, the first episode of that seed's generator. options: ignored."""
         if seed is not None or self._generator is None:
             self._generator, _ = np_random(seed)
         draws = self._generator
@@ -132,7 +132,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return results
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture (height, width, 3) from a camera of the first vehicle, or None without a render_mode."""
+        """Return a picture (height, width, 3) from the first vehicle's camera, or None without a render_mode."""
         if self.render_mode is None:
             return None
         camera = self._batch.simulator(0).rov.cameras[self.view.camera]
@@ -140,7 +140,7 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
         return np.asarray(camera.capture().rgb)
 
     def close(self) -> None:
-        """Do nothing: no resource is open."""
+        """Do nothing, since no resource is open."""
 
 
 def _checked(name: str, actions: dict[str, NDArray[np.float32]]) -> Floats:

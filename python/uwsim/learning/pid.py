@@ -1,4 +1,4 @@
-"""The PID of the vehicle's file as a policy, to compare learned policies with."""
+"""The PID controller from the vehicle's file as a policy, for comparison with learned policies."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class _Velocity:
 
 @dataclass
 class _Member:
-    """A member of a batch in the form that a controller needs, with its true state."""
+    """A batch's member with the interface that a controller needs, and with its true state."""
 
     pose: _Pose = field(default_factory=lambda: _Pose(np.eye(4)))
     velocity: _Velocity = field(default_factory=lambda: _Velocity(np.zeros(3), np.zeros(3)))
@@ -49,9 +49,10 @@ class _Member:
 
 
 class Pid:
-    """Holds a position (3,) and a heading in all members by the vehicle file's loops; see `Controller`.
+    """Holds a position (3,) and a heading in all members, with the vehicle file's control loops; see `Controller`.
 
-    It gets the true motion and acts once per period, like policies. One Python call for each member and period.
+    Like a policy, it acts once per period. It receives the true motion, and makes one Python call per member and
+    period.
     """
 
     def __init__(self, episodes: Episodes, place_world_m: Floats, heading_rad: float = 0.0) -> None:

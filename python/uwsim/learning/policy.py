@@ -1,4 +1,4 @@
-"""A policy small enough to read: efforts are a linear function of the observation, clipped to [-1, 1]."""
+"""A policy small enough to read: actions are a linear function of the observation, clipped to [-1, 1]."""
 
 from __future__ import annotations
 
@@ -25,24 +25,27 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LinearPolicy:
-    """weights (axes, width), bias (axes,). about: its origin, in words."""
+    """A linear policy. weights: (axes, width). bias: (axes,). about: where the policy comes from."""
 
     weights: Floats
     bias: Floats
     about: dict[str, Any] = field(default_factory=dict)
 
     def __call__(self, observation: Any) -> Floats:
-        """Return actions (n, axes) for observations (n, width), or (axes,) for one."""
+        """Return actions (n, axes) for observations (n, width), or (axes,) for a single observation."""
         return np.clip(np.asarray(observation, np.float64) @ self.weights.T + self.bias, -1.0, 1.0)
 
     def save(self, path: Path) -> None:
-        """Write it as JSON, rounded to six digits."""
+        """Write the policy as JSON, rounded to six digits."""
         rows = {"weights": _rounded(self.weights), "bias": _rounded(self.bias)}
         write_atomically(path, (json.dumps({**self.about, **rows}) + "\n").encode())
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
-        """Return a packaged policy, such as "station_keeping", or one from a file. Raises ValueError, OSError."""
+        """Return a packaged policy, such as "station_keeping", or a policy from a file.
+
+        Raises ValueError if the file contains no valid policy, OSError if it cannot be read.
+        """
         packaged = assets_folder() / "learning" / "policies" / f"{source}.json"
         path = packaged if packaged.is_file() else Path(source)
         about = json.loads(path.read_text(encoding="utf-8"))

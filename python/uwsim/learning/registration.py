@@ -1,4 +1,4 @@
-"""The environments' names in Gymnasium's registry."""
+"""Registers the environments with Gymnasium."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gymnasium.envs import registration
 
 NAMES = ("StationKeeping", "Waypoint", "PipelineFollowing", "Docking", "Coverage", "GatePassing")
 ENVIRONMENTS = tuple(f"uwsim/{name}-v0" for name in NAMES)
-"""The names of all environments."""
+"""Names of all environments in Gymnasium's registry."""
 
 
 def register() -> None:
@@ -26,14 +26,14 @@ def register() -> None:
 
 
 def lone(task: str, **arguments: Any) -> gymnasium.Env[Any, Any]:
-    """Return an environment of a task by name."""
+    """Return an environment for the task of this name."""
     from uwsim.learning.lone_env import LoneEnv
 
     return LoneEnv(_task(task), **arguments)
 
 
 def vector(task: str, num_envs: int = 1, **arguments: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    """Return a vector environment of a task by name."""
+    """Return a vector environment for the task of this name."""
     from uwsim.learning.vector_env import BatchEnv
 
     return BatchEnv(_task(task), num_envs, **arguments)

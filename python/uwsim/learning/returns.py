@@ -1,4 +1,4 @@
-"""Returns of policies: one episode for each of several seeds, all at once."""
+"""Measures the returns of policies, by flying one episode per seed, all at the same time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """One episode per seed: total (n,) reward; steps (n,); figures (steps, n) by name, NaN after the end."""
+    """Results of one episode per seed.
+
+    total: (n,), reward. steps: (n,). figures: (steps, n) by name, NaN after the end.
+    """
 
     total: Floats
     steps: NDArray[np.intp]
@@ -24,7 +27,7 @@ class Flown:
 
 
 def fly(episodes: Episodes, policy: Policy, seeds: Sequence[int]) -> Flown:
-    """Fly one episode per seed to its end. seeds: as many as members."""
+    """Fly one episode per seed to its end. seeds: one per member."""
     for member, seed in enumerate(seeds):
         episodes.seed(member, int(seed))
     observation = episodes.begin(np.ones(episodes.n, np.bool_))

@@ -1,4 +1,4 @@
-"""A task for Stable-Baselines3, on one batch: `pip install 'uwsim[rl]'`, which installs torch."""
+"""Vector environments for Stable-Baselines3, each on one batch: `pip install 'uwsim[rl]'`, which installs torch."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ import uwsim.learning  # noqa: E402, F401, registers the environments
 from uwsim.learning.vector_env import BatchEnv  # noqa: E402
 
 
-class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types are checked
-    """A vector environment for PPO(...) and the like: `BatchVecEnv("uwsim/StationKeeping-v0", 64)`.
+class BatchVecEnv(VecEnv):  # type: ignore[misc]  # stable_baselines3 is not installed where types are checked
+    """A vector environment for PPO and similar algorithms: `BatchVecEnv("uwsim/StationKeeping-v0", 64)`.
 
-    options: those of gymnasium.make_vec. Actions are clipped to [-1, 1].
+    options: passed to gymnasium.make_vec. Actions are clipped to [-1, 1].
     """
 
     def __init__(self, name: str, num_envs: int, **options: Any) -> None:
@@ -40,7 +40,7 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         return [None if seed is None else seed + i for i in range(self.num_envs)]
 
     def reset(self) -> Any:
-        """Begin episodes of all members."""
+        """Begin an episode for every member."""
         observation, _ = self._env.reset(seed=self._seed)
         self._seed = None
         self._earned[:], self._lengths[:] = 0.0, 0
@@ -51,7 +51,7 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         self._actions = np.clip(actions, -1.0, 1.0)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
-        """Run one period. For members that end, info has terminal_observation and, as with Monitor, episode."""
+        """Run one period. If a member ends, its info has terminal_observation and, as with Monitor, episode."""
         observation, reward, terminated, truncated, info = self._env.step(self._actions)
         self._earned += reward
         self._lengths += 1
@@ -73,7 +73,7 @@ class BatchVecEnv(VecEnv):  # type: ignore[misc]  # not installed where types ar
         return [getattr(self._env, attr_name)] * len(list(self._get_indices(indices)))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Raise ValueError: members share one environment."""
+        """Raise ValueError, since members share one environment."""
         raise ValueError(f"{attr_name}: members share one environment, whose attributes are fixed")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:

@@ -1,4 +1,4 @@
-"""A task: the start, the observations, the rewards and the end of the episodes of a batch."""
+"""Task: defines the start, the observations, the rewards and the end of a batch's episodes."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Field:
-    """A part of an observation: numbers with one unit, each within +-limit (or [low, limit]).
+    """A part of an observation: `width` values with the same unit, each within +-limit (or [low, limit]).
 
-    mirror: the factor on each number when port and starboard are exchanged; () if it is no factor.
-    usual: the usual size of each number, for learners; by default its limit.
+    mirror: the factor on each value when port and starboard are exchanged; () if the exchange is not such a factor.
+    usual: the usual size of each value, for learners; by default its limit.
     """
 
     name: str
@@ -38,12 +38,12 @@ class Field:
 
 
 ARROW, TURN = (1, -1, 1), (-1, 1, -1)
-"""Factors on the components of vectors in body axes under reflection: of polar vectors, and of rates and moments."""
+"""Factors on the components of vectors in body axes under reflection: for polar vectors, and for rates and moments."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """The poses of members that begin: position_world_m (m, 3), yaw_rad (m,); level and at rest."""
+    """Initial poses of m members, level and at rest: position_world_m (m, 3), yaw_rad (m,)."""
 
     position_world_m: Floats
     yaw_rad: Floats
@@ -51,7 +51,10 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """reward (n,); terminated (n,): whether the task itself has ended; figures (n,) by name, for `info`."""
+    """The result of a step.
+
+    reward: (n,). terminated: (n,), whether the task itself has ended. figures: (n,) by name, for `info`.
+    """
 
     reward: Floats
     terminated: Flags
@@ -59,14 +62,15 @@ class Verdict:
 
 
 class Task(ABC):
-    """A kind of episode, for all members of a batch at once: arrays have one row per member.
+    """A kind of episode, for all members of a batch together: arrays have one row per member.
 
-    scenario_file: in the folder `learning` of the assets. period_s: between two actions. duration_s: the time after
-    which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: parameters that are
-    drawn for each episode, uniformly from (low, high). draws: how many numbers in [0, 1) `start` needs for each member.
-    pings: whether it uses the vehicle's first sonar. sensors: those that it reads; the rest is true motion.
+    scenario_file: name of a file in the folder `learning` of the assets. period_s: time between actions. duration_s:
+    time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: ranges (low,
+    high) of parameters that are drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
+    needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
+    all else is true motion.
 
-    A task may keep arrays of its own; `start` resets the rows of its members.
+    A task may have arrays of its own; `start` resets the rows of the members that begin.
     """
 
     scenario_file: ClassVar[str]
@@ -86,7 +90,7 @@ class Task(ABC):
 
     @classmethod
     def fields(cls) -> tuple[Field, ...]:
-        """Return the parts of an observation, in order: those of the goal, then those of the vehicle."""
+        """Return the fields of an observation, in order: those of the goal, then those of the vehicle."""
         return (
             *cls.goal_fields,
             Field(
@@ -115,17 +119,17 @@ class Task(ABC):
 
     @classmethod
     def action_mirror(cls) -> tuple[int, ...]:
-        """Return the factor on each number of an action when port and starboard are exchanged."""
+        """Return the factor on each value of an action when port and starboard are exchanged."""
         return tuple((*ARROW, *TURN)[AXES.index(axis)] for axis in cls.axes)
 
     @property
     def observation_space(self) -> Space[Any]:
-        """The space of one member's observations."""
+        """The Gymnasium space of a member's observations."""
         return box(self.fields())
 
     @property
     def action_space(self) -> Box:
-        """The space of one member's actions: an effort for each of `axes`."""
+        """The Gymnasium space of a member's actions: an effort for each of `axes`."""
         return Box(-1.0, 1.0, (len(self.axes),), np.float32)
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
@@ -135,35 +139,38 @@ class Task(ABC):
         return efforts
 
     def observe(self, now: Motion, actions: Floats) -> Any:
-        """Return observations, float32 (n, width), clipped to their limits. actions (n, axes): the previous ones."""
+        """Return observations, float32 (n, width), clipped to their limits.
+
+        actions: (n, axes), the previous actions.
+        """
         return observed(self.fields(), self.goal(now), now, actions)
 
     @abstractmethod
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin episodes of members (m,). draws (m, self.draws): in [0, 1)."""
+        """Begin episodes for members (m,). draws: (m, self.draws), random values in [0, 1)."""
 
     @abstractmethod
     def goal(self, now: Motion) -> Floats:
-        """Return the goal's part of the observations, (n, width of goal_fields)."""
+        """Return the values of goal_fields, (n, their total width)."""
 
     @abstractmethod
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Return reward and end of the step just made with these actions."""
+        """Return the reward for the step just taken with these actions, and whether the task has ended."""
 
 
 def observed(fields: tuple[Field, ...], goal: Floats, now: Motion, actions: Floats) -> NDArray[np.float32]:
-    """Return observations of these fields: the goal's values, then the vehicle's motion."""
+    """Return observations with these fields: the goal's values, then the vehicle's motion."""
     return cut(np.concatenate((goal, now.up_body, now.velocity_body, actions), axis=1), fields)
 
 
 def box(fields: tuple[Field, ...]) -> Box:
-    """Return the space of an observation with these fields."""
+    """Return the Gymnasium space of observations with these fields."""
     low, high = limits(fields)
     return Box(low, high, dtype=np.float32)
 
 
 def cut(values: Floats, fields: tuple[Field, ...]) -> NDArray[np.float32]:
-    """Return observations (n, width) clipped to their limits."""
+    """Return observations (n, width), clipped to their limits."""
     return np.asarray(np.clip(values, *limits(fields), dtype=np.float32, casting="same_kind"))
 
 

@@ -1,4 +1,4 @@
-"""A line on the bed, and the members' positions along it."""
+"""Track: a line on the bed, and positions along it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from uwsim.learning.task import Floats
 
 
 class Track:
-    """A line through points_m (k, 2). length_m: its length."""
+    """A polyline through points_m (k, 2). length_m: its total length."""
 
     def __init__(self, points_m: Floats) -> None:
         self._points = points_m
@@ -19,13 +19,13 @@ class Track:
         self.length_m = float(self._begins[-1])
 
     def at(self, along_m: Floats) -> tuple[Floats, Floats]:
-        """Return points (m, 2) at distances (m,) along the line, and its directions (m, 2) there."""
+        """Return the points (m, 2) at distances (m,) along the line, and the line's directions (m, 2) there."""
         piece = np.clip(np.searchsorted(self._begins, along_m, side="right") - 1, 0, len(self._lengths) - 1)
         direction = self._directions[piece]
         return self._points[piece] + (along_m - self._begins[piece])[:, None] * direction, direction
 
     def nearest(self, places_m: Floats) -> tuple[Floats, Floats]:
-        """Return the positions along the line of the points nearest to (n, 2), and the distances to them: (n,) each."""
+        """Return how far along the line the points nearest to places (n, 2) are, and their distances: (n,) each."""
         away = places_m[:, None] - self._points[None, :-1]
         along = np.clip(np.einsum("nkj,kj->nk", away, self._directions), 0.0, self._lengths)
         apart = np.linalg.norm(away - along[:, :, None] * self._directions, axis=2)

@@ -1,4 +1,4 @@
-"""A task as a Gymnasium vector environment: all members in one batch, stepped in one call."""
+"""Gymnasium vector environment for a task: all members are in one batch and stepped by one call."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ NO_MEMBERS = "reset_mask: bool ({n},) with at least one member is expected"
 
 
 class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
-    """num_envs members of a task. Returned arrays belong to the caller.
+    """A vector environment with num_envs members of a task. Returned arrays belong to the caller.
 
-    autoreset_mode: Gymnasium's. NEXT_STEP: the step after an end begins the next episode and ignores the action.
-    SAME_STEP: the step that ends one begins the next, and info has `final_obs` and `final_info`. DISABLED:
-    reset(options={"reset_mask": mask}) does. render_mode, view, options: see LoneEnv.
+    autoreset_mode: as in Gymnasium. NEXT_STEP: the step after an episode's end begins the next episode and ignores the
+    action. SAME_STEP: the step that ends an episode also begins the next, and info has `final_obs` and `final_info`.
+    DISABLED: only reset(options={"reset_mask": mask}) begins episodes. render_mode, view, options: see LoneEnv.
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012, as VectorEnv declares it
@@ -55,13 +55,13 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         self._begun = False
 
     @property
-    def np_random_seed(self) -> Any:  # read-only, one for each member, as in SyncVectorEnv
+    def np_random_seed(self) -> Any:  # read-only, with one entry per member, as in SyncVectorEnv
         """The seed of each member's generator; -1 before the first reset."""
         return tuple(self.episodes.generator_seeds)
 
     @property  # type: ignore[misc]
     def np_random(self) -> Any:
-        """The generator of each member."""
+        """Each member's random generator."""
         return tuple(self.episodes.generators)
 
     def reset(
@@ -69,7 +69,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
     ) -> tuple[Any, dict[str, Any]]:
         """Begin episodes for all members, or for options["reset_mask"] (n,) bool. Member i gets seed + i, or seed[i].
 
-        Raises ValueError.
+        Raises ValueError for a wrong number of seeds, another option or an invalid mask.
         """
         seeds = [None] * self.num_envs if seed is None else seed
         if isinstance(seeds, int | np.integer):
@@ -104,7 +104,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         if self.autoreset_mode == AutoresetMode.DISABLED and anew.any():
             members = ", ".join(map(str, np.flatnonzero(anew)[:5].tolist()))
             raise ValueError(f"step: members {members} have ended: reset(options={{'reset_mask': mask}}) them first")
-        outcome = self.episodes.step(actions, anew if anew.any() else None)  # only in NEXT_STEP
+        outcome = self.episodes.step(actions, anew if anew.any() else None)  # any(anew) only in NEXT_STEP
         observation, terminated, truncated = outcome.observation, outcome.terminated, outcome.truncated
         info = told(outcome.figures, ~anew)
         self._ended = terminated | truncated
@@ -125,7 +125,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
 
 
 def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
-    """Return values as Gymnasium's vector info: each with a mask (n,) of its members."""
+    """Return values in the form of Gymnasium's vector info: each with a mask (n,) of the members that have it."""
     if not mask.any():
         return {}
     info: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def told(figures: dict[str, NDArray[Any]], mask: Flags) -> dict[str, Any]:
 
 
 def parts(observation: Any, mask: Flags) -> NDArray[Any]:
-    """Return an array (n,) of objects: the observations of the members in a mask, None for the others."""
+    """Return an object array (n,): the observations of the members in a mask, None for the others."""
     each = np.full(len(mask), None, object)
     for member in np.flatnonzero(mask).tolist():
         if isinstance(observation, dict):

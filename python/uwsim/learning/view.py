@@ -1,4 +1,4 @@
-"""The camera and size of an environment's rendered pictures."""
+"""View: camera and size of an environment's rendered pictures."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ RENDER_MODES = ["rgb_array"]
 
 @dataclass(frozen=True)
 class View:
-    """camera: of the vehicle, such as "chase" or "front". width, height: of the picture, in pixels."""
+    """How an environment is rendered.
+
+    camera: one of the vehicle's, such as "chase" or "front". width, height: in pixels.
+    """
 
     camera: str = "chase"
     width: int = 480
     height: int = 270
 
     def checked(self, render_mode: str | None) -> Self:
-        """Return this view. Raises ValueError for an unknown mode."""
+        """Return this view. Raises ValueError for an unknown render mode."""
         if render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode = {render_mode!r}: must be None or one of {', '.join(RENDER_MODES)}")
         return self

@@ -1,4 +1,4 @@
-"""The tasks: one file each."""
+"""The tasks, one per file."""
 
 from uwsim.learning.tasks.coverage import Coverage
 from uwsim.learning.tasks.docking import Docking

@@ -1,4 +1,4 @@
-"""Coverage: survey a plot of the bed by sonar; the observation has a map of the surveyed cells."""
+"""Coverage: survey a plot of the bed by sonar; the observation includes a map of the surveyed cells."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ PLOT_M = CELLS * CELL_M
 DEPTH_M = 3.5
 FULL_PAY, STRUCK, DONE = 100.0, -5.0, 10.0
 ENOUGH = 0.95
-LOST_M = 4.0  # outside the plot
-CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # for the depth that is held
+LOST_M = 4.0  # how far outside the plot the episode ends
+CLIMB_1_M, DAMP_S_M = 2.0, 2.0  # gains of the depth control
 
 
 class Coverage(Task):
-    """Survey a plot of 20 x 20 m with a tilted sonar. An action sets surge, sway and yaw; the depth of 3.5 m is held.
+    """Survey a plot of 20 x 20 m with a tilted sonar. Actions set surge, sway and yaw; depth is kept at 3.5 m.
 
-    The map is an image (1, 40, 40): 255 for surveyed cells of 0.5 m; rows from south to north, columns from
-    west to east. Start: in the plot, any heading. Reward of a step: 100 x the newly surveyed share of the plot, except
-    for the first ping; 10 at 95 %, -5 for a collision. End: either of them, or 4 m outside the plot.
+    The map is an image (1, 40, 40): 255 for surveyed cells of 0.5 m; rows from south to north, columns from west to
+    east. Start: in the plot, with any heading. Reward of a step: 100 x the newly surveyed share of the plot, except for
+    the first ping; 10 on reaching 95 %, -5 for a collision. End: 95 %, a collision, or 4 m outside the plot.
     """
 
     scenario_file = "plot.yaml"
@@ -48,18 +48,18 @@ class Coverage(Task):
 
     @property
     def observation_space(self) -> Space[Any]:
-        """The space of the vehicle's state and the map."""
+        """The Gymnasium space of the vehicle's state and the map."""
         return Dict({"state": super().observation_space, "map": Box(0, 255, (1, CELLS, CELLS), np.uint8)})
 
     def efforts(self, actions: Floats, now: Motion) -> Floats:
-        """Return the efforts, with those that hold the depth."""
+        """Return the efforts of the actions, with a heave effort that keeps the depth."""
         efforts = super().efforts(actions, now)
         up_m_s = np.einsum("ni,ni->n", now.up_body, now.velocity_body[:, :3])
         efforts[:, 2] = np.clip(CLIMB_1_M * (-DEPTH_M - now.position_world_m[:, 2]) - DAMP_S_M * up_m_s, -1.0, 1.0)
         return efforts
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin somewhere in the plot, with an empty map."""
+        """Begin at random places in the plot, with empty maps."""
         self._seen[members] = False
         self._count[members] = 0
         places = spread(draws[:, :2], -0.4 * PLOT_M, 0.4 * PLOT_M)
@@ -77,7 +77,7 @@ class Coverage(Task):
         return {"state": super().observe(now, actions), "map": seen}
 
     def _look(self) -> None:
-        """Mark the cells that hold an echo."""
+        """Mark the cells that contain an echo."""
         ping = self.batch.ping(self.vehicle)
         turn, place = ping.world_from_sonar[:, :2, :3], ping.world_from_sonar[:, None, :2, 3]
         points = np.nan_to_num(ping.points_sonar_m) @ turn.transpose(0, 2, 1) + place
@@ -88,7 +88,7 @@ class Coverage(Task):
         self._seen[members, rows, columns] = True
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward newly surveyed cells."""
+        """Return the verdict: newly surveyed cells are rewarded."""
         count = self._seen.sum(axis=(1, 2))
         share = count / CELLS**2
         done, struck = share >= ENOUGH, now.collisions > 0

@@ -1,4 +1,4 @@
-"""Docking: enter the station's dock slowly and with the right heading."""
+"""Docking: enter the station's dock slowly and at the right heading."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.learning.task import Field, Floats, Start, Task, Verdict, spread
 from uwsim.scenario.build.station import dock_position
 from uwsim.simulator.docking import CAPTURE_DEG, CAPTURE_M_S
 
-CAUGHT_M = 0.5  # stricter than the 1.5 m of the command `dock`
+CAUGHT_M = 0.5  # the command `dock` allows 1.5 m
 ARRIVED, STRUCK = 10.0, -1.0
 TURN_PAY_M = 1.0  # per radian
 EFFORT_COST = 0.01
@@ -23,10 +23,10 @@ LOST_M = 20.0
 class Docking(Task):
     """Enter the dock: within 0.5 m of its centre, below 0.5 m/s and within 30 degrees of its heading.
 
-    Start: 3 to 8 m ahead of the dock, at most 2 m to the side and 1 m up or down, within 60 degrees of its heading, in
-    a current of up to 0.14 m/s. Reward of a step: the approach in metres, plus a metre per radian turned towards the
-    dock's heading, minus 0.01 x the mean square of the efforts; -1 for each new collision, 10 for docking. End: in the
-    dock, or 20 m away.
+    Start: 3 to 8 m ahead of the dock, at most 2 m to the side and 1 m above or below, within 60 degrees of its heading,
+    in a current of up to 0.14 m/s. Reward of a step: the approach in metres, plus 1 per radian turned towards the
+    dock's heading, minus 0.01 x the mean square of the efforts; -1 for each new collision, 10 for docking. End: docked,
+    or 20 m away.
     """
 
     scenario_file = "dock.yaml"
@@ -63,11 +63,11 @@ class Docking(Task):
         return Start(self._dock_m + away, self._yaw_rad + turned)
 
     def goal(self, now: Motion) -> Floats:
-        """Return the vector to the dock, and its heading."""
+        """Return the vector to the dock and the dock's heading, in body axes."""
         return np.concatenate([now.towards(self._dock_m), now.in_body(self._ahead)], axis=1)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward approach and alignment."""
+        """Return the verdict: approach and alignment are rewarded."""
         distance_m = np.linalg.norm(now.position_world_m - self._dock_m, axis=1)
         off_rad = np.arccos(np.clip(now.world_from_body[:, :, 0] @ self._ahead, -1.0, 1.0))
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) <= CAPTURE_M_S

@@ -19,12 +19,12 @@ LOST_M = 18.0
 
 
 class GatePassing(Task):
-    """Pass the scenario's gate. It is observed only through pings of a level sonar; heading is not observed.
+    """Pass the scenario's gate, which is observed only through pings of a level sonar. The heading is not observed.
 
-    Start: 6 to 11 m before the gate, at most 3 m to the side, 1.5 to 2.5 m above the bed, within 25 degrees of the
-    direction to it. Reward of a step: the approach to the opening's centre in metres, minus 0.01 x the mean square of
-    the efforts; 10 for passing between the posts and below the bar, -5 for passing elsewhere and for a collision. End:
-    any of these, or 18 m from the gate.
+    Start: 6 to 11 m in front of the gate, at most 3 m to the side, 1.5 to 2.5 m above the bed, heading within 25
+    degrees of the direction to the gate. Reward of a step: the approach to the opening's centre in metres, minus 0.01 x
+    the mean square of the efforts; 10 for passing between the posts and below the bar, -5 for passing anywhere else and
+    -5 for a collision. End: any of these, or 18 m from the gate.
     """
 
     scenario_file = "gate.yaml"
@@ -52,7 +52,7 @@ class GatePassing(Task):
         self._distance_m = np.zeros(batch.n)
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin before the gate."""
+        """Begin in front of the gate."""
         away = spread(draws[:, 0], -11.0, -6.0)[:, None] * self._through
         away += spread(draws[:, 1], -3.0, 3.0)[:, None] * self._aside
         position_m = self._middle_m + away
@@ -62,11 +62,11 @@ class GatePassing(Task):
         return Start(position_m, yaw)
 
     def goal(self, now: Motion) -> Floats:
-        """Return ranges and altitude."""
+        """Return sonar ranges and altitude."""
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward approach and passing."""
+        """Return the verdict: approach and passing are rewarded."""
         away = now.position_world_m - self._middle_m
         distance_m = np.linalg.norm(away, axis=1)
         beyond = away @ self._through > 0.0

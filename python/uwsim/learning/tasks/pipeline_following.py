@@ -19,7 +19,7 @@ HALF_PAY_M = 1.0
 LOST_M, END_M = 5.0, 3.0
 ARRIVED, STRUCK, LOST = 10.0, -5.0, -5.0
 HEIGHT_COST, EFFORT_COST = 0.02, 0.01
-FIRST_SHARE = 0.6  # share of the pipe's length where episodes begin
+FIRST_SHARE = 0.6  # episodes begin within this first share of the pipe's length
 
 
 class PipelineFollowing(Task):
@@ -27,7 +27,8 @@ class PipelineFollowing(Task):
 
     Start: along the pipe, at most 1.5 m beside it, within 20 degrees of its direction. Reward of a step: progress along
     the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean square of
-    the efforts; 10 for the end of the pipe, -5 for losing it (5 m to the side) and for a collision. End: any of these.
+    the efforts; 10 for reaching the end of the pipe, -5 for losing it (5 m to the side) and -5 for a collision. End:
+    any of these.
     """
 
     scenario_file = "pipeline.yaml"
@@ -59,11 +60,11 @@ class PipelineFollowing(Task):
         return Start(position_m, yaw)
 
     def goal(self, now: Motion) -> Floats:
-        """Return ranges and altitude."""
+        """Return sonar ranges and altitude."""
         return seen_by_fan(self.batch, self.vehicle, self.goal_fields)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward progress along the pipe."""
+        """Return the verdict: progress along the pipe is rewarded."""
         along_m, aside_m = self._track.nearest(now.position_world_m[:, :2])
         height_m = now.position_world_m[:, 2] - self.batch.world.height_at(now.position_world_m[:, :2])
         arrived = along_m > self._track.length_m - END_M

@@ -19,8 +19,8 @@ LOST_M = 5.0
 class StationKeeping(Task):
     """Hold PLACE_M, heading east and level, in a current of up to 0.42 m/s with gusts of 0.2 m/s rms.
 
-    Start: within 1 m of it along each axis, and within 45 degrees. Reward of a step: (1 + cos heading error) / 2 /
-    (1 + distance / 0.2 m) - 0.02 x the mean square of the efforts: at most 1. End: 5 m away.
+    Start: within 1 m of PLACE_M along each axis, and within 45 degrees of the heading. Reward of a step: (1 + cos
+    heading error) / 2 / (1 + distance / 0.2 m) - 0.02 x the mean square of the efforts: at most 1. End: 5 m away.
     """
 
     scenario_file = "open_water.yaml"
@@ -43,7 +43,7 @@ class StationKeeping(Task):
         return way_to(self.place_m, now)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward being near."""
+        """Return the verdict: proximity to the target and its heading is rewarded."""
         distance_m = np.linalg.norm(now.position_world_m - self.place_m, axis=1)
         facing = 0.5 * (1.0 + now.heading[:, 0])
         reward = facing / (1.0 + distance_m / HALF_PAY_M) - EFFORT_COST * (actions**2).mean(axis=1)
@@ -51,5 +51,5 @@ class StationKeeping(Task):
 
 
 def way_to(place_m: Floats, now: Motion) -> Floats:
-    """Return the vector to a position (3,) and the heading east, in body axes: (n, 6)."""
+    """Return the vector to a position (3,) and the unit vector east, both in body axes: (n, 6)."""
     return np.concatenate([now.towards(place_m), now.world_from_body[:, 0, :]], axis=1)

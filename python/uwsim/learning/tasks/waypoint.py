@@ -22,8 +22,8 @@ MIDDLE_M = np.array([0.0, 0.0, -7.0])
 class Waypoint(Task):
     """Go from one position to another, both drawn in a box of 16 x 16 x 6 m, in a gusty current of up to 0.28 m/s.
 
-    Reward of a step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for
-    arrival, within 0.5 m and slower than 0.3 m/s; -5 for a collision. End: either of them, or 25 m away.
+    Reward of a step: the approach in metres, minus 0.02 x the mean square of the efforts; 10 for arriving, within 0.5 m
+    and slower than 0.3 m/s; -5 for a collision. End: arrival, a collision, or 25 m away.
     """
 
     scenario_file = "open_water.yaml"
@@ -38,7 +38,7 @@ class Waypoint(Task):
         self._distance_m = np.zeros(batch.n)
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Draw both positions."""
+        """Begin at one random position and draw another as the target."""
         begin_m, place_m = (MIDDLE_M + BASIN_M * spread(draws[:, k : k + 3], -1.0, 1.0) for k in (0, 3))
         self._places_m[members] = place_m
         self._distance_m[members] = np.linalg.norm(place_m - begin_m, axis=1)
@@ -49,7 +49,7 @@ class Waypoint(Task):
         return now.towards(self._places_m)
 
     def judge(self, now: Motion, actions: Floats) -> Verdict:
-        """Reward approach."""
+        """Return the verdict: approach is rewarded."""
         distance_m = np.linalg.norm(now.position_world_m - self._places_m, axis=1)
         slow = np.linalg.norm(now.velocity_body[:, :3], axis=1) < SLOW_M_S
         arrived, struck = (distance_m < NEAR_M) & slow, now.collisions > 0
