@@ -1,4 +1,4 @@
-"""The link in use: messages between station and vehicles pass through it packed, delayed, or not at all."""
+"""Link: carries messages between station and vehicles, packed, with delay and losses."""
 
 from uwsim.link.carrier import Carrier
 from uwsim.link.seen import is_seen, seen_channels

@@ -1,4 +1,4 @@
-"""The map built at the station from the pings that have arrived, each with the pose of its sonar."""
+"""The map built at the station from the pings that have arrived, each of which includes the pose of its sonar."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ from uwsim.link.carried import Carried
 from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
-RANGE_MAX_M = 1000.0  # of a scan whose sender has already applied its limit
+RANGE_MAX_M = 1000.0  # reported for scans whose sender has already applied its limit
 
 LookedFor = Callable[[str, Simulator], object]
-"""Called at each look for a channel's messages."""
+"""A function called each time that the station reads a channel."""
 
 
 class MapAshore(PingMap):
-    """A map in the odom frame of the pings that have arrived at the station.
+    """A map in the odom frame, built from the pings that have arrived at the station.
 
-    Over a modem, whose next ping may take long to arrive, a ping's changes are published at once; otherwise as aboard.
+    Over a modem, where the next ping may take long to arrive, the changes by a ping are published at once; over other
+    links, as they are aboard.
     """
 
     def __init__(
@@ -43,18 +44,18 @@ class MapAshore(PingMap):
         self._changes_said: tuple[int, Any] = (-1, None)
 
     def read(self, sim: Simulator) -> Any:
-        """Return the map if pings have arrived since the last one, at most once a second.
+        """Return the map if pings have arrived since the last map, at most once a second; else None.
 
-        The same to all readers at one time.
+        All readers at one time get the same.
         """
         if self._whole_said[0] != sim.time_ns:
             self._whole_said = sim.time_ns, self._new_map(sim)
         return self._whole_said[1]
 
     def read_changes(self, sim: Simulator) -> Any:
-        """Return the changes made by the pings that arrived since the last call.
+        """Return the changes made by the pings that have arrived since the last call, or None.
 
-        The same to all readers at one time.
+        All readers at one time get the same.
         """
         if self._changes_said[0] != sim.time_ns:
             self._changes_said = sim.time_ns, self._new_changes(sim)
@@ -80,9 +81,9 @@ class MapAshore(PingMap):
         return self._changes_message(self._newest_ns, (part, None))[0] if len(part.cells) else None
 
     def keep_up(self, sim: Simulator) -> None:
-        """Insert the pings that have arrived, into a new map if time has gone back."""
+        """Insert the pings that have arrived; start a new map if time has gone back."""
         if self._looked_for is not None:
-            self._looked_for(self._carried.channel.name, sim)  # a cable carries the channels that are looked for
+            self._looked_for(self._carried.channel.name, sim)  # a cable carries only the channels that are read
         if sim.time_ns < self._looked_ns:
             self._map, self._looked_ns, self._told_ns = None, 0, 0
         for message in arrived(self._network, self._carried, self._looked_ns):
@@ -96,14 +97,14 @@ class MapAshore(PingMap):
 
 
 def arrived(network: Network, carried: Carried, after_ns: int) -> Iterable[Any]:
-    """Return the messages of a channel that have arrived at the station after a time, oldest first."""
+    """Return the messages of a channel that have arrived at the station since a time, oldest first."""
     for got in network.received(STATION, 1e-9 * after_ns):
         if got.topic == carried.channel.name:
             yield carried.packing.unpack(got.payload, carried.channel)
 
 
 def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Return the echoes of a PlacedPing (n, 3) and the sonar's position (3,), in its frame."""
+    """Return the echoes (n, 3) of a PlacedPing and the sonar's position (3,), both in the message's frame."""
     ranges_m = np.asarray(message.ranges, np.float64)
     angles_rad = message.angle_min + message.angle_increment * np.arange(len(ranges_m))
     met = np.isfinite(ranges_m)
@@ -115,7 +116,7 @@ def placed_points(message: Any) -> tuple[NDArray[np.float32], NDArray[np.float64
 
 
 def with_scans(seen: Iterable[Channel]) -> list[Channel]:
-    """Return channels as the station has them, with `ping` derived from the placed pings if it is not carried."""
+    """Return the station's channels, with `ping` derived from the placed pings if it is not carried itself."""
     found = list(seen)
     names = {channel.name for channel in found}
     for channel in list(found):
@@ -152,7 +153,7 @@ def maps_ashore(
     carried: dict[str, Carried],
     looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return channels with maps made ashore, which the table's services also save; unchanged without pings."""
+    """Return the channels, with maps built ashore in place of those aboard, which the table's services then save."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

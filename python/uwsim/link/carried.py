@@ -1,4 +1,4 @@
-"""Which channels go over a link, which vehicle they belong to, and how they are packed."""
+"""Determines which channels go over a link, which vehicle they belong to, and how they are packed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Carried(NamedTuple):
 
 
 def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
-    """Return the vehicle that a channel belongs to, by its prefix; None for a channel of several vehicles."""
+    """Return the vehicle that a channel belongs to, by its name's prefix; None if it belongs to several vehicles."""
     names = list(sim.vehicles)
     if len(names) == 1:
         return names[0]
@@ -29,7 +29,10 @@ def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
 
 
 def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carried]:
-    """Return the channels that the scenario's link carries. Channels of several vehicles do not go over it."""
+    """Return the channels that the scenario's link carries.
+
+    It does not carry channels that belong to several vehicles.
+    """
     network, setup = sim.link, sim.scenario.link
     if network is None or setup is None:
         return []

@@ -26,13 +26,13 @@ from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 COMMAND_LIFE_S = 5.0
-"""Time after which a waiting command is no longer sent, unless two rounds of all nodes take longer."""
+"""Time for which a command may wait to be sent; two rounds of all nodes if these take longer."""
 VITAL_REPEATS = 2
-"""Repeats of an all stop, which is not acknowledged: three copies in all, any of which suffices."""
+"""Repetitions of an all stop, which is not acknowledged: any one of the three copies suffices."""
 LISTENED_S = 2.0
-"""After a look for a channel, it counts as listened to for this long."""
+"""How long a channel counts as having a reader after it was last read."""
 ONCE_HZ = 1.0
-"""Rate of channels without one of their own, over a cable or the ideal link."""
+"""Rate of channels that specify none, over a cable or the ideal link."""
 
 logger = logging.getLogger("uwsim.link")
 
@@ -43,18 +43,19 @@ class Carrier:
         with LiveSimulator("lake", ...) as live, Carrier(live, table) as carrier:
             table.channels, table.services = carrier.channels, carrier.over(table.services)
 
-    simulator: live, or one that its owner steps. table: of all its channels. Everything sent is a command in the log,
-    so that a replay sends the same; arriving messages are unpacked from the bytes carried. Over a modem every channel
-    named in the scenario is sent at a rate that the modem has capacity for (`rates`); over a cable or the ideal link,
-    the channels read at the station. A picture is sent if the previous one has been read there. only: name endings of
-    the channels that vehicles may send, if the scenario does not select them by `carries`.
+    simulator: a live simulator, or one stepped by its owner. table: contains all of its channels. Every message is sent
+    by a command in the log, so that a replay sends the same; arriving messages are unpacked from the bytes carried.
+    Over a modem, every channel named in the scenario is sent at a rate within the modem's capacity (`rates`); over a
+    cable or the ideal link, only the channels that the station reads are sent. A picture is sent only after the
+    previous one has been read. only: name endings of the channels that vehicles may send, unless the scenario selects
+    them with `carries`.
     """
 
     def __init__(
         self, simulator: LiveSimulator | Simulator, table: Table, *, only: Iterable[str] | None = None
     ) -> None:
         live = Offline(simulator) if isinstance(simulator, Simulator) else simulator
-        self._live: LiveSimulator = live  # type: ignore[assignment]  # of which it has all that is used here
+        self._live: LiveSimulator = live  # type: ignore[assignment]  # Offline has all that is used here
         sim = live.simulator
         given = _chosen(table.channels, sim, only)
         network = sim.link
@@ -73,11 +74,11 @@ class Carrier:
         self._sim = sim
         self._turns: list[Turn] = []
         self._arrived_ns = 0
-        self._tick = -1  # tick at which arrivals were last applied to the vehicles
+        self._tick = -1  # the tick at which arrivals were last applied to the vehicles
         self._awaited_tick = NEVER
 
     def _require_known(self, patterns: Iterable[str]) -> None:
-        """Raise ValueError for a pattern that matches nothing."""
+        """Raise ValueError for a pattern that matches no topic on the link."""
         topics = [*self._carried, *(remote.TOPIC + name for name in COMMANDS if remote.crosses_link(name))]
         for pattern in patterns:
             if not any(is_chosen(topic, (pattern,)) for topic in topics):
@@ -85,12 +86,15 @@ class Carrier:
                 raise ValueError(f"link.repeats: '{pattern}': must match a channel that goes over the link{hint}")
 
     def start(self, saved: dict[str, Any] | None = None) -> Self:
-        """Start carrying, or continue from the result of `save`; return itself. Raises NotRunningError."""
+        """Start carrying, or continue from the result of `save`; return self.
+
+        Raises NotRunningError if the live simulator is not running.
+        """
         self._live.read(lambda sim: self._begin(sim, saved)).result()
         return self
 
     def save(self) -> dict[str, Any]:
-        """Return when each message is due next, as JSON values.
+        """Return the send schedule as JSON values.
 
         The messages themselves are in the simulator's state.
         """
@@ -98,7 +102,7 @@ class Carrier:
         return {"rates": self.rates, "schedule": due, "tick": self._tick, "arrived_ns": self._arrived_ns}
 
     def close(self) -> None:
-        """Stop carrying."""
+        """Stop carrying messages."""
         for item in (self, *self._turns):
             self._sim.agenda.remove(item)
 
@@ -108,11 +112,11 @@ class Carrier:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop carrying."""
+        """Stop carrying messages."""
         self.close()
 
     def over(self, services: Iterable[Service]) -> list[Service]:
-        """Return services whose commands go over the link: they answer that the command is sent once it is queued."""
+        """Return services whose commands go over the link; they respond as soon as the command is queued."""
         return [replace(service, call=self._called(service)) for service in services]
 
     def _called(self, service: Service) -> Callable[[LiveSimulator, dict[str, Any]], dict[str, Any]]:
@@ -125,7 +129,7 @@ class Carrier:
         return call
 
     def remote(self) -> LiveSimulator:
-        """Return the simulator as seen from the station: commands to vehicles go over the link."""
+        """Return the simulator as seen from the station, with commands to vehicles going over the link."""
         return remote.RemoteSimulator(self._live, self.command)  # type: ignore[return-value]
 
     @property
@@ -134,15 +138,15 @@ class Carrier:
         return self._network.modem.name
 
     def newest(self, name: str, after_s: float = 0.0) -> Any:
-        """Return the newest message of a vehicle's channel that has arrived after a simulated time, or None."""
+        """Return the newest message on a vehicle's channel that has arrived since a simulated time, or None."""
         one = self._carried.get(name)
         found = [got for got in self._network.received(STATION, after_s) if got.topic == name]
         return one.packing.unpack(found[-1].payload, one.channel) if one is not None and found else None
 
     def command(self, name: str, vehicle: str, arguments: dict[str, Any]) -> Future[Any]:
-        """Send a command of uwsim.commands to a vehicle; the future resolves when it is queued."""
+        """Send one of uwsim.commands to a vehicle; the future resolves when it is queued."""
         topic, payload = remote.packed(name, arguments)
-        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # the release may get lost
+        is_vital = COMMANDS[name].is_vital and arguments.get("on", True)  # its release may be lost
         return self._send(vehicle, topic, payload, replaces=COMMANDS[name].replaces, is_vital=is_vital)
 
     def _heard(self, channel: Channel) -> Channel:
@@ -159,7 +163,7 @@ class Carrier:
         return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Submit a message to the link. is_vital: it is sent however late, and repeated."""
+        """Submit a message to the link. is_vital: whether it is sent however late it is, and repeated."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
@@ -177,7 +181,7 @@ class Carrier:
         return max(COMMAND_LIFE_S, 2.0 * turn_s) if modem.kind == "modem" else COMMAND_LIFE_S
 
     def look_for(self, name: str, sim: Simulator) -> None:
-        """Record that the station looks for a channel's messages. On the simulator's thread."""
+        """Record that the station reads a channel. Called on the simulator's thread."""
         self._listened[name] = sim.time_ns + round(1e9 * LISTENED_S)
 
     def _begin(self, sim: Simulator, saved: dict[str, Any] | None) -> None:
@@ -217,28 +221,28 @@ class Carrier:
 
     @property
     def due_tick(self) -> int:
-        """The tick at which a message may arrive.
+        """The first tick at which a message may arrive.
 
-        After its arrival the network has a new one, but this is still due.
+        Once a message has arrived, the network's next arrival is a later one, but this one is still to be applied.
         """
         arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
         self._awaited_tick = min(self._awaited_tick, arrival)
         return max(self._awaited_tick, self._tick + 1)
 
     def act(self, tick: int) -> None:
-        """Apply arrived messages to the vehicles. On the simulator's thread, between two steps."""
+        """Apply arrived messages to the vehicles. Called on the simulator's thread, between two steps."""
         self._tick, self._awaited_tick = tick, NEVER
         for vehicle in self._sim.vehicles:
             self._receive(vehicle)
         self._arrived_ns = max(self._arrived_ns, self._sim.time_ns)
 
     def jump(self, tick: int) -> None:
-        """Ignore earlier arrivals, since time has jumped."""
+        """Ignore earlier arrivals, because simulated time has jumped."""
         self._tick, self._awaited_tick, self._arrived_ns = tick - 1, NEVER, self._sim.time_ns
         self._listened.clear()
 
     def _say(self, name: str) -> bool:
-        """Send the present message of a channel; return whether there is one."""
+        """Send a channel's present message; return whether there was one to send."""
         one, sim = self._carried[name], self._sim
         channel = one.channel
         only_if_heard = self._network.modem.kind != "modem" or channel.late
@@ -257,7 +261,7 @@ class Carrier:
                 repeats=self._repeats(channel.name),
             )  # fmt: skip
             if channel.late:
-                self._listened.pop(channel.name, None)  # another picture is sent at the next look
+                self._listened.pop(channel.name, None)  # the next picture is sent when this one has been read
         return payload is not None
 
     def _receive(self, vehicle: str) -> None:
@@ -274,7 +278,7 @@ class Carrier:
 
 
 def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | None) -> list[Channel]:
-    """Return the channels without those that would cross the link but are not wanted."""
+    """Return the channels, without those that would cross the link but are not selected."""
     setup, ends = sim.scenario.link, None if only is None else tuple(only)
     if ends is None or setup is None or "carries" in setup.model_fields_set:
         return list(channels)
@@ -282,7 +286,7 @@ def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | N
 
 
 def _size(one: Carried, sim: Simulator) -> int:
-    """Return the packed size of a channel's messages in bytes, from a message made now if that is cheap."""
+    """Return the packed size of a channel's messages in bytes: the usual size, or that of its present message."""
     if one.packing.usual_bytes is not None:
         return one.packing.usual_bytes
     message = one.channel.read(sim)

@@ -1,4 +1,4 @@
-"""A simulator stepped by its owner, with the interface that a Carrier needs."""
+"""Offline: gives a simulator that its owner steps the interface that a Carrier needs."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ T = TypeVar("T")
 
 
 class Offline:
-    """The methods of a LiveSimulator that a Carrier uses; everything happens immediately, in the caller's thread."""
+    """The methods of a LiveSimulator that a Carrier uses; calls are executed immediately on the caller's thread."""
 
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Issue a command; its error goes to the future."""
+        """Issue a command; an error is stored in the future."""
         return self.read(bound_command(name, arguments))
 
     def read(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call a function with the simulator."""
+        """Call a function with the simulator; its result or ValueError is stored in the future."""
         future: Future[T] = Future()
         try:
             future.set_result(function(self.simulator))

@@ -1,4 +1,4 @@
-"""How often each channel is sent, so that a modem can carry all of them."""
+"""Determines how often each channel is sent, so that a modem can carry all of them."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from uwsim.link.carried import Carried
 from uwsim.scenario.spec.modem import Access, ModemModel
 
 WANTED_HZ = {COMMAND: 10.0, PANEL: 1.0, INSTRUMENT: 1.0, PING: 1.0, PICTURE: 0.5}
-"""Wanted rates of channels by priority; higher ones would only make the others wait."""
+"""Desired rates of channels by priority; higher rates would only make other channels wait."""
 SHARE = 0.6
-"""Share of what is left that the channels of one priority may use."""
+"""Share of the remaining capacity that the channels of one priority may use."""
 FULL = 0.9
-"""Share of what no other channel needs."""
+"""Share of the unused capacity that the last channels may use in addition."""
 EVEN_S = 10.0
-"""Channels of one priority share evenly as long as each is sent this often.
+"""Channels of one priority have equal rates if each can be sent at least once in this time.
 
-Otherwise the first gets its SHARE first.
+Otherwise each in turn gets SHARE of the remaining capacity.
 """
 ALOHA_PEAK = 0.5 / math.e
-"""Share of time in which pure ALOHA delivers at best, 18 % (Abramson 1970)."""
+"""Largest share of time in which pure ALOHA delivers, 18 % (Abramson 1970)."""
 LONGEST_S = 120.0
-"""Longest time between two messages; a channel that could only be sent more rarely is not sent."""
+"""Longest time between messages; a channel that could only be sent less often is not sent."""
 
 
 def airtime_share(modem: ModemModel, access: Access, nodes: int) -> float:
-    """Return the share of time in which one of `nodes` can send successfully."""
+    """Return the share of time in which each of `nodes` nodes can send successfully."""
     if access == "aloha":
         return ALOHA_PEAK / nodes
     return modem.slot_s / (modem.slot_s + modem.guard_s) / nodes
 
 
 def airtime_s(modem: ModemModel, access: Access, size: int) -> float:
-    """Return how long a message of this size keeps the modem busy, in seconds; TDMA slots are not split."""
+    """Return how long a message of `size` bytes keeps the modem busy, in seconds; TDMA slots are not split."""
     full, rest = divmod(size, modem.packet_bytes)
     packets = [modem.packet_bytes] * full + ([rest] if rest or not full else [])
     lengths_s = [modem.packet_s(part) for part in packets]
@@ -54,12 +54,12 @@ def send_rates(
     times: Mapping[str, int] | None = None,
     taken: float = 0.0,
 ) -> dict[str, float]:
-    """Return the rate [Hz] of each channel of one vehicle that is sent, by name.
+    """Return the rates [Hz] of a vehicle's channels by name; channels that cannot be sent are missing.
 
-    The most urgent come first: channels of one priority get their full rates, but at most SHARE of the remainder. The
-    last ones to get anything also get what is unused. Pictures take turns, so each has the rate of all. sizes: of
-    packed messages, bytes. times: how often each message is sent, by default once. taken: share of time used by the
-    vehicle's instruments.
+    Capacity is assigned by priority: the channels of one priority get their desired rates, but at most SHARE of the
+    remaining capacity. The last channels to get any also get what remains unused. Pictures take turns, so each has the
+    rate of all together. sizes: sizes of packed messages in bytes. times: how many times each message is sent, by
+    default once. taken: share of time used by the vehicle's instruments.
     """
     left = max(airtime_share(modem, access, nodes) - taken, 0.0)
     times = times or {}
@@ -86,7 +86,7 @@ def send_rates(
 
 
 def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
-    """Return the rates of channels of one priority: equal, or if these are too low, SHARE of the remainder for each."""
+    """Return the rates of channels of one priority: equal or, if these are too low, from SHARE of the rest for each."""
     even_hz = min(wanted_hz, budget / sum(costs_s.values()))
     if even_hz * EVEN_S >= 1.0:
         return dict.fromkeys(costs_s, even_hz)

@@ -1,4 +1,4 @@
-"""The simulator as commanded by the station: commands to vehicles go over the link, all others apply at once."""
+"""The simulator as seen from the station: commands to vehicles go over the link, all others are applied at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ TOPIC = "command/"
 class RemoteSimulator:
     """A LiveSimulator whose commands to vehicles are sent over the link.
 
-    They resolve when they are queued, since their arrival is unknown. has_sent: whether one has gone over the link.
+    Their futures resolve when they are queued, since their arrival is unknown. has_sent: whether any command has gone
+    over the link.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
@@ -27,11 +28,14 @@ class RemoteSimulator:
         self.has_sent = False
 
     def __getattr__(self, name: str) -> Any:
-        """Return any other attribute of the simulator."""
+        """Return any other attribute, which is the simulator's."""
         return getattr(self._live, name)
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Send a command to a vehicle, or apply it at once if it is for the simulator. Raises ValueError."""
+        """Send a command to a vehicle, or apply it at once if it is for the simulator.
+
+        Raises ValueError if it is invalid.
+        """
         vehicle = arguments.get("vehicle")
         if vehicle is None or not crosses_link(name):
             return self._live.command(name, **arguments)
@@ -43,19 +47,19 @@ class RemoteSimulator:
 
 
 def crosses_link(name: str) -> bool:
-    """Return whether a command goes to a vehicle; the others, such as `place`, are for the simulator."""
+    """Return whether a command goes to a vehicle; other commands, such as `place`, are for the simulator."""
     return name in COMMANDS and COMMANDS[name].crosses_link
 
 
 def packed(name: str, arguments: dict[str, Any]) -> tuple[str, bytes]:
-    """Return a command's topic, which names it, and its arguments as JSON, deflated if that is shorter."""
+    """Return a command's topic, which contains its name, and its arguments as JSON, deflated if that is shorter."""
     text = json.dumps(_rounded(arguments), separators=(",", ":")).encode() if arguments else b""
     deflated = zlib.compress(text, 9)
     return TOPIC + name, b"\x01" + deflated if len(deflated) < len(text) else b"\x00" + text
 
 
 def unpacked(topic: str, payload: bytes) -> tuple[str, dict[str, Any]]:
-    """Return a command and its arguments."""
+    """Return a command's name and its arguments."""
     text = zlib.decompress(payload[1:]) if payload[:1] == b"\x01" else payload[1:]
     return topic.removeprefix(TOPIC), json.loads(text) if text else {}
 

@@ -16,17 +16,17 @@ from uwsim.simulator.network import STATION, Network
 from uwsim.simulator.simulator import Simulator
 
 MODEM_HZ, QUICK_HZ = 20.0, 100.0
-"""How often the station checks for arrivals, in simulated time: they appear up to one period later."""
+"""How often the station checks for arrivals, in simulated time: messages appear up to one period later."""
 
 
 def seen_channels(
     sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
 ) -> list[Channel]:
-    """Return a table's channels as the station has them: those that cross the link have the messages that arrived.
+    """Return a table's channels as seen at the station: those that cross the link deliver the messages that arrived.
 
-    Channels that could go over the link, but do not, are missing; maps, including the table's own, are made ashore.
-    Readings depend only on the simulator's state, so that a replay reads the same. given: some of the table's channels,
-    by default all. looked_for: called with each look for a channel's messages.
+    Channels that could go over the link but are not carried are missing; maps, including the table's own, are built
+    ashore. Messages depend only on the simulator's state, so that a replay reads the same. given: the table's channels
+    to consider, by default all. looked_for: called each time that a channel is read.
     """
     network = sim.link
     given = list(table.channels if given is None else given)
@@ -44,7 +44,7 @@ def seen_channels(
 
 
 def is_seen(sim: Simulator, channels: Iterable[Channel]) -> bool:
-    """Return whether channels are those that the station has through a link."""
+    """Return whether these are channels as seen at the station, through a link."""
     return sim.link is not None and any(channel.type == LINK for channel in channels)
 
 

@@ -1,4 +1,4 @@
-"""The `link` channel: how well a vehicle and the station receive each other, combining both ends."""
+"""The `link` channel: how well a vehicle and the station receive each other, as known at both ends together."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RATE_HZ = 2.0
 
 
 def status_channels(sim: Simulator, network: Network) -> list[Channel]:
-    """Return a channel for each vehicle. It does not go over the link, and is meant for observers."""
+    """Return a channel for each vehicle. These channels are meant for observers and do not go over the link."""
     alone = len(sim.vehicles) == 1
     return [
         Channel(

@@ -1,4 +1,4 @@
-"""The table of a run with a link: the fate of its messages, by topic and sender."""
+"""The link's table in a report: how many messages were sent, delivered, lost and late, by topic and sender."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ HEADINGS = ("channel", "from", "given", "sent", "delivered", "lost", "late", "by
 
 
 class LinkRow(NamedTuple):
-    """The messages of one topic and sender.
+    """Statistics of the messages of one topic and sender.
 
-    given: submitted to the modem; messages replaced by a newer one before they were sent are neither sent nor late.
-    lost: sent, but lost in the water. late: not sent, since their lifetime was over or the queue was full.
+    given: submitted to the modem; messages that were replaced by newer ones before they were sent count as neither sent
+    nor late. lost: sent, but lost in the water. late: not sent, because their lifetime had ended or the queue was full.
     bytes_delivered: payloads only. delay_s: mean time from submission to arrival.
     """
 
@@ -36,7 +36,7 @@ class LinkRow(NamedTuple):
 
 
 def link_rows(sim: Simulator) -> list[LinkRow]:
-    """Return the table of a simulator's link so far, with the station's messages last; empty without a link."""
+    """Return the rows for a simulator's link so far, with the station's messages last; empty without a link."""
     counts = [] if sim.link is None else sim.link.counts()
     rows = [
         LinkRow(

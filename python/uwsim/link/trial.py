@@ -1,4 +1,4 @@
-"""A vehicle moves away from the station and back while its modem sends as much as it can: what arrives, and when."""
+"""A link trial: a vehicle moves away from the station and back, and its modem sends as much as possible."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TOPIC = "trial"
 BEARINGS = 36
 STRIDE_M = 4.0
 FARTHEST_M = 20_000.0
-MARGIN_M = 2.0  # above the bed
+MARGIN_M = 2.0  # least height of a place above the bed
 PACKETS_A_PLACE = 20
 MESSAGE_BYTES_MAX = 64
 
@@ -30,10 +30,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """The result at one place: its range from the station's transducer, and how much of what was sent there arrived.
+    """The result at one place: its range from the station's transducer, and how many messages from there arrived.
 
-    delay_s: of the sound, NaN if there is no path. waited_s: mean time from `send` to the arrival. goodput_bit_s: of
-    payloads.
+    delay_s: travel time of the sound, NaN if there is no path. waited_s: mean time from `send` to arrival.
+    goodput_bit_s: rate at which payloads arrived.
     """
 
     time_s: float
@@ -48,7 +48,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Curve:
-    """Theoretical values for water without a bed, by range: the share of packets that arrive, and the delay."""
+    """Theoretical values by range for water without a bed: the share of packets that arrive, and the delay."""
 
     range_m: Floats
     delivery: Floats
@@ -57,7 +57,10 @@ class Curve:
 
 @dataclass(frozen=True)
 class Trial:
-    """A trial of a link. message_bytes: size of each message. table: everything sent, including a USBL's pings."""
+    """The results of a link trial.
+
+    message_bytes: size of each message. table: all traffic, including a USBL's pings.
+    """
 
     scenario: Scenario
     modem: str
@@ -71,7 +74,10 @@ class Trial:
 def run_trial(
     scenario: str | Path | Scenario, modem: str | None, *, seed: int | None = None, depth_m: float = 10.0
 ) -> Trial:
-    """Move out along the longest clear path at a depth, and back; send for a while at each place. Raises ValueError."""
+    """Move out along the longest clear path at a depth, and back; send messages at each place.
+
+    Raises ValueError if there is no link or no clear path.
+    """
     sim = Simulator(scenario, link=modem, seed=seed)
     network, rov = sim.link, sim.rov
     if network is None or sim.scenario.link is None:
@@ -87,7 +93,7 @@ def run_trial(
 
 
 def _places(sim: Simulator, depth_m: float) -> list[Floats]:
-    """Return places along the bearing in which a vehicle gets farthest at that depth."""
+    """Return places along the bearing in which a vehicle can move farthest at that depth."""
     start = np.asarray(sim.scenario.station.position_m, np.float64)
     best: list[Floats] = []
     for bearing in np.linspace(0.0, 2.0 * np.pi, BEARINGS, endpoint=False):
@@ -107,13 +113,13 @@ def _places(sim: Simulator, depth_m: float) -> list[Floats]:
 
 
 def _is_clear(sim: Simulator, place: Floats) -> bool:
-    """Return whether the bed is known there, and well below."""
+    """Return whether the bed is known at a place and lies at least MARGIN_M below it."""
     (height_m,) = sim.world.height_at(place[None, :2])
     return bool(np.isfinite(height_m) and height_m < place[2] - MARGIN_M)
 
 
 def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
-    """Send as much as the modem accepts, and wait until it has arrived."""
+    """Send PACKETS_A_PLACE messages from the present place, and wait until all have arrived or are lost."""
     began_s, modem = sim.time_s, network.modem
     station = in_world(sim.scenario.station, sim.scenario.link.station_transducer_m)  # type: ignore[union-attr]
     place = sim.rov.pose.position_world_m.copy()
@@ -146,7 +152,7 @@ def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
 
 
 class _Sums:
-    """The counts of the trial's messages."""
+    """Counts of the trial's messages."""
 
     def __init__(self, network: Network) -> None:
         found = [one for one in network.counts() if one.topic == TOPIC]
@@ -161,12 +167,12 @@ def _counts(network: Network) -> _Sums:
 
 
 def _settled(counts: _Sums) -> bool:
-    """Return whether nothing is on its way."""
+    """Return whether no message is on its way."""
     return counts.sent == counts.delivered + counts.lost
 
 
 def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
-    """Return delivery and delay by range in water without a bed, up to where nothing arrives any more."""
+    """Return the share delivered and the delay by range, up to FARTHEST_M, in water without a bed."""
     setup = sim.scenario.link
     assert setup is not None
     spec = link_spec(setup, sim.scenario.station)
@@ -182,7 +188,7 @@ def _open_water(sim: Simulator, size: int, depth_m: float) -> Curve:
 
 
 def summary(trial: Trial) -> str:
-    """Return a one-line summary of the results."""
+    """Return a one-line summary of a trial's results."""
     sent, delivered = sum(leg.sent for leg in trial.legs), sum(leg.delivered for leg in trial.legs)
     farthest_m = max(leg.range_m for leg in trial.legs)
     heard = trial.open_water.delivery >= 0.5

@@ -1,4 +1,4 @@
-"""When each channel of the vehicles is due to be sent: items of the simulator's agenda."""
+"""Schedules when each of the vehicles' channels is sent: items of the simulator's agenda."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from uwsim.channels.channel import PICTURE
 from uwsim.link.carried import Carried
 
 AGAIN_S = 0.25
-"""Delay after which a picture that was not ready, or had no listener, is checked again."""
+"""Delay before a picture that was not ready, or had no reader, is checked again."""
 
 Send = Callable[[str], bool]
-"""Sends the present message of a channel; returns whether there was one."""
+"""A function that sends a channel's present message and returns whether there was one."""
 
 
 class Turn:
-    """Channels that take turns, or one alone. names: the next one first."""
+    """Channels that take turns, or a single channel. names: starts with the channel whose turn is next."""
 
     def __init__(self, name: str, rate_hz: float, step_ns: int, send: Send) -> None:
         self.names = deque([name])
@@ -38,14 +38,14 @@ class Turn:
         self.due_tick = next_tick(tick, self._period_ns if is_sent else self._again_ns, self._step_ns)
 
     def jump(self, tick: int) -> None:
-        """Become due at once, since time has jumped."""
+        """Become due at once, because simulated time has jumped."""
         self.due_tick = tick
 
 
 def turns(
     carried: Mapping[str, Carried], rates: Mapping[str, float], step_s: float, send: Send, *, shared: bool
 ) -> list[Turn]:
-    """Return the turns of all channels. rates: of each [Hz]. shared: whether a vehicle's pictures share one turn."""
+    """Return the turns of all channels. rates: by channel [Hz]. shared: whether a vehicle's pictures take turns."""
     found: list[Turn] = []
     of_pictures: dict[str, Turn] = {}
     for name, rate_hz in rates.items():

@@ -1,4 +1,4 @@
-"""Packing of messages into few bytes for a modem, and unpacking: only the carried content arrives."""
+"""Packs messages into few bytes for a modem, and unpacks them; content that is not packed does not arrive."""
 
 from uwsim.link.packing.packings import PACKINGS, Packing, packing_of
 

@@ -1,6 +1,6 @@
-"""The table of packings: each turns a message into bytes and back. A new one is one line here.
+"""The table of packings, which convert messages to bytes and back. A new packing is one line here.
 
-Anything left out or rounded is lost: listeners get the unpacked bytes, not the original.
+Anything left out or rounded is lost: listeners receive the unpacked message, not the original.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from uwsim.scenario.spec.modem import ModemModel
 
 
 class Packing(NamedTuple):
-    """A way to pack the messages of a kind of channel.
+    """How the messages of a kind of channel are packed.
 
-    pack(message): bytes; ValueError. unpack(bytes, channel): the message. may_replace(message): whether a newer one of
-    its channel may replace it while it waits. usual_bytes: for channels whose messages are costly to make.
+    pack: converts a message to bytes; may raise ValueError. unpack: converts bytes back to a message of the channel.
+    may_replace: returns whether a newer message of the channel may replace a waiting message. usual_bytes: typical
+    size, for channels whose messages are costly to create.
     """
 
     pack: Callable[[Any], bytes]
@@ -46,7 +47,7 @@ def _inflated(data: bytes, channel: Channel) -> Any:
 
 
 WHOLE = Packing(_whole, _from_whole)
-"""ROS's own bytes, for links that have capacity for everything."""
+"""ROS's serialisation, for links that have capacity for everything."""
 PACKINGS: dict[str, Packing] = {
     "deflate": Packing(_deflated, _inflated),
     "key": Packing(poses.pack_key, poses.unpack_key, may_replace=poses.is_plain_key),
@@ -63,11 +64,14 @@ PACKINGS: dict[str, Packing] = {
 
 
 SHORT_BYTES = 64
-"""Modems with smaller packets use a packing NAME_short if there is one."""
+"""Modems with smaller packets use the packing NAME_short, if there is one."""
 
 
 def packing_of(channel: Channel, modem: ModemModel) -> Packing | None:
-    """Return how a channel's messages are packed, or None if the modem cannot carry them. Other links have no limit."""
+    """Return the packing for a channel's messages, or None if the modem cannot carry them.
+
+    Links other than modems carry all messages whole.
+    """
     if modem.kind != "modem":
         return WHOLE
     short = PACKINGS.get(f"{channel.packing}_short") if modem.packet_bytes < SHORT_BYTES else None

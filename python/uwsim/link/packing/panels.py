@@ -1,4 +1,4 @@
-"""Packings of the panel: the published nine values, and /telemetry."""
+"""Packings of the panel: the nine published values, and /telemetry."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.channels.published import join
 
 STATE = struct.Struct("<HHhIHHHIB")
 STATE_QUANTA = (0.01, 0.001, 0.01, 0.01, 0.1, 0.1, 0.1, 0.1, 0.5)
-"""m/s, rad/s, deg C, kPa, m, m, m, s, %."""
+"""Quanta of the nine values, in m/s, rad/s, deg C, kPa, m, m, m, s and %."""
 LIMITS = {"B": (0, 254), "H": (0, 65534), "h": (-32767, 32766), "I": (0, 2**32 - 2), "i": (1 - 2**31, 2**31 - 2),
           "b": (-127, 126)}  # fmt: skip
 NONE = {"B": 255, "H": 65535, "h": 32767, "I": 2**32 - 1, "i": 2**31 - 1, "b": 127}
@@ -22,7 +22,7 @@ NONE = {"B": 255, "H": 65535, "h": 32767, "I": 2**32 - 1, "i": 2**31 - 1, "b": 1
 
 
 def quantised(value: float, quantum: float, code: str) -> int:
-    """Return a value as a whole number of quanta that struct's code can hold; it saturates."""
+    """Return a value as a whole number of quanta, saturated at the limits of the struct format code."""
     if not math.isfinite(value):
         return NONE[code]
     low, high = LIMITS[code]
@@ -37,7 +37,7 @@ def pack_state(message: Any) -> bytes:
 
 
 def unpack_state(data: bytes, channel: Channel) -> Any:
-    """Return the nine values as text again."""
+    """Return the message with the nine values as text."""
     codes = STATE.format[1:]
     values = zip(STATE.unpack(data), STATE_QUANTA, codes, strict=True)
     return build.text(join(math.inf if whole == NONE[code] else whole * quantum for whole, quantum, code in values))
@@ -49,18 +49,18 @@ FLOATS = (
     ("distance_to_port", "H", 0.1), ("mission_time", "I", 0.1), ("battery", "B", 0.5), ("link_delay", "H", 0.001),
     ("tilt", "h", 0.001),
 )  # fmt: skip
-"""Fields of /telemetry, each with struct's code and quantum."""
+"""Fields of /telemetry, each with its struct format code and quantum."""
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
 HEAD = struct.Struct("<q3i3i3H4bBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
 DOES = ("", "hold", "surface", "return", "go_on")
 CAUSES = ("", "silence", "battery", "leak", "thruster", "sensor")
 INFINITE = ("distance_to_seabed",)
-"""Fields that are infinite instead of nan if there is nothing."""
+"""Fields whose missing value is infinity instead of nan."""
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return about 100 bytes: positions in cm, attitude to 1/127, commands to 1 %; alarms as text."""
+    """Return about 100 bytes: positions in cm, attitude to 1/126, commands to 1 %, and alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
@@ -79,7 +79,7 @@ def pack_telemetry(message: Any) -> bytes:
 
 
 def unpack_telemetry(data: bytes, channel: Channel) -> Any:
-    """Return the panel."""
+    """Return the telemetry message."""
     stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
     places, stds = [value_of(x, 0.01, "i") for x in rest[:6]], [value_of(x, 0.01, "H") for x in rest[6:9]]
     turn = np.array([value_of(x, 1 / 126, "b") for x in rest[9:]])
@@ -108,20 +108,20 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
 
 
 def pack_failsafe(message: Any) -> int:
-    """Return a byte for the failsafe and its cause."""
+    """Return a byte that encodes the failsafe's state and its cause."""
     state = DOES.index(message.failsafe) if message.failsafe in DOES else 0
     cause = CAUSES.index(message.failsafe_cause) if message.failsafe_cause in CAUSES else 0
     return len(CAUSES) * state + cause
 
 
 def unpack_failsafe(byte: int) -> dict[str, str]:
-    """Return the fields of the failsafe."""
+    """Return the failsafe's fields of /telemetry."""
     state, cause = divmod(byte, len(CAUSES))
     return {"failsafe": DOES[state], "failsafe_cause": CAUSES[cause]}
 
 
 def _pack_notices(message: Any) -> bytes:
-    """Return the failsafe, followed by the alarms as text, usually none."""
+    """Return the failsafe's byte, followed by the alarms as text, of which there are usually none."""
     return bytes([pack_failsafe(message)]) + "\n".join(message.alarms).encode()
 
 
@@ -130,5 +130,5 @@ def _unpack_notices(data: bytes) -> dict[str, Any]:
 
 
 def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
-    """Return the value of a whole number of quanta, or the value that represents none."""
+    """Return the value of a whole number of quanta, or `none` if it stands for a missing value."""
     return none if whole == NONE[code] else whole * quantum

@@ -1,4 +1,4 @@
-"""Packings of poses, velocities and the published `key`."""
+"""Packings of poses, velocities and the published `key` message."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ INT32, INT16 = 2**31 - 1, 2**15 - 1
 
 
 def pack_pose(message: Any) -> bytes:
-    """Return 20 bytes: the position in mm, the orientation to 3e-5."""
+    """Return 20 bytes: the position in mm, the quaternion to 3e-5."""
     at, turned = message.position, message.orientation
     position = np.clip(np.round(1e3 * np.array([at.x, at.y, at.z])), -INT32, INT32).astype(int)
     turn = np.round(INT16 * np.clip([turned.x, turned.y, turned.z, turned.w], -1.0, 1.0)).astype(int)
@@ -25,14 +25,14 @@ def pack_pose(message: Any) -> bytes:
 
 
 def unpack_pose(data: bytes, channel: Channel) -> Any:
-    """Return the pose."""
+    """Return the pose message."""
     values = POSE.unpack(data)
     turn = np.array(values[3:], np.float64)
     return build.pose(np.array(values[:3]) * 1e-3, turn / (np.linalg.norm(turn) or 1.0))
 
 
 def pack_key(message: Any) -> bytes:
-    """Return 7 bytes: six efforts, limited to 1, and the function."""
+    """Return 7 bytes: six efforts, clipped to [-1, 1], and the function's number."""
     linear, angular = message.position, message.orientation
     efforts = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
     if not np.isfinite(efforts).all():
@@ -50,7 +50,7 @@ def unpack_key(data: bytes, channel: Channel) -> Any:
 
 
 def is_plain_key(message: Any) -> bool:
-    """Return whether a key has only efforts, which the next one's replace; a function must not be lost that way."""
+    """Return whether a key message has only efforts and may thus be replaced; a function must not be lost."""
     return bool(message.orientation.w == 0)
 
 
@@ -64,6 +64,6 @@ def pack_twist(message: Any) -> bytes:
 
 
 def unpack_twist(data: bytes, channel: Channel) -> Any:
-    """Return the velocity."""
+    """Return the velocity message."""
     values = np.array(TWIST.unpack(data)) * TWIST_QUANTUM
     return build.message("geometry_msgs/msg/Twist", linear=build.vector(values[:3]), angular=build.vector(values[3:]))

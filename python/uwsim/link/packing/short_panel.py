@@ -1,4 +1,4 @@
-"""The panel in one packet of a slow modem: the most important values for a pilot, in 32 bytes."""
+"""The panel in one packet of a slow modem: the values most important to a pilot, within 32 bytes."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ FIGURES = (
     ("distance_to_port", "B", 0.1, math.nan), ("temperature", "b", 0.5, math.nan), ("mission_time", "H", 1.0, math.nan),
     ("battery", "B", 0.5, math.nan), ("tilt", "b", 0.0125, math.nan),
 )  # fmt: skip
-"""Fields of /telemetry, each with struct's code, quantum, and the value that represents none. A negative depth is 0."""
+"""Fields of /telemetry, each with its struct format code, quantum, and missing value. A negative depth is sent as 0."""
 HEAD = struct.Struct("<I9s3b4B" + "".join(code for _, code, _, _ in FIGURES))
 STAMP_NS = 10_000_000
 TURN_RAD = math.pi / 127  # roll, pitch and yaw
 
 
 def pack(message: Any) -> bytes:
-    """Return 31 bytes: position in cm, attitude to 1.4 degrees; all stop as the only alarm.
+    """Return 31 bytes: position in cm, attitude to 1.4 degrees, and all stop as the only alarm.
 
-    Neither truth nor commands.
+    The true position and the commands are not included.
     """
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     position = b"".join(_three_bytes(x) for x in message.position)
@@ -44,7 +44,7 @@ def pack(message: Any) -> bytes:
 
 
 def unpack(data: bytes, channel: Channel) -> Any:
-    """Return the panel; values that were not carried are nan or empty."""
+    """Return the telemetry message; values that were not carried are nan or empty."""
     stamp, position, yaw, pitch, roll, flags, failsafe, lamps, count, *figures = HEAD.unpack(data)
     turn = Rotation.from_euler("ZYX", np.array([yaw, pitch, roll]) * TURN_RAD).as_quat()
     told = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}
