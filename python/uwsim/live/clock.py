@@ -1,4 +1,4 @@
-"""Clocks of missions on a live simulator: they wait and let the stepping thread step."""
+"""Clocks for missions on a live simulator: a mission waits while the stepping thread steps."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ from uwsim.live.step_loop import StepLoop
 
 
 class LiveClock:
-    """A Clock (uwsim.navigation.control.Clock) of one mission on one thread: simulated time as it passes.
+    """A Clock (uwsim.navigation.control.Clock) for one mission on one thread; time does not wait for the mission.
 
-    A wait ends duration_s after the previous one ended if that is in the future, else duration_s from now, so that a
-    control loop keeps its period although it computes between waits.
+    A wait ends duration_s after the end of the previous wait if that is in the future, else duration_s from now, so
+    that a control loop keeps its period although it computes between waits.
     """
 
     def __init__(self, loop: StepLoop) -> None:
         self._loop = loop
-        self._woken_at: int | None = None  # the loop's count of steps when the last wait ended
+        self._woken_at: int | None = None  # steps_made of the loop when the last wait ended
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds since the start."""
+        """Simulated time since the start in seconds."""
         return self._loop.sim.time_s
 
     def wait(self, duration_s: float) -> None:
         """Return when duration_s simulated seconds, rounded to whole steps, have passed.
 
-        The wait is longer if the simulator is paused. Raises ValueError; NotRunningError when the simulator stops,
-        RuntimeError when it is reset, and the error that stopped the simulation.
+        While the simulator is paused, the wait continues. Raises ValueError for an invalid duration, NotRunningError if
+        the simulator stops, RuntimeError if it is reset, and any error that stops the simulation.
         """
         steps = duration_s / self._loop.sim.step_s
         if not 0 <= steps < 2**53:
@@ -45,7 +45,7 @@ class LiveClock:
 
 
 class MissionClock(LiveClock):
-    """A LiveClock for which no step is made between two waits; see LiveSimulator.mission_clock."""
+    """A LiveClock with which no step is made between the mission's waits; see LiveSimulator.mission_clock."""
 
     def __init__(self, loop: StepLoop) -> None:
         super().__init__(loop)
@@ -55,5 +55,5 @@ class MissionClock(LiveClock):
         self._loop.in_turn(lambda: self._loop.alarm(until, holder=self)).result()
 
     def close(self) -> None:
-        """Let time pass freely."""
+        """Let simulated time pass freely again."""
         self._loop.release(self)

@@ -19,8 +19,8 @@ CALL, RESET = "call", "reset"
 class Entry(NamedTuple):
     """A command and the tick at which it took effect, before the next step.
 
-    name: one of COMMANDS; "reset" (state: bytes, or None for the start); or "call" (function: what was called;
-    raised: whether it raised), which only the same process can repeat.
+    name: one of COMMANDS; "reset", with argument state: bytes, or None for the start; or "call", with arguments
+    function, and raised: whether it raised an exception. Only the same process can repeat a call.
     """
 
     tick: int
@@ -29,11 +29,11 @@ class Entry(NamedTuple):
 
 
 class CommandLog:
-    """The entries of one live run, in the order in which they took effect, and the state at its start.
+    """The entries of a live run, in the order in which they took effect, and the state at its start.
 
-    Commands that raised an error changed nothing and are not included. The log holds the newest ENTRIES_MAX entries,
-    and at most PAYLOAD_BYTES_MAX of messages to a link, since pictures over a cable are large. forgotten counts the
-    dropped ones.
+    Commands that raised an error changed nothing and are not included. The log keeps the newest ENTRIES_MAX entries,
+    and at most PAYLOAD_BYTES_MAX of link messages, since pictures over a cable are large. forgotten: the number of
+    entries dropped.
     """
 
     def __init__(self, start_state: bytes, start_tick: int) -> None:
@@ -55,7 +55,7 @@ class CommandLog:
         return len(self._entries)
 
     def __iter__(self) -> Iterator[Entry]:
-        """Return an iterator over a copy, since the log may grow meanwhile."""
+        """Return an iterator over a copy, since the log may grow during the iteration."""
         return iter(list(self._entries.copy()))
 
 
@@ -66,11 +66,11 @@ def _payload_bytes(entry: Entry) -> int:
 def replay(
     simulator: Simulator | str | Path | Scenario, log: CommandLog | Iterable[Entry], until_tick: int
 ) -> Simulator:
-    """Repeat a log; return the simulator at until_tick, in the state of the original to the last bit.
+    """Replay a log; return the simulator at until_tick, in the original's state to the last bit.
 
-    simulator: of the same scenario, seed and build. A CommandLog starts from its own initial state; other entries start
-    from the simulator's present state. until_tick: after the last entry. Raises ValueError if the log cannot be
-    repeated.
+    simulator: must have the same scenario, seed and build. A CommandLog starts from the initial state that it contains;
+    other entries start from the simulator's present state. until_tick: not before the last entry. Raises ValueError if
+    the log cannot be replayed.
     """
     sim = simulator if isinstance(simulator, Simulator) else Simulator(simulator)
     start = sim.save_state()

@@ -32,22 +32,23 @@ logger = logging.getLogger("uwsim.live")
 
 
 class LiveSimulator:
-    """A simulator that one thread steps at a pace on the wall clock, while other threads command and read it.
+    """A simulator that one thread steps at the pace of the wall clock, while other threads command and read it.
 
         with LiveSimulator("lake", speed=1.0) as live:
             live.command("set_effort", vehicle="rov", surge=0.5).result()
             live.every(0.1, lambda sim: sim.rov.pose, poses.append)
 
-    simulator: a Simulator, which this takes over, or the arguments to make one. speed: simulated seconds per wall
-    second, or "max". paused: whether it starts paused.
+    simulator: a Simulator, which this object takes over, or the scenario to create one from. speed: simulated seconds
+    per wall second, or "max". paused: whether it starts paused.
 
-    Commands of all threads form one queue in order of arrival; they take effect between two steps, or immediately while
-    paused. Each is logged with its tick: `replay(scenario, live.log, tick)` gives the same bytes. If the pace cannot be
-    held, short delays are made up for and longer ones slip: `factor`, `lateness`, `slipped_s` report this. If a step
-    fails, the simulator pauses; `error` has the reason, and `reset` continues.
+    Commands from all threads form one queue in order of arrival; they take effect between two steps, or immediately
+    while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` gives the same bytes.
+    If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip after longer
+    ones; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the reason, and
+    `reset` continues.
 
-    simulator: for reading fixed properties, and for single readings; do not step or command it. vehicles, rov: the same
-    names for commands from other threads; log: the CommandLog.
+    The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,
+    rov: accept commands from any thread. log: the CommandLog.
     """
 
     def __init__(
@@ -72,13 +73,13 @@ class LiveSimulator:
 
     @contextmanager
     def mission_clock(self) -> Iterator[MissionClock]:
-        """Return the clock of one mission, for which simulated time stands still while the mission computes.
+        """Return a clock for one mission, with which simulated time stands still while the mission computes.
 
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
 
-        So the mission gives the same bytes as on a Simulator, however busy the machine is. A mission with long
-        computations makes the simulator late.
+        Thus the mission gives the same bytes as on a Simulator, however busy the machine is. A mission that computes
+        for long makes the simulator late.
         """
         clock = MissionClock(self._loop)
         try:
@@ -87,7 +88,10 @@ class LiveSimulator:
             clock.close()
 
     def start(self) -> Self:
-        """Start stepping; return itself. Raises RuntimeError if it has already started, or has not yet stopped."""
+        """Start stepping; return self.
+
+        Raises RuntimeError if the simulator is already running or has not yet stopped.
+        """
         if self.running:
             raise RuntimeError("the live simulator runs already")
         self._pace.restart()
@@ -95,12 +99,12 @@ class LiveSimulator:
         self.simulator.journal.listen(self._loop)
         self._thread = threading.Thread(target=self._loop.run, name="uwsim-live", daemon=True)
         self._thread.start()
-        # A thread that is in native code when the interpreter shuts down would abort the process.
+        # A thread in native code at the interpreter's shutdown would abort the process.
         weakref.finalize(self, _end, self._loop, self._thread)
         return self
 
     def stop(self) -> None:
-        """Stop stepping, within a second; requests that still wait raise NotRunningError. `start` continues."""
+        """Stop stepping, within a second; pending requests raise NotRunningError. `start` continues."""
         self._loop.close()
         if self._thread is None or self._on_loop:
             return
@@ -120,25 +124,28 @@ class LiveSimulator:
 
     @property
     def running(self) -> bool:
-        """Whether its thread is running, paused or not."""
+        """Whether the stepping thread is running, paused or not."""
         return self._thread is not None and self._thread.is_alive()
 
     @property
     def tick(self) -> int:
-        """The number of steps since the start, after the last one.
+        """The number of steps completed since the start.
 
-        Unlike a simulator's own, reading it never waits for a step.
+        Unlike Simulator.tick, reading this never waits for a step.
         """
         return self._loop.tick
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start, nanoseconds; reading it never waits for a step."""
+        """Simulated time since the start in nanoseconds; reading it never waits for a step."""
         return self.tick * round(self.simulator.step_s * 1e9)
 
     @property
     def speed(self) -> Speed:
-        """The requested pace: simulated seconds per wall second, or "max". Setting an invalid one raises ValueError."""
+        """The requested pace: simulated seconds per wall second, or "max".
+
+        Setting an invalid value raises ValueError.
+        """
         return self._pace.speed
 
     @speed.setter
@@ -155,12 +162,12 @@ class LiveSimulator:
 
     @property
     def lateness(self) -> float:
-        """The worst delay of a step behind its schedule, in seconds, since the start or `forget_delays`."""
+        """The largest delay of a step behind schedule, in seconds, since the start or `forget_delays`."""
         return self._pace.lateness_s
 
     @property
     def slipped_s(self) -> float:
-        """The total wall time by which the schedule has slipped since the start or `forget_delays`."""
+        """The total wall time in seconds by which the schedule has slipped since the start or `forget_delays`."""
         return self._pace.slipped_s
 
     def forget_delays(self) -> None:
@@ -178,20 +185,23 @@ class LiveSimulator:
         return self._loop.error
 
     def pause(self) -> None:
-        """Pause; return when no step is under way."""
+        """Pause; return once no step is in progress."""
         self._loop.set_paused(True)
         if self.running and not self._on_loop:
             self.read(lambda sim: None).result()
 
     def resume(self) -> None:
-        """Run again, after all earlier commands. Raises the error that stopped the simulation, if any."""
+        """Continue, after all earlier commands. Raises the error that stopped the simulation, if any."""
         if self.running and not self._on_loop:
             self._loop.in_turn(lambda: self._loop.set_paused(False))
         else:
             self._loop.set_paused(False)
 
     def step(self, n: int = 1) -> None:
-        """Make n steps while paused, as fast as possible; return after the last. Raises ValueError."""
+        """Make n steps while paused, as fast as possible; return after the last one.
+
+        Raises ValueError if n is invalid or the simulator is not paused.
+        """
         if isinstance(n, bool) or not isinstance(n, int) or not 0 <= n < 2**53:
             raise ValueError(f"n = {n!r} steps: must be a whole number, not negative")
         if self._on_loop:
@@ -199,36 +209,40 @@ class LiveSimulator:
         self._loop.in_turn(lambda: self._loop.step_when_paused(n)).result()
 
     def reset(self, state: bytes | None = None) -> None:
-        """Go to a state of save_state, by default to the start; return when there. Raises ValueError."""
+        """Go to a state from save_state, by default the initial state; return once there.
+
+        Raises ValueError if it does not fit.
+        """
         future = self._submit(lambda sim: sim.restore_state(state or self.log.start_state), RESET, {"state": state})
         future.result()
 
     def call(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Call function(simulator) at the start of the next step. Afterwards the log cannot be written to a file.
+        """Call function(simulator) at the start of the next step. After that, the log cannot be written to a file.
 
-        The function must be brief: it delays the steps. Its error goes to the future. Raises NotRunningError.
+        The function must be brief, since it delays the steps. The future receives its error. Raises NotRunningError if
+        the simulator is not running.
         """
         return self._submit(function, CALL, {"function": function, "raised": False})
 
     def read(self, function: Callable[[Simulator], T]) -> Future[T]:
-        """Like `call`, between two steps, for a function that changes nothing and is not logged."""
+        """Call function(simulator) between two steps, without logging it. The function must not change anything."""
         return self._submit(function, None, {})
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Issue one of uwsim.live.COMMANDS at the start of the next step, with arguments of JSON types or arrays.
+        """Issue one of uwsim.live.COMMANDS at the start of the next step. Arguments must be of JSON types or arrays.
 
-        Raises ValueError for an unknown name, and for arguments that the table of commands does not allow; exceptions
-        of the command itself go to the future.
+        Raises ValueError for an unknown name or arguments that the table of commands does not allow; the future
+        receives exceptions raised by the command itself.
         """
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         return self._submit(bound_command(name, kept), name, kept)
 
     def every(self, period_s: float, read: Callable[[Simulator], T], sink: Callable[[T], object]) -> Subscription:
-        """Take a reading now, after each jump of time, and at all multiples of period_s, and pass it to the sink.
+        """Take a reading now, after each jump in time, and at all multiples of period_s, and pass it to the sink.
 
-        In simulated time: the first step at or after each multiple. Both run on the stepping thread and must be brief;
-        the sink must not block. Their errors are logged and kept in the subscription. Raises ValueError,
-        NotRunningError.
+        Readings are taken after the first step at or after each multiple, in simulated time. Both functions run on the
+        stepping thread and must be brief; the sink must not block. Their errors are logged and kept in the
+        subscription. Raises ValueError if the period is invalid, NotRunningError if the simulator is not running.
         """
         if not 0 < period_s <= 1e9:
             raise ValueError(f"period_s = {period_s} s: must be in (0, 1e9]")
@@ -243,7 +257,7 @@ class LiveSimulator:
     def _submit(self, function: Callable[[Simulator], Any], name: str | None, arguments: dict[str, Any]) -> Future[Any]:
         is_vital = name in COMMANDS and COMMANDS[name].is_vital
         request = Request(function, name, arguments, is_vital=is_vital)
-        if self._on_loop:  # a sink issues commands between two steps
+        if self._on_loop:  # for example a sink, which issues commands between two steps
             self._loop.answer(request)
         else:
             self._loop.submit(request)

@@ -1,4 +1,4 @@
-"""The pace: when steps are due on the wall clock, and how well that is kept."""
+"""The pace: when steps are due on the wall clock, and how well the simulator keeps to it."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from typing import Literal
 Speed = float | Literal["max"]
 
 SLIP_S = 0.25
-"""Delays up to this are made up for; beyond it the schedule slips, and simulated time stays behind."""
+"""Longest delay that is made up for; beyond it the schedule slips, and simulated time stays behind."""
 REST_S = 0.02
-"""Maximum age of values read without a request: steps that nothing waits for are made together."""
-WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S
-BATCH_S = 1e-3  # steps that are due together run in batches of about this length, so that commands wait no longer
+"""Maximum age of values read without a request, since steps that nothing waits for are made together."""
+WINDOW_S, MARK_S = 1.0, 0.1  # the achieved factor is measured over about WINDOW_S, with a mark every MARK_S
+BATCH_S = 1e-3  # steps due together run in batches of about this duration, so that commands wait no longer
 BATCH_STEPS_MAX = 10_000
 
 
 class Pace:
-    """The schedule of steps at a speed: simulated seconds per wall second, or "max".
+    """The schedule of steps at a given speed: simulated seconds per wall second, or "max".
 
-    All times `now_s` are of one monotonic clock. lateness_s: the worst delay of a step behind its schedule and behind
-    the time until which it had to wait. slipped_s: total wall time by which the schedule has slipped. factor: the speed
-    achieved over the last second.
+    All arguments now_s are times on the same monotonic clock. lateness_s: largest delay of a step, both behind its
+    schedule and behind the time until which it was meant to wait. slipped_s: total wall time by which the schedule has
+    slipped. factor: speed achieved over the last second.
     """
 
     def __init__(self, speed: Speed, step_s: float) -> None:
@@ -31,7 +31,7 @@ class Pace:
         self.slipped_s = 0.0
         self._step_s = step_s
         self._start_s = math.nan  # wall time at which the schedule starts; nan: at the next step
-        self._steps = 0  # made since then
+        self._steps = 0  # steps made since then
         self._rest_s = -math.inf  # wall time until which steps may wait, because nothing needs them earlier
         self._step_cost_s = 1e-5
         self._marks: deque[tuple[float, float]] = deque()  # (wall time, simulated time made until then)
@@ -39,19 +39,19 @@ class Pace:
 
     @property
     def factor(self) -> float:
-        """Simulated seconds per wall second, achieved over the last second of running; 0 before anything ran."""
+        """Simulated seconds per wall second, over the last second of running; 0 before any step."""
         if len(self._marks) < 2 or self._marks[-1][0] <= self._marks[0][0]:
             return 0.0
         (first_s, made_first_s), (last_s, made_last_s) = self._marks[0], self._marks[-1]
         return (made_last_s - made_first_s) / (last_s - first_s)
 
     def restart(self) -> None:
-        """Restart the schedule at the next step: after a pause, or when time has jumped."""
+        """Restart the schedule at the next step, because of a pause or a jump in time."""
         self._start_s, self._rest_s = math.nan, -math.inf
         self._marks.clear()
 
     def set_speed(self, speed: Speed) -> None:
-        """Change the speed. Raises ValueError, changing nothing."""
+        """Change the speed. Raises ValueError and changes nothing if it is invalid."""
         self.speed = checked_speed(speed)
         self.restart()
 
@@ -76,10 +76,10 @@ class Pace:
         return min(self.batch, 1 + int(late_s * self.speed / self._step_s))
 
     def wait_s(self, now_s: float, steps: int | None) -> float:
-        """Return the time until steps must be made; zero or less if they are due.
+        """Return the wall time until steps must be made; zero or less if they are due.
 
-        steps: number of steps after which something waits for them; None: nothing does. All steps within REST_S may be
-        made together, since waking up costs more than stepping.
+        steps: number of steps after which a reading, alarm or the like is due; None if nothing is. All steps within
+        REST_S may be made together, since waking up costs more than stepping.
         """
         if self.speed == "max" or math.isnan(self._start_s):
             return 0.0
@@ -113,7 +113,7 @@ class Pace:
 
 
 def checked_speed(speed: Speed) -> Speed:
-    """Return the speed as a float or "max". Raises ValueError."""
+    """Return the speed as a float or "max". Raises ValueError if it is invalid."""
     if isinstance(speed, str) and speed == "max":
         return "max"
     is_number = isinstance(speed, int | float) and not isinstance(speed, bool)

@@ -1,4 +1,4 @@
-"""Requests from other threads to the thread that owns the simulator, in order of arrival."""
+"""Requests from other threads to the thread that owns the simulator."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from uwsim.simulator.simulator import Simulator
 
 
 class NotRunningError(RuntimeError):
-    """The live simulator has not been started, or has stopped."""
+    """The live simulator has not been started or has stopped."""
 
 
 @dataclass(eq=False)
 class Request:
     """A function of the simulator to call between two steps; the future receives its result or its error.
 
-    name, arguments: its entry in the log; None: it changes nothing and is not logged. is_vital: it is accepted however
-    many others wait.
+    name, arguments: its entry in the log; if name is None, it changes nothing and is not logged. is_vital: whether it
+    is accepted even if the queue is full.
     """
 
     function: Callable[[Simulator], Any]

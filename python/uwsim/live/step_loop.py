@@ -1,4 +1,4 @@
-"""The thread that owns a simulator: it answers requests and makes the steps that are due on the wall clock."""
+"""The loop of the thread that owns a simulator: answers requests and makes the steps due on the wall clock."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
 
-REQUESTS_MAX = 10_000  # that may wait; further ones are refused, so that a flood cannot fill the memory
+REQUESTS_MAX = 10_000  # limit of the queue; more are refused, so that a flood cannot fill the memory
 REQUESTS_PER_STEP = 1_000  # answered between two steps, so that a flood cannot stop time
 START_NAVIGATION = "start_navigation"
-# of the agenda: others wait for these, so they must be on time and are not batched
+# Items of the agenda that others wait for: they must be on time, so steps are not batched across them.
 AWAITED = (Rank.READING, Rank.DELIVERY)
 
 logger = logging.getLogger("uwsim.live")
 
 
 class StepLoop:
-    """Everything shared by the stepping thread and the others, guarded by `lock`.
+    """The state shared by the stepping thread and other threads, guarded by `lock`.
 
-    An alarm is a future that resolves when the loop has made a number of steps. steps_made keeps counting up when a
-    reset takes simulated time back. holds: by holder, the steps_made beyond which no step may be made. error: why the
-    simulation stopped stepping, if it did.
+    An alarm is a future that resolves when the loop has made a given number of steps. steps_made keeps increasing when
+    a reset takes simulated time back. holds: by holder, the value of steps_made beyond which no step may be made.
+    error: why the simulation stopped, if it did.
     """
 
     def __init__(self, sim: Simulator, pace: Pace, log: CommandLog, *, paused: bool) -> None:
@@ -47,7 +47,7 @@ class StepLoop:
         self.error: Exception | None = None
         self._requests: deque[Request] = deque()
         self._alarms: list[tuple[int, Future[None]]] = []
-        self._steps_until = 0  # while paused, step until steps_made is this
+        self._steps_until = 0  # while paused, step until steps_made reaches this
         self._tick = sim.tick
         self._is_open = False
         self._stepping = False
@@ -64,13 +64,13 @@ class StepLoop:
             self._is_open = True
 
     def close(self) -> None:
-        """Refuse requests from now on, and end `run`."""
+        """Refuse further requests, and end `run`."""
         with self.lock:
             self._is_open = False
             self.lock.notify_all()
 
     def submit(self, request: Request) -> None:
-        """Queue a request. Raises NotRunningError, and RuntimeError if too many wait."""
+        """Queue a request. Raises NotRunningError if not running, and RuntimeError if the queue is full."""
         with self.lock:
             self._require_open()
             if len(self._requests) >= (2 if request.is_vital else 1) * REQUESTS_MAX:
@@ -85,7 +85,7 @@ class StepLoop:
         return request.future.result()  # type: ignore[no-any-return]
 
     def subscribe(self, subscription: Subscription) -> None:
-        """Start taking the subscription's readings. Raises NotRunningError."""
+        """Start taking a subscription's readings. Raises NotRunningError if not running."""
         with self.lock:
             self._require_open()
             read = partial(self._read, subscription)
@@ -93,14 +93,14 @@ class StepLoop:
             self.lock.notify_all()
 
     def _read(self, subscription: Subscription, tick: int) -> None:
-        self._tick = tick  # sinks may ask for it
+        self._tick = tick  # sinks may read it
         subscription.act(tick)
 
     def alarm(self, until: int, *, holder: object = None) -> Future[None]:
         """Return a future that resolves when steps_made is `until`.
 
-        holder: no step beyond that is made for it meanwhile. Raises NotRunningError, and the error that stopped the
-        simulation.
+        holder: if given, no step beyond `until` is made before its next alarm or release. Raises NotRunningError if not
+        running, and the error that stopped the simulation, if any.
         """
         with self.lock:
             self._require_open()
@@ -109,7 +109,7 @@ class StepLoop:
             return self._alarm(until)
 
     def hold(self, holder: object) -> int:
-        """Make no more steps until `release` or an `alarm` of this holder.
+        """Make no more steps until this holder's `release` or `alarm`.
 
         Return steps_made once stepping has stopped.
         """
@@ -121,15 +121,15 @@ class StepLoop:
             return self.steps_made
 
     def release(self, holder: object) -> None:
-        """Allow steps again."""
+        """End a hold."""
         with self.lock:
             self.holds.pop(holder, None)
             self.lock.notify_all()
 
     def step_when_paused(self, steps: int) -> Future[None]:
-        """Make steps; the future resolves after the last one.
+        """Make steps; return a future that resolves after the last one.
 
-        Raises ValueError unless paused, and the errors of `alarm`.
+        Raises ValueError unless paused, and the same errors as `alarm`.
         """
         with self.lock:
             self._require_open()
@@ -150,7 +150,7 @@ class StepLoop:
         return future
 
     def set_paused(self, paused: bool) -> None:
-        """Pause or run. Raises the error that stopped the simulation, if one did."""
+        """Pause or continue. Raises the error that stopped the simulation, if any."""
         with self.lock:
             if not paused and self.error is not None:
                 raise self.error
@@ -160,12 +160,12 @@ class StepLoop:
             self.lock.notify_all()
 
     def run(self) -> None:
-        """Work until closed. Errors of requests, readings and steps do not end it."""
+        """Make steps and answer requests until closed. Errors in requests, readings and steps do not end it."""
         try:
             while self._wait_for_work():
-                self._make_steps()  # those due before the present requests
+                self._make_steps()  # those that are due before the pending requests
                 self._answer_requests()
-                act(self.sim.agenda.of(*AWAITED), self._tick)  # items that a request has made due
+                act(self.sim.agenda.of(*AWAITED), self._tick)  # items that became due through a request
         finally:
             self._refuse_what_waits()
 
@@ -174,7 +174,7 @@ class StepLoop:
             raise NotRunningError("the live simulator is not running: start it first")
 
     def _wait_for_work(self) -> bool:
-        """Sleep until there is something to do; return whether to continue."""
+        """Sleep until there is work to do; return whether to continue."""
         with self.lock:
             while self._is_open:
                 if self._requests or self._awaited_tick <= self._tick:
@@ -204,7 +204,7 @@ class StepLoop:
             self.answer(request)
 
     def answer(self, request: Request) -> None:
-        """Carry out a request, on the stepping thread."""
+        """Execute a request. Called on the stepping thread."""
         if not request.future.set_running_or_notify_cancel():
             return
         tick = self._tick = self.sim.tick
@@ -222,12 +222,12 @@ class StepLoop:
         request.future.set_result(result)
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Log the start of navigation, which reading an estimate causes, since a replay must start it there as well."""
+        """Log the start of navigation, which reading an estimate may cause: a replay must start it at the same tick."""
         if name == START_NAVIGATION:
             self.log.append(Entry(self.sim.tick, name, arguments))
 
     def _notice_jump(self, request: Request, before: int) -> None:
-        """After a request that changed the time, end every wait for a time that no longer exists."""
+        """After a request that changed simulated time, end all waits for times that no longer apply."""
         tick = self.sim.tick
         if tick == before and request.name != RESET:
             return
@@ -265,13 +265,13 @@ class StepLoop:
             future.set_result(None)
 
     def _steps_to_make(self, now_s: float) -> int:
-        """Return the steps that are due on the wall clock, up to the next reading, delivery, alarm or hold."""
+        """Return the number of steps due on the wall clock, up to the next reading, delivery, alarm or hold."""
         wanted = self._steps_until - self.steps_made
         steps = min(wanted, self.pace.batch) if self.paused else self.pace.due(now_s)
         return min(steps, *self._steps_awaited(), steps)
 
     def _steps_awaited(self) -> Iterator[int]:
-        """Yield after how many steps a reading or delivery is due, each alarm rings and each hold begins."""
+        """Yield the number of steps until a reading or delivery is due, each alarm rings and each hold begins."""
         yield self._awaited_tick - self._tick
         yield from (until - self.steps_made for until, _ in self._alarms)
         yield from (until - self.steps_made for until in self.holds.values())

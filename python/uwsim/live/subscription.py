@@ -1,4 +1,4 @@
-"""Subscriptions: readings taken at a rate in simulated time and passed on."""
+"""Subscriptions: readings taken at a fixed rate in simulated time and passed to a sink."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ logger = logging.getLogger("uwsim.live")
 class Subscription:
     """A reading that is taken at all multiples of a period and passed to a sink; see LiveSimulator.every.
 
-    error: the last error of read or sink; errors: their number. Errors do not end the subscription.
+    error: the last error raised by read or sink. errors: number of such errors, which do not end the subscription.
     """
 
     def __init__(
@@ -25,7 +25,7 @@ class Subscription:
         read: Callable[[Simulator], Any],
         sink: Callable[[Any], object],
     ) -> None:
-        """period_ns: None: read only now and after each jump of time."""
+        """Create a subscription. period_ns: None to read only now and after each jump in time."""
         self.error: Exception | None = None
         self.errors = 0
         self.cancelled = False
@@ -37,16 +37,16 @@ class Subscription:
         self._sink = sink
 
     def cancel(self) -> None:
-        """Take no more readings. One that is under way may still arrive."""
+        """Take no more readings. A reading in progress may still arrive."""
         self.cancelled = True
         self._sim.agenda.remove(self)
 
     def jump(self, tick: int) -> None:
-        """Become due at once, since time has jumped."""
+        """Become due at once, because simulated time has jumped."""
         self.due_tick = tick
 
     def act(self, tick: int) -> None:
-        """Read and pass on, then be due at the next multiple of the period; log a new error once."""
+        """Pass a reading to the sink, and become due at the next multiple of the period; log a new error once."""
         if self.cancelled:
             return
         self.due_tick = NEVER if self._period_ns is None else next_tick(tick, self._period_ns, self._step_ns)

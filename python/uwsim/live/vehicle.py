@@ -1,4 +1,4 @@
-"""A vehicle of a live simulator: readings return at once, commands go through the log."""
+"""Vehicles of a live simulator: readings return at once, commands are logged."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class LiveVehicle(Placeable):
-    """A vehicle with the public names of a Simulator's Vehicle, for missions and controllers on other threads.
+    """A vehicle with the same public names as a Simulator's Vehicle, for missions and controllers on other threads.
 
-    Readings come from the last step, which may be 20 ms ago; two of them may be from different ticks. Commands take
-    effect at the start of the next step, return after that, and raise the command's exceptions.
+    Readings are from the last step, which may be 20 ms old; two readings may be from different ticks. Command methods
+    return once the command has taken effect, at the start of the next step, and raise its exceptions.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: Vehicle) -> None:
@@ -49,7 +49,10 @@ class LiveVehicle(Placeable):
 
     @property
     def estimate(self) -> Navigator:
-        """See Vehicle.estimate. The first access is a command, since it starts the navigation."""
+        """The vehicle's estimate, see Vehicle.estimate.
+
+        The first access is a command, since it starts the navigation.
+        """
         if not self._vehicle.navigation.has_begun:
             self.command("start_navigation")
         return self._vehicle.estimate
@@ -66,7 +69,7 @@ class LiveVehicle(Placeable):
 
     @property
     def sonar(self) -> LiveSonar:
-        """The first of the sonars. Raises ValueError if there is none."""
+        """The first sonar. Raises ValueError if there is none."""
         return self.sonars[self._vehicle.sonar.name]
 
     def telemetry(self) -> _core.Telemetry:
@@ -74,7 +77,7 @@ class LiveVehicle(Placeable):
         return self._vehicle.telemetry()
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.commands by name; return when it has taken effect. Raises ValueError."""
+        """Issue one of uwsim.commands by name; return once it has taken effect. Raises ValueError if it is refused."""
         return self._live.command(name, **command_named(name).named(self.name, arguments)).result()
 
 
@@ -113,7 +116,7 @@ class LiveCamera:
         return getattr(self._camera, name)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn towards these angles."""
+        """Turn the camera towards these angles; None leaves that axis's aim as it is."""
         self._live.command(
             "aim_camera", vehicle=self._vehicle, camera=self._key, pan_rad=pan_rad, tilt_rad=tilt_rad
         ).result()
@@ -130,7 +133,7 @@ class LiveLamp:
 
     @property
     def on(self) -> bool:
-        """Whether they are on."""
+        """Whether the lamps are on."""
         return self._lamp.on
 
     @on.setter
