@@ -1,4 +1,4 @@
-"""The chain from pings to an OctoMap, one step per line: text, ranges, LaserScan, cloud, world, map."""
+"""The processing chain from pings to an OctoMap, one step per line: text, ranges, LaserScan, cloud, world, map."""
 
 import tempfile
 from pathlib import Path

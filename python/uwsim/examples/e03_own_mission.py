@@ -7,7 +7,7 @@ from uwsim.missions import OwnVehicle, Steps, run, wait
 
 
 def circle(vehicle: OwnVehicle, centre_m: np.ndarray, radius_m: float, z_m: float) -> Steps[None]:
-    """Fly once round `centre_m` (2,) at 0.5 m/s, nose inwards, at height z_m."""
+    """Fly once around `centre_m` (2,) at 0.5 m/s, facing inwards, at height z_m."""
     period_s = vehicle.autopilot.period_s
     for angle in np.arange(0.0, 2 * np.pi, 0.5 * period_s / radius_m):
         out = np.array([np.cos(angle), np.sin(angle)])
@@ -23,7 +23,7 @@ def mission(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def main() -> None:
-    """Put the vehicle beside the box, and fly."""
+    """Place the vehicle beside the box and fly the mission."""
     sim = uwsim.Simulator("pool")
     sim.rov.release()
     sim.rov.place([7.0, 0.0, -3.5], [0.0, 0.0, 1.0, 0.0])

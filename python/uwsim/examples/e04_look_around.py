@@ -9,7 +9,7 @@ import uwsim
 
 
 def main() -> None:
-    """Look at the box in the pool in the evening."""
+    """Take pictures of the box in the pool in evening light."""
     sim = uwsim.Simulator("pool", seed=3)
     rov = sim.rov
     rov.place((0.0, 0.0, -3.0))

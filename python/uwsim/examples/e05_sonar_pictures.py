@@ -1,4 +1,4 @@
-"""Three imaging sonars in the lake: a picture ahead, a side-scan waterfall, a profile of the pipeline."""
+"""Three imaging sonars in the lake: a picture ahead, a side-scan waterfall, and a profile of the pipeline."""
 
 import numpy as np
 

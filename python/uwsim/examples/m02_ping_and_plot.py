@@ -1,4 +1,4 @@
-"""The sonar: turn on the spot, ping in all directions, and draw the echoes from above."""
+"""Sonar pings: turn on the spot, ping in all directions, and plot the echoes from above."""
 
 import math
 import tempfile
@@ -28,7 +28,7 @@ def mission(vehicle: OwnVehicle) -> Steps[np.ndarray]:
 
 
 def plot(path: Path, echoes_m: np.ndarray) -> None:
-    """Draw echoes from above, coloured by height."""
+    """Plot echoes from above, coloured by height."""
     figure = new_figure(6.0, 6.0)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     label_axes(axes, "Echoes of eight pings", "east [m]", "north [m]")
@@ -38,7 +38,7 @@ def plot(path: Path, echoes_m: np.ndarray) -> None:
 
 
 def main() -> None:
-    """Fly the mission in the lake, and draw the echoes."""
+    """Fly the mission in the lake, and plot the echoes."""
     echoes_m = uwsim.fly(mission, "lake").result
     path = Path(tempfile.gettempdir()) / "echoes.png"
     plot(path, echoes_m)

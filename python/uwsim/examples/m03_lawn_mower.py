@@ -1,4 +1,4 @@
-"""A survey as a step of a mission: the adaptive lawn-mower over a polygon, with a map and its score."""
+"""A survey as one step of a mission: the adaptive lawn-mower over a polygon, with a map and its score."""
 
 import tempfile
 
@@ -9,7 +9,7 @@ AREA_M = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]]
 
 
 def mission(vehicle: OwnVehicle) -> Steps[None]:
-    """Mow a square; log when it is done."""
+    """Survey a square; log when it is done."""
     yield from mow(vehicle, LawnMowerPlan(area_m=AREA_M, altitude_m=2.0, line_spacing_m=2.0, speed_m_s=0.5))
     vehicle.log("mown")
     yield from hold(vehicle, 2.0)

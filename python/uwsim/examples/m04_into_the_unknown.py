@@ -6,7 +6,7 @@ from uwsim.missions.planners.unknown_water import MownWater, mow_unknown_water
 
 
 def mission(vehicle: OwnVehicle, bound_m: float = 25.0) -> Steps[MownWater]:
-    """Mow all water that can be reached within a distance of the station; no polygon is given."""
+    """Survey all water that can be reached within a distance of the station, without a given polygon."""
     vehicle.undock()
     return (yield from mow_unknown_water(vehicle, bound_m, line_spacing_m=5.0, altitude_m=3.0, speed_m_s=0.7))
 

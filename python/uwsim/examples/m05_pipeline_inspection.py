@@ -1,4 +1,4 @@
-"""An inspection: the vehicle follows a pipeline by sonar and camera; either would suffice."""
+"""Pipeline inspection: the vehicle follows a pipeline by sonar and camera, either of which would suffice."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps
@@ -6,7 +6,7 @@ from uwsim.missions.planners.pipeline import PipelineTrack, follow_pipeline
 
 
 def mission(vehicle: OwnVehicle, heading_rad: float = -0.3) -> Steps[PipelineTrack]:
-    """Search for a pipe 0.8 m wide near one of its ends, and follow it to the other."""
+    """Search for a pipe 0.8 m in diameter near one end, and follow it to the other end."""
     vehicle.undock()
     return (yield from follow_pipeline(vehicle, (-19.0, -5.0), heading_rad, diameter_m=0.8))
 

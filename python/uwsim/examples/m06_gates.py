@@ -1,4 +1,4 @@
-"""Gate passing by sonar: the vehicle finds the posts in level pings and goes through, there and back."""
+"""Gate passing by sonar: the vehicle finds the posts in level pings and passes between them, there and back."""
 
 import uwsim
 from uwsim.missions import OwnVehicle, Steps, goto

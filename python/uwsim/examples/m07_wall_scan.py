@@ -1,4 +1,4 @@
-"""A wall scan by sonar alone: face the wall, keep the distance with the middle beams, and go up and down along it."""
+"""A wall scan using only sonar: face the wall, keep the distance by the middle beams, and move up and down along it."""
 
 import tempfile
 from pathlib import Path
@@ -12,7 +12,7 @@ from uwsim.scenario.read.assets import assets_folder
 WALL = "\n  - {kind: box, name: wall, position_m: [7, 0, -2.5], size_m: [1, 14, 5]}"
 DISTANCE_M, SPEED_M_S = 4.0, 0.25
 LONGEST_S = 120.0
-MIDDLE = 10  # beams to either side of the middle one
+MIDDLE = 10  # beams on either side of the middle beam
 
 
 def distance_m(vehicle: OwnVehicle) -> float:
@@ -25,7 +25,7 @@ def distance_m(vehicle: OwnVehicle) -> float:
 
 
 def along_wall(vehicle: OwnVehicle, heading_rad: float, aside_m: float, z_m: float) -> Steps[None]:
-    """Go sideways to port (starboard if negative) and to a height, facing the wall at DISTANCE_M."""
+    """Move sideways to port (starboard if negative) and to a height, facing the wall at DISTANCE_M."""
     ahead = np.array([np.cos(heading_rad), np.sin(heading_rad)])
     port = np.array([-ahead[1], ahead[0]])
     start_m = np.asarray(vehicle.pose.position_world_m)
@@ -45,12 +45,12 @@ def along_wall(vehicle: OwnVehicle, heading_rad: float, aside_m: float, z_m: flo
 
 
 def mission(vehicle: OwnVehicle) -> Steps[list[float]]:
-    """Scan the wall to the east in three columns; return the distances that were kept."""
+    """Scan the wall to the east in three columns; return the distance measured at the end of each pass."""
     vehicle.undock()
     vehicle.sonar.aim(0.0)
     yield from dive_to(vehicle, 2.0)
     yield from turn_to(vehicle, 0.0)
-    yield wait(6.0)  # until the head is level
+    yield wait(6.0)  # time for the head to become level
     kept_m = []
     for aside_m, z_m in ((-3.0, -1.2), (0.0, -4.2), (3.0, -4.2), (0.0, -1.2), (3.0, -1.2), (0.0, -4.2)):
         yield from along_wall(vehicle, 0.0, aside_m, z_m)

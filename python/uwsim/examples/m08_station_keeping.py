@@ -1,4 +1,4 @@
-"""Station keeping in a gusting current of 0.5 m/s, with the vehicle's own instruments alone."""
+"""Station keeping in a gusty current of 0.5 m/s, using only the vehicle's own instruments."""
 
 import tempfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Two vehicles that share a survey: each flies half of the lanes, and both sonars' pings go into one map."""
+"""Two vehicles share a survey: each flies half of the lanes, and the pings of both sonars go into one map."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ HALVES_M = {
 
 
 def mow_half(vehicle: OwnVehicle) -> Steps[None]:
-    """Fly the lanes of the vehicle's own half."""
+    """Fly the lanes in this vehicle's half."""
     if not vehicle.released:
         vehicle.undock()
     vehicle.sonar.aim(-0.5)
@@ -23,7 +23,7 @@ def mow_half(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def mission(vehicles: dict[str, OwnVehicle]) -> Steps[None]:
-    """Fly both vehicles at once."""
+    """Fly both vehicles at the same time."""
     yield from parallel(*(mow_half(vehicle) for vehicle in vehicles.values()))
 
 

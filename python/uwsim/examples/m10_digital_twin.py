@@ -1,4 +1,4 @@
-"""A digital twin: thin parts of the map are surveyed again, the vehicle docks, and a second visit finds changes."""
+"""A digital twin: poorly mapped parts are surveyed again, the vehicle docks, and a second visit finds changes."""
 
 import tempfile
 from pathlib import Path
@@ -14,7 +14,7 @@ LOST_CARGO = "\n  - {kind: box, name: cargo, position_m: [-4, -14, -8], size_m: 
 
 
 def mission(vehicle: OwnVehicle) -> Steps[Twin]:
-    """Make the area's twin, return, and dock."""
+    """Build a digital twin of the area, return, and dock."""
     return (yield from make_twin(vehicle, AREA_M))
 
 

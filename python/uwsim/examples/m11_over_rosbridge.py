@@ -1,4 +1,4 @@
-"""One mission flown twice: in this process, and with a vehicle behind a rosbridge, like a real one."""
+"""One mission flown twice: in this process, and with a vehicle behind rosbridge, as a real vehicle would be."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from uwsim.missions import OwnVehicle, Steps, goto, turn_to
 
 
 def mission(vehicle: OwnVehicle) -> Steps[np.ndarray]:
-    """Leave the dock, go to a position, and look back; return the vehicle's position."""
+    """Leave the dock, go to a position and turn back; return the vehicle's position."""
     vehicle.undock()
     yield from goto(vehicle, (0.0, 3.0), altitude_m=2.0)
     yield from turn_to(vehicle, -2.0)
@@ -19,7 +19,10 @@ def mission(vehicle: OwnVehicle) -> Steps[np.ndarray]:
 
 
 def main() -> None:
-    """Fly it both ways in the pool. The second server could be anywhere: `uwsim run FILE --connect ws://HOST:9090`."""
+    """Fly the mission both ways in the pool.
+
+    The server could be anywhere: `uwsim run FILE --connect ws://HOST:9090`.
+    """
     here_m = uwsim.fly(mission, "pool").result
     with LiveSimulator("pool", paused=True) as live, RosbridgeServer(live) as server:
         there_m = fly_remote(mission, server.url, lockstep=True).result

@@ -1,4 +1,4 @@
-"""A learned policy flown as a mission: it holds its position in gusts, and is compared with the vehicle's PID."""
+"""A learned policy flown as a mission: it holds a position in gusts and is compared with the vehicle's PID."""
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def by_pid(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def main() -> None:
-    """Fly both in the same gusts, from 1.5 m beside the position."""
+    """Fly both in the same gusts, starting 1.5 m from the position."""
     scenario = assets_folder() / "learning" / "open_water.yaml"
     for name, fly_it in (("learned", mission), ("PID", by_pid)):
         sim = uwsim.Simulator(scenario, seed=12)
