@@ -1,4 +1,4 @@
-"""Scenarios: YAML files are read (`read`), checked (`spec`) and turned into core objects (`build`)."""
+"""Scenarios: YAML files are read (`read`), validated (`spec`) and converted to core objects (`build`)."""
 
 from uwsim.scenario.build.control import ControlSettings, control_settings
 from uwsim.scenario.build.hull import RigidBody, rigid_body, vehicle_hull

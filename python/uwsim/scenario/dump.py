@@ -1,8 +1,8 @@
-"""A scenario as plain values and as a YAML file, which reads back as an equal scenario.
+"""A scenario as plain values, or as a YAML file that reads back as an equal scenario.
 
-Only given values are written, since giving a key may matter even if its value is the default: gains of an axis without
-actuators are refused (`control.sway`), as is a density beside `water.profile`, and each value of `sonar.noise`
-overrides the model's.
+Only values that were set explicitly are written, since setting a key may matter even to its default value: gains of an
+axis without actuators are rejected (`control.sway`), as is a density together with `water.profile`, and each value of
+`sonar.noise` overrides the model's.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from uwsim.scenario.spec.scenario import Scenario
 
 
 def plain(value: Any) -> Any:
-    """Return a model or a part of one as dicts, lists, text, numbers, booleans, None and paths."""
+    """Convert a model or a part of one to dicts, lists, text, numbers, booleans, None and paths."""
     if isinstance(value, Model):
         return plain(value.given())
     if isinstance(value, Mapping):
@@ -32,10 +32,10 @@ def plain(value: Any) -> Any:
 
 
 def write_scenario(path: Path, scenario: Scenario) -> None:
-    """Write a scenario as one YAML file, complete apart from meshes and rasters. Raises OSError."""
+    """Write a scenario as a single YAML file, complete except for meshes and rasters. Raises OSError."""
     text = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = None  # lists of numbers in one line
+    yaml.default_flow_style = None  # lists of numbers on one line
     yaml.width = 120
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     yaml.dump(_with_text_for_paths(plain(scenario)), text)

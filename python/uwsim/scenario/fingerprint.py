@@ -1,4 +1,4 @@
-"""Fingerprints of a scenario, including every file that it names, and of this build: a saved state needs both."""
+"""Fingerprints of a scenario, including all files that it names, and of this build; a saved state stores both."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ from uwsim.scenario.spec.water import LinearEnd, Water, WaterLevel
 ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
     (kind, "salinity_psu"): 0.0 for kind in (Water, WaterLevel, LinearEnd)
 }
-"""The first version's defaults of values that are now derived from others: water with these values is unchanged."""
+"""Defaults in the first version of values that are now derived from others; water with these values keeps its
+fingerprint."""
 
 
 def scenario_fingerprint(scenario: Scenario) -> str:
-    """Return a digest of the scenario, including its seed and its files' contents: 16 hexadecimal digits.
+    """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
-    A field with its default value is left out, so that fields added in new versions change no fingerprint. Raises
-    OSError if a file that the scenario names is gone.
+    Fields with their default value are omitted, so that fields added in later versions do not change it. Raises OSError
+    if a file that the scenario names is gone.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
 
 
 class BuildWarning(UserWarning):
-    """A file was written by another build: results may differ in the last bits."""
+    """A file was written by another build, so results may differ in the last bits."""
 
 
 @functools.cache
@@ -75,7 +76,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_effect(model: BaseModel, name: str) -> Any:
-    """Return a field's value, or its current default if it has that of the first version."""
+    """Return a field's value, or its current default if the value equals the first version's default."""
     value = getattr(model, name)
     if (type(model), name) not in ONCE_BY_DEFAULT or (isinstance(model, Water) and model.profile is not None):
         return value
@@ -85,7 +86,7 @@ def _in_effect(model: BaseModel, name: str) -> Any:
 
 
 def _counts(field: FieldInfo, value: Any) -> bool:
-    """Return whether a field's value carries information: no default, not equal to it, or a variant's name."""
+    """Return whether a field's value must be included: it has no default, differs from it, or names a variant."""
     if field.is_required() or get_origin(field.annotation) is Literal:
         return True
     default = field.get_default(call_default_factory=True, validated_data={})

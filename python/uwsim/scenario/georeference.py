@@ -1,4 +1,4 @@
-"""The place of a scenario's world on Earth."""
+"""The location of a scenario's world on Earth."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from uwsim.scenario.spec.terrain import RasterTerrain
 
 
 def georeference(scenario: Scenario | None) -> Georeference:
-    """Return the georeference of a scenario with an elevation raster; local metres for all others."""
+    """Return the georeference of a scenario with an elevation raster; local metres for any other."""
     if scenario is None or not isinstance(scenario.terrain, RasterTerrain):
         return Georeference()
-    from uwsim.scenario.build.terrain_raster import raster_place  # rasterio takes half a second
+    from uwsim.scenario.build.terrain_raster import raster_place  # imported here: rasterio takes half a second
 
     place = raster_place(scenario.terrain)
     return Georeference(place.crs, place.origin, place.units_per_m)

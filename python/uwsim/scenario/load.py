@@ -1,4 +1,4 @@
-"""Loading of a checked scenario by name or path."""
+"""Loads and validates a scenario by name or path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def load(source: str | Path | Scenario) -> Scenario:
     """Return a scenario from a packaged name ("lake"), the path of a YAML file, or a Scenario itself.
 
     Files named in the YAML file are looked up relative to it, then among the packaged assets; the vehicles' files are
-    read, too. Raises ScenarioError: one line with file, line, key, value, unit and rule.
+    also read. Raises ScenarioError, one line with file, line, key, value, unit and rule for each mistake.
     """
     if isinstance(source, Scenario):
         return source

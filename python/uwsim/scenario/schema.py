@@ -1,6 +1,6 @@
-"""JSON Schemas of scenario files and their parts, generated from the models: for editors and other programs.
+"""JSON Schemas of scenario files and their parts, generated from the models for editors and other programs.
 
-They contain keys, types, ranges and choices. Rules that combine keys or need a file are checked by `check` alone.
+They contain keys, types, ranges and choices. Rules that combine keys or need a file are enforced only by `check`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FILES: dict[str, Any] = {
     "sensors": SensorSet,
     "modem": ModemModel,
 }
-"""The kinds of files, by the name of their schema."""
+"""The kinds of files, keyed by the name of their schema."""
 
 PARTS: dict[str, Any] = {
     **FILES,
@@ -62,7 +62,7 @@ PARTS: dict[str, Any] = {
 
 
 def schema(part: str = "scenario") -> JsonSchemaValue:
-    """Return the JSON Schema (draft 7) of a part, one of PARTS. Raises ValueError for an unknown one."""
+    """Return the JSON Schema (draft 7) of a part, one of PARTS. Raises ValueError for an unknown part."""
     if part not in PARTS:
         raise ValueError(f"part = '{part}': must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
     made = TypeAdapter(PARTS[part]).json_schema(schema_generator=_Draft7, ref_template="#/definitions/{model}")
@@ -76,17 +76,17 @@ def schema(part: str = "scenario") -> JsonSchemaValue:
 
 
 def schema_file(part: str) -> Path:
-    """Return the path of a packaged schema, for an editor. part: one of FILES."""
+    """Return the path of a packaged schema, for use in an editor. part: one of FILES."""
     return assets_folder() / "schema" / f"{part}.json"
 
 
 class _Draft7(GenerateJsonSchema):
-    """pydantic's generator, with draft 7's keywords instead of those of 2020-12."""
+    """pydantic's schema generator, modified to use draft 7's keywords instead of those of 2020-12."""
 
     schema_dialect = "http://json-schema.org/draft-07/schema#"
 
     def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
-        """Return lists of a fixed length with `items` for each place, or one for all places if they are alike."""
+        """Return fixed-length lists with one schema per position in `items`, or a single one if all are equal."""
         made = super().tuple_schema(schema)
         places = made.pop("prefixItems", None)
         if places is None:
@@ -96,12 +96,12 @@ class _Draft7(GenerateJsonSchema):
         return made | {"items": places, "additionalItems": False}
 
     def dict_schema(self, schema: core_schema.DictSchema) -> JsonSchemaValue:
-        """Return mappings by name: a key that is not a name is refused."""
+        """Return mappings by name in which keys that are not valid names are rejected."""
         made = super().dict_schema(schema)
         return made | {"additionalProperties": False} if "patternProperties" in made else made
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
-        """Return a union without OpenAPI's `discriminator`, which JSON Schema does not have."""
+        """Return a union without OpenAPI's `discriminator`, which is not part of JSON Schema."""
         made = super().tagged_union_schema(schema)
         made.pop("discriminator", None)
         return made

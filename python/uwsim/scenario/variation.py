@@ -1,4 +1,4 @@
-"""Variation: the values, numbers or choices, that a scenario's key takes in a study, and how one of them is drawn."""
+"""Variation: the values (a range or choices) that a key of a scenario takes in a study, and how they are drawn."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ Bound = Annotated[float, InRange(-1e12, 1e12)]
 class Variation(Model):
     """The values of one key: numbers from low to high, or choices.
 
-    low: the smallest number, in the unit of the key. high: the largest. steps: of a grid: how many numbers, both
-    ends included. scale: log: as many between 1 and 10 as between 10 and 100. whole: whole numbers only. choices: any
-    values of the scenario's file; with a name for each, tables show the name.
+    low: the smallest number, in the unit of the key. high: the largest. steps: number of grid points, including both
+    ends. scale: linear, or log for equal density per decade. whole: whole numbers only. choices: any values that the
+    scenario file accepts; if they are named, tables show the names.
     """
 
     low: Bound | None = None
@@ -51,7 +51,7 @@ class Variation(Model):
 
 @dataclass(frozen=True)
 class Level:
-    """One value of a variation. shown: its form in tables: a number, or a choice's name."""
+    """One value of a variation. shown: how tables show it: a number, or a choice's name."""
 
     shown: Any
     value: Any
@@ -66,19 +66,19 @@ def choices(variation: Variation) -> list[Level]:
 
 
 def extremes(variation: Variation) -> list[Level]:
-    """Return the levels to check before a study, so that all others are valid, too: both ends, or all choices."""
+    """Return the levels to check before a study, both ends or all choices; if they are valid, all others are too."""
     return choices(variation) if variation.choices is not None else [level_at(variation, u) for u in (0.0, 1.0)]
 
 
 def level_at(variation: Variation, u: float) -> Level:
-    """Return the level of a variation at u in [0, 1]; all choices have equal shares."""
+    """Return the level of a variation at u in [0, 1]; choices are equally likely."""
     if variation.choices is not None:
         levels = choices(variation)
         return levels[min(int(u * len(levels)), len(levels) - 1)]
     low, high = variation.low or 0.0, variation.high or 0.0
     if variation.scale == "log":
         value = low * (high / low) ** u
-    elif variation.whole:  # all numbers have equal shares
+    elif variation.whole:  # all numbers are equally likely
         value = math.floor(low + u * (high - low + 1))
     else:
         value = low + u * (high - low)

@@ -1,4 +1,4 @@
-"""Builds the ray trees of a packaged scenario's world on a thread, while the caller imports other modules."""
+"""Builds the ray tracing trees of a packaged scenario's world on a thread, while the caller imports other modules."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.scenario.load import load, packaged_scenarios
 def make_world_ahead(scenario: str | Path) -> None:
     """Start building the trees; a Simulator that needs them waits for them, since equal worlds share theirs.
 
-    Only for a packaged scenario: mistakes in a user's own should be reported once, by the Simulator.
+    Only for packaged scenarios: errors in a user's scenario should be reported once, by the Simulator.
     """
     if str(scenario) in packaged_scenarios():
         threading.Thread(target=_make, args=(str(scenario),), name="world-ahead").start()

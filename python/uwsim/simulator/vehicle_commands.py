@@ -126,7 +126,7 @@ class CommandedVehicle(Sealed, Placeable):
         self._note("override_failsafe")
 
     def all_stop(self, on: bool = True) -> None:
-        """Stop the thrusters and centre the fins, overriding all commands until a call with False.
+        """Stop the thrusters and centre the fins, overriding all commands until called with False.
 
         Until then commands have no effect, with a single AllStopWarning, and a docked vehicle stays in the dock.
         Afterwards the vehicle is idle until the next command; a failsafe that is steering continues from there. Raises

@@ -1,1 +1,1 @@
-"""Conversion of a checked scenario to objects of the native core; none of it is done elsewhere."""
+"""Conversion of a validated scenario to objects of the native core; all of it is done here."""

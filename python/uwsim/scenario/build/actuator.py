@@ -12,7 +12,7 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 
 def actuators_spec(model: VehicleModel) -> _core.ActuatorsSpec:
-    """Return a vehicle's actuators: thrusters and fins, or a maximum wrench if it has no thrusters."""
+    """Return a vehicle's actuators: thrusters and fins, and the maximum wrench of one without thrusters."""
     spec = _core.ActuatorsSpec()
     if model.max_force_n is not None and model.max_torque_nm is not None:
         spec.full_wrench_body = np.array([*model.max_force_n, *model.max_torque_nm])
@@ -22,7 +22,7 @@ def actuators_spec(model: VehicleModel) -> _core.ActuatorsSpec:
 
 
 def thrust_curve(thruster: ThrusterType, gain: float = 1.0) -> _core.ThrustCurve:
-    """Return thrust, times a gain, as a function of the command in [-1, 1]."""
+    """Return thrust, multiplied by a gain, as a function of the command in [-1, 1]."""
     commands, thrusts_n = thruster.curve_points
     return _core.ThrustCurve(commands, [gain * thrust_n for thrust_n in thrusts_n])
 

@@ -1,4 +1,4 @@
-"""A vehicle's mass with trim weights and ballast, combined into one rigid body."""
+"""Combines a vehicle's mass with trim weights and ballast into one rigid body."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 Floats = NDArray[np.float64]
 GRAVITY_M_S2 = _core.Water().gravity_m_s2
 MAX_TAKEN_OFF = 0.5
-"""The largest share of a vehicle's mass that trimming may remove."""
+"""The largest fraction of a vehicle's mass that trimming may remove."""
 
 
 class PointMass(NamedTuple):
-    """mass_kg: negative for weights that are removed. position_m: (3,), body frame."""
+    """mass_kg: negative for removed weight. position_m: (3,), body frame."""
 
     mass_kg: float
     position_m: Floats
 
 
 def trim_weights(model: VehicleModel, body: RigidBody, trim: Trim | None, water_density_kg_m3: float) -> PointMass:
-    """Return the weights that trim the body: rho V - B / g - m. Raises ScenarioError if they are unrealistic."""
+    """Return the weight that trims the body: rho V - B / g - m. Raises ScenarioError if it is unrealistic."""
     if trim is None:
         return PointMass(0.0, body.centre_of_mass_m)
     displaced_kg = water_density_kg_m3 * body.volume_m3
@@ -43,7 +43,7 @@ def trim_weights(model: VehicleModel, body: RigidBody, trim: Trim | None, water_
 
 
 def mass_with_ballast(model: VehicleModel, body: RigidBody, trim: PointMass) -> tuple[float, Floats, Floats]:
-    """Return mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it [kg m2], body axes.
+    """Return the mass [kg], centre of mass (3,) [m] and inertia (3, 3) about it [kg m2], in body axes.
 
     Trim and ballast are point masses; moments of inertia follow from the parallel axis theorem. Raises ScenarioError.
     """

@@ -1,4 +1,4 @@
-"""Cameras and lamps for the native core, from their specs: lens, image sensor, lamps."""
+"""Cameras and lamps as core objects: lens, image sensor, lamps."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ CHASE_LENGTHS = np.array([2.0, 0.8])
 
 
 def mount_orientation_xyzw(yaw_pitch_roll_deg: Sequence[float]) -> Floats:
-    """Return the rotation from the mounted part's frame to its carrier's, (4,) as x, y, z, w."""
+    """Return the rotation from the mounted part's frame to that of its carrier, (4,) as x, y, z, w."""
     return of_yaw_pitch_roll_deg(yaw_pitch_roll_deg)
 
 
 def intrinsic_matrix(mount: CameraMount) -> Floats:
-    """Return the (3, 3) intrinsic matrix K, in pixels; square pixels, principal point in the image centre."""
+    """Return the (3, 3) intrinsic matrix K in pixels, for square pixels and the principal point in the image centre."""
     focal = 0.5 * mount.width / np.tan(np.radians(0.5 * mount.horizontal_fov_deg))
     return np.array([[focal, 0, 0.5 * (mount.width - 1)], [0, focal, 0.5 * (mount.height - 1)], [0, 0, 1]])
 
 
 def core_camera(name: str, mount: CameraMount) -> _core.Camera:
-    """Return the native camera, with its table of rays. Raises ValueError."""
+    """Return the core's camera, including its ray table. Raises ValueError."""
     k = intrinsic_matrix(mount)
     lens = _core.Lens(
         mount.width,
@@ -54,7 +54,10 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
 
 
 def chase_camera(model: VehicleModel) -> CameraMount:
-    """Return the default camera that follows the vehicle from behind and above; its file may define another `chase`."""
+    """Return the default camera that follows the vehicle from behind and above.
+
+    A vehicle's file may define another camera called `chase`.
+    """
     vertices_m, _ = vehicle_hull(model)
     low, high = vertices_m.min(axis=0), vertices_m.max(axis=0)
     behind, above = CHASE_LENGTHS * float(np.linalg.norm(high - low))
@@ -69,6 +72,6 @@ def chase_camera(model: VehicleModel) -> CameraMount:
 
 
 def core_lamp(lamps: Lamps, position_m: Floats, orientation_xyzw: Floats) -> _core.SpotLamp:
-    """Return one lamp of a switch, at its pose in the world."""
+    """Return a lamp at its pose in the world frame."""
     half_angle_rad = float(np.radians(lamps.half_angle_deg))
     return _core.SpotLamp(position_m, orientation_xyzw, lamps.flux_lm, half_angle_rad, lamps.soft_share, lamps.colour)

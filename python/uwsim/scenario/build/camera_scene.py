@@ -1,4 +1,4 @@
-"""The native scene for cameras, from a scenario: materials, textures and the vehicles' hulls."""
+"""The core's scene for cameras, built from a scenario: materials, textures and the vehicles' hulls."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from uwsim.scenario.spec.obstacle import Gate, MeshObstacle, ObstacleSpec, Pipel
 from uwsim.scenario.spec.scenario import Scenario
 
 CLASSES: dict[type, str] = {Pipeline: "pipeline", Gate: "gate"}
-"""Surface classes of obstacle kinds; all others are structures."""
+"""Surface classes by kind of obstacle; all other kinds are structures."""
 
 
 def camera_scene(scenario: Scenario, world: _core.World, rays: _core.RayScene) -> _core.CameraScene:
-    """Return the world with its materials and the vehicles' hulls. Raises ScenarioError."""
+    """Return a scene of the world with its materials and the vehicles' hulls. Raises ScenarioError."""
     scene = _core.CameraScene(world, rays, scenario.seed)
     ground = scenario.ground
     scene.set_ground(ground.bed, ground.steep, ground.land)

@@ -1,8 +1,8 @@
-"""Collision shapes made of several convex pieces, which keep the hollows that a single convex hull fills.
+"""Collision shapes made of several convex pieces, which preserve the hollows that a single convex hull would fill.
 
 CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
-too long for every start. So the decomposition is done once (`uwsim decompose`), and the pieces are an asset beside the
-mesh; loading them does not need CoACD.
+too long for every start. So the decomposition is done once (`uwsim decompose`), and the pieces are an asset stored
+beside the mesh; loading them does not need CoACD.
 """
 
 from __future__ import annotations
@@ -23,11 +23,12 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 MAX_PIECES = 256
 MAX_STRETCH = 2.0
-"""Range of the ratio of the pieces' extent to the hull's along each axis: pieces match a hull within a few percent."""
+"""Largest ratio between the extents of pieces and hull, either way, along each axis; matching ones agree to a few
+percent."""
 
 
 def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
-    """Return a vehicle's collision pieces in the body frame, scaled and moved like its mesh. Raises ScenarioError."""
+    """Return a vehicle's collision pieces in the body frame, scaled and placed like its mesh. Raises ScenarioError."""
     assert model.collision_pieces is not None
     in_file, _ = load_mesh(model.mesh, scale=model.mesh_scale, up=model.mesh_up)
     in_body, _ = vehicle_hull(model)
@@ -47,7 +48,8 @@ def vehicle_pieces(model: VehicleModel) -> list[Vertices]:
 def load_pieces(path: str | Path, *, scale: float = 1.0) -> list[Vertices]:
     """Return the corners (n, 3) of each convex piece: the hull of each connected part of the file's mesh.
 
-    path: any file that load_mesh reads, z up. scale: the scale of the mesh they were made from. Raises ScenarioError.
+    path: any file that load_mesh can read, with z up. scale: the scale of the mesh from which the pieces were made.
+    Raises ScenarioError.
     """
     vertices, triangles = load_mesh(path, scale=scale, up="z")
     count = len(vertices)
@@ -66,7 +68,7 @@ def decompose(
 ) -> list[Vertices]:
     """Return the corners (n, 3) of each piece of a closed mesh's approximate convex decomposition, by CoACD.
 
-    threshold: the concavity that may remain, relative to the mesh's size. The same seed gives the same pieces.
+    threshold: permitted remaining concavity, relative to the mesh's size. The same seed produces the same pieces.
     Raises ScenarioError if CoACD is not installed.
     """
     try:
@@ -78,7 +80,7 @@ def decompose(
         coacd.Mesh(vertices, triangles),
         threshold=threshold,
         max_convex_hull=max_pieces,
-        preprocess_mode="off",  # would repair open meshes; vehicle hulls are closed
+        preprocess_mode="off",  # preprocessing repairs open meshes; vehicle hulls are closed
         resolution=1000,
         mcts_nodes=10,
         mcts_iterations=60,
@@ -89,7 +91,7 @@ def decompose(
 
 
 def write_pieces(pieces: list[Vertices], path: str | Path, *, made_from: str) -> None:
-    """Write the pieces as objects of one OBJ file, which any modelling program can open."""
+    """Write the pieces as objects of a single OBJ file, which any modelling program can open."""
     import trimesh
 
     lines = [f"# convex pieces of {made_from}: uwsim decompose (CoACD)"]

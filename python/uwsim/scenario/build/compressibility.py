@@ -1,4 +1,4 @@
-"""Displacement of a compressible hull at depth, in water that is compressed, too."""
+"""Displacement of a compressible hull at depth, in water that may itself be compressible."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from uwsim.scenario.build.terrain import build_terrain
 from uwsim.scenario.build.water import build_water
 from uwsim.scenario.spec.scenario import Scenario
 
-STEP_M = 25.0  # linear interpolation errs by less than 1e-8 of the share
+STEP_M = 25.0  # keeps the relative error of linear interpolation below 1e-8
 
 
 def buoyancy_share(scenario: Scenario, compressibility_1_pa: float) -> NDArray[np.float64]:
-    """Return the buoyancy of a submerged hull relative to that at surface pressure, every STEP_M down to the bed.
+    """Return a submerged hull's buoyancy relative to that at surface pressure, every STEP_M down to the bed.
 
-    (n,): rho(z) V(z) over rho_0(z) V_0. The water's density grows by EOS-80 (sea_water.h) where it is compressible; the
-    volume follows dV / V = -compressibility dp, so V = V_0 exp(-compressibility p) for the gauge pressure p.
+    (n,): rho(z) V(z) / (rho_0(z) V_0). If the water is compressible, its density increases with pressure by EOS-80
+    (sea_water.h). The volume follows dV / V = -compressibility dp, so V = V_0 exp(-compressibility p) at gauge pressure
+    p.
     """
     terrain = build_terrain(scenario.terrain).window(scenario.terrain.window_m)
     water = build_water(scenario.water, bottom_depth_m=-terrain.lowest_m, seed=scenario.seed)

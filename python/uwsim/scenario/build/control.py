@@ -18,9 +18,9 @@ from uwsim.scenario.spec.vehicle import VehicleModel, load_vehicle
 
 @dataclass(frozen=True, eq=False)
 class ControlSettings:
-    """A vehicle's motion model and gains, as its file gives them.
+    """A vehicle's motion model and gains, from its file.
 
-    thrusters: their number; 0 for a vehicle that is driven by forces along its axes.
+    thrusters: number of thrusters; 0 for a vehicle driven by forces along its axes.
     """
 
     model: _core.ControlModel
@@ -29,7 +29,7 @@ class ControlSettings:
 
     @property
     def net_buoyancy_n(self) -> float:
-        """Net force on the vehicle deep in still water with thrusters off; positive: it rises."""
+        """Net vertical force deep in still water with thrusters off; positive if the vehicle rises."""
         return -float(self.model.wrench_body(np.eye(3), np.zeros(6), np.zeros(6))[2])
 
     def __repr__(self) -> str:
@@ -38,16 +38,16 @@ class ControlSettings:
 
 
 def floating_text(net_buoyancy_n: float) -> str:
-    """Return text such as `rises by 2.0 N`."""
+    """Return a description such as `rises by 2.0 N`."""
     if abs(net_buoyancy_n) < 0.05:
         return "balanced in the water"
     return f"{'rises' if net_buoyancy_n > 0.0 else 'sinks'} by {abs(net_buoyancy_n):.1f} N"
 
 
 def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 1000.0) -> ControlSettings:
-    """Return the control settings of a vehicle: a packaged name, a file or a model. density_kg_m3: of the water.
+    """Return the control settings of a vehicle, given as a packaged name, a file or a model.
 
-    Raises ScenarioError, also for gains of an axis without actuators.
+    density_kg_m3: density of the water. Raises ScenarioError, also for gains of an axis without actuators.
     """
     model = vehicle if isinstance(vehicle, VehicleModel) else load_vehicle(vehicle)
     return built_settings(model, craft(model, density_kg_m3, model.trim), actuators_spec(model), density_kg_m3)
@@ -56,7 +56,7 @@ def control_settings(vehicle: str | Path | VehicleModel, density_kg_m3: float = 
 def built_settings(
     model: VehicleModel, body: _core.Craft, actuators: _core.ActuatorsSpec, density_kg_m3: float
 ) -> ControlSettings:
-    """Return the control settings of a vehicle whose parts are built. Raises ScenarioError."""
+    """Return the control settings of a vehicle whose core objects exist. Raises ScenarioError."""
     plant = _core.ControlModel(body, actuators, density_kg_m3)
     control = model.control
     for axis, is_driven in zip(AXES, plant.driven, strict=True):

@@ -1,4 +1,4 @@
-"""A vehicle's body in the water as a core object."""
+"""A vehicle's hull in the water as a core object."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def craft(
     trim: Trim | None = None,
     buoyancy_share: NDArray[np.float64] | None = None,
 ) -> _core.Craft:
-    """Return the vehicle's equations of motion in water of this surface density.
+    """Return the vehicle's equations of motion in water with this surface density.
 
-    trim: the vehicle's; published values apply without it. buoyancy_share: from compressibility.buoyancy_share; by
-    default the hull is compressed like the water around it. Raises ScenarioError.
+    trim: the vehicle's trim; None keeps the published mass and balance. buoyancy_share: from
+    compressibility.buoyancy_share; by default the hull is as compressible as the water around it. Raises ScenarioError.
     """
     body = rigid_body(model, water_density_kg_m3)
     weights = trim_weights(model, body, trim, water_density_kg_m3)

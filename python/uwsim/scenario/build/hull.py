@@ -1,4 +1,4 @@
-"""A vehicle's hull and its mass properties."""
+"""A vehicle's hull and mass properties."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 SELF_FILTER_MARGIN_M = 0.05
 MAX_SCALING = 0.1
-"""Largest change of length when a mesh is scaled to a published volume; more would make it a different vehicle."""
+"""Largest relative change of length when a mesh is scaled to a published volume; more would make it a different
+vehicle."""
 
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """A hull's mass properties, body frame.
+    """The mass properties of a vehicle, body frame.
 
-    centre_of_buoyancy_m: (3,), with the whole hull under water. inertia_kg_m2: (3,), about the centre of mass along the
+    centre_of_buoyancy_m: (3,), of the fully submerged hull. inertia_kg_m2: (3,), about the centre of mass along the
     body axes.
     """
 
@@ -57,15 +58,15 @@ class _Hull(NamedTuple):
 def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
     """Return vertices (n, 3), body frame, and triangles (m, 3) of the closed hull, winding outward.
 
-    The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, if the model gives them.
-    Both arrays are shared and read-only. Raises ScenarioError.
+    The mesh is scaled uniformly to the model's volume and moved to its centre of buoyancy, where the model specifies
+    them. Both arrays are shared and read-only. Raises ScenarioError.
     """
     hull = _placed(model)
     return hull.vertices_m, hull.triangles
 
 
 def hull_box_m(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the low and high corners (3,) of a box about the hull, body frame: echoes from inside are its own."""
+    """Return the low and high corners (3,) of a box around the hull, body frame; echoes from inside are its own."""
     vertices, _ = vehicle_hull(model)
     return vertices.min(axis=0) - SELF_FILTER_MARGIN_M, vertices.max(axis=0) + SELF_FILTER_MARGIN_M
 
@@ -90,7 +91,7 @@ def _placed_hull(
     volume_m3: float | None,
     centre_of_buoyancy_m: Point3 | None,
 ) -> _Hull:
-    """Scale, move and measure the closed mesh; `version` changes with the file, which keeps the cache fresh."""
+    """Scale, move and measure the closed mesh; `version` identifies the file's state, so the cache stays current."""
     vertices, triangles = _closed_hull(path, version, scale, up)
     if volume_m3 is not None or centre_of_buoyancy_m is not None:
         hull = _solid(vertices, triangles)
@@ -110,7 +111,7 @@ def _placed_hull(
 
 
 def hull_radius_m(model: VehicleModel) -> float:
-    """Return the radius of the sphere about the vehicle's origin that encloses its hull."""
+    """Return the radius of the smallest sphere about the vehicle's origin that encloses its hull."""
     return float(np.linalg.norm(vehicle_hull(model)[0], axis=1).max())
 
 
@@ -118,7 +119,7 @@ def hull_radius_m(model: VehicleModel) -> float:
 def _closed_hull(
     path: Path, version: tuple[int, int] | None, scale: float, up: Literal["y", "z"] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """Read the mesh and close it; version: see _placed_hull."""
+    """Read the mesh and close it. version: see _placed_hull."""
     mesh = load_mesh(path, scale=scale, up=up)
     vertices, triangles = cached_arrays(lambda: closed_mesh(*mesh, name=str(path)), "hull", *mesh)
     vertices.flags.writeable = False
@@ -144,16 +145,15 @@ def _solid(vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32]) -> _S
 
 
 def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
-    """Return the mass properties: given values, and the rest from the hull as a solid of uniform density.
+    """Return the mass properties: those specified, and the rest from the hull as a solid of uniform density.
 
-    Raises ScenarioError, also for a size or mean density that no vehicle has, or a centre of mass outside the hull's
-    box.
+    Raises ScenarioError, also for an implausible size or mean density, or a centre of mass outside the hull's box.
     """
     vertices, _, hull = _placed(model)
     volume = hull.volume_m3
     density = water_density_kg_m3 if model.buoyancy == "neutral" else model.density_kg_m3
     mass = model.mass_kg if density is None else density * volume
-    assert mass is not None  # the model has exactly one of the three
+    assert mass is not None  # a model specifies exactly one of the three
     require_plausible_density(model.name, mass, volume, model.mesh_scale, "a mass")
     _require_mass_inside(model, np.stack([vertices.min(axis=0), vertices.max(axis=0)]))
     given = model.inertia_kg_m2
@@ -168,7 +168,7 @@ def rigid_body(model: VehicleModel, water_density_kg_m3: float) -> RigidBody:
 
 
 def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> None:
-    """Refuse a centre of mass outside box_m (2, 3), the hull's bounding box, placed by its centre of buoyancy."""
+    """Raise ScenarioError for a centre of mass outside box_m (2, 3), the bounding box of the placed hull."""
     centre = np.asarray(model.centre_of_mass_m)
     if np.all(centre >= box_m[0]) and np.all(centre <= box_m[1]):
         return

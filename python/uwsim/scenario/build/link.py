@@ -1,4 +1,4 @@
-"""The link between station and vehicles, for the core's simulation."""
+"""The link between station and vehicles as the core's LinkSpec."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ AS_THEY_ARE = (
 
 
 def modem_spec(modem: ModemModel, access: str | None = None) -> _core.ModemSpec:
-    """Return the modem's parameters; access: overrides the modem's. Not for the kind `none`."""
+    """Return the modem's parameters. access: overrides the modem's access scheme. Not for modems of kind `none`."""
     spec = _core.ModemSpec()
     spec.kind = KINDS[modem.kind]
     spec.access = ACCESS[access or modem.access]
@@ -34,7 +34,7 @@ def modem_spec(modem: ModemModel, access: str | None = None) -> _core.ModemSpec:
 
 
 def link_spec(link: LinkSetup, station: Station) -> _core.LinkSpec | None:
-    """Return the link, or None if messages pass at once."""
+    """Return the link, or None if messages are delivered immediately."""
     if link.modem.kind == "none":
         return None
     spec = _core.LinkSpec()

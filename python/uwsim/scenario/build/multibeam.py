@@ -1,4 +1,4 @@
-"""A multibeam model for the core: its fan, and its acoustic parameters for physics mode."""
+"""A multibeam model for the core: its fan, and its acoustic parameters in physics mode."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
 def multibeam_model(
     model: SonarModel, frequency_khz: float | None = None, *, gain_db: float = 0.0
 ) -> _core.MultibeamModel:
-    """Return the fan at a frequency; None selects a model's only one. Raises ValueError."""
+    """Return the fan at a frequency; None selects the only frequency of a model. Raises ValueError."""
     band = model.band(frequency_khz)
     return _core.MultibeamModel(
         name=model.description or model.name,
@@ -39,9 +39,9 @@ def acoustic_spec(
     rays_per_beam: int = 8,
     bottoms: Sequence[Backscatter] = (),
 ) -> _core.AcousticSpec:
-    """Return the parameters for physics mode at a frequency. bottoms: by label; rock for labels beyond.
+    """Return the parameters of physics mode at a frequency.
 
-    Raises ValueError.
+    bottoms: backscatter by label; labels beyond its end are treated as rock. Raises ValueError.
     """
     band = model.acoustic_band(frequency_khz)
     spec, figures = _core.AcousticSpec(), _core.SonarFigures()
@@ -63,5 +63,5 @@ def acoustic_spec(
 
 
 def bottom_material(backscatter: Backscatter) -> _core.BottomMaterial:
-    """Return a surface's acoustic backscatter for the core."""
+    """Convert a surface's acoustic backscatter to a core object."""
     return _core.BottomMaterial(backscatter.strength_db, backscatter.relief)

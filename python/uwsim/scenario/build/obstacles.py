@@ -1,7 +1,7 @@
-"""Obstacles in the world frame: closed triangle meshes, and exact shapes of round ones.
+"""Obstacles in the world frame: closed triangle meshes, and exact shapes for round ones.
 
-Rays hit the exact shapes. Contacts, and the truth for map scores, use the mesh: its vertices lie on the round surface,
-its facets at most 0.5 % of the radius inside it.
+Rays hit the exact shapes. Contacts, and the ground truth for map scores, use the mesh: its vertices lie on the round
+surface, and its facets at most 0.5 % of the radius inside it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SIDES = 32
 BALL_SUBDIVISIONS = 4
 """Subdivisions of an icosahedron: the facets lie at most 0.1 % of the radius inside the sphere."""
 POST_FOOT_M = 0.5
-"""Depth of a gate's posts below the bed, which keeps their ends hidden on a slope."""
+"""Depth of a gate's posts below the bed, which hides their ends on a slope."""
 
 Mesh = tuple[Vertices, Triangles]
 Shapes = list[_core.RoundShape]
@@ -35,7 +35,7 @@ Standing = Box | Cylinder | Sphere | MeshObstacle
 
 
 class Solid(NamedTuple):
-    """vertices (n, 3), world frame, metres; triangles (m, 3), winding outward; exact shapes, if it is round."""
+    """vertices (n, 3), world frame, metres; triangles (m, 3), winding outward; exact shapes if it is round."""
 
     vertices: Vertices
     triangles: Triangles
@@ -43,10 +43,10 @@ class Solid(NamedTuple):
 
 
 def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
-    """Return the obstacle in the world. Raises ScenarioError."""
+    """Return the obstacle in the world frame. Raises ScenarioError."""
     if not isinstance(obstacle, Pipeline | Gate) and obstacle.on_bed:
         obstacle = _standing(obstacle, terrain)
-    match obstacle:  # trimesh, which takes a second, is imported where a mesh is not cached
+    match obstacle:  # trimesh, which takes a second to import, is imported only for meshes that are not cached
         case Pipeline():
             return _pipeline(obstacle, terrain)
         case Gate():
@@ -68,7 +68,7 @@ def obstacle_solid(obstacle: ObstacleSpec, terrain: Terrain) -> Solid:
 
 
 def _standing(obstacle: Standing, terrain: Terrain) -> Standing:
-    """Return the obstacle lowered until it first touches the bed, then raised by z of its position."""
+    """Return the obstacle lowered until it first touches the bed, then raised by the z of its position."""
     x, y, above_m = obstacle.position_m
     afloat = obstacle.model_copy(update={"on_bed": False, "position_m": (x, y, 0.0)})
     solid = obstacle_solid(afloat, terrain)
@@ -78,7 +78,7 @@ def _standing(obstacle: Standing, terrain: Terrain) -> Standing:
 
 
 def _created(shape: str, *arguments: Any) -> Mesh:
-    """Return a mesh by a function of trimesh.creation."""
+    """Return a mesh built by a function of trimesh.creation."""
 
     def make() -> Mesh:
         import trimesh
@@ -108,7 +108,7 @@ def _bars(lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]], radi
 
 
 def _pipeline(pipeline: Pipeline, terrain: Terrain) -> Solid:
-    """Return a tube swept along the line; at each point its axis is radius (1 - 2 buried_fraction) above the bed."""
+    """Return a tube swept along the line; its axis is radius (1 - 2 buried_fraction) above the bed at each point."""
     xy = _densified(np.asarray(pipeline.points_m, np.float64), step_m=max(1.0, terrain.spacing_m))
     lift = pipeline.radius_m * (1 - 2 * pipeline.buried_fraction)
     axis = np.column_stack([xy, _bed(terrain, xy, pipeline.name) + lift])
@@ -117,7 +117,7 @@ def _pipeline(pipeline: Pipeline, terrain: Terrain) -> Solid:
 
 
 def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64]:
-    """Return the polyline (n, k) with added points, each at most step_m from the next."""
+    """Return the polyline (n, k) with points added so that consecutive ones are at most step_m apart."""
     pieces = []
     for start, end in pairwise(points):
         count = int(np.ceil(np.linalg.norm(end - start) / step_m))
@@ -126,14 +126,14 @@ def _densified(points: NDArray[np.float64], step_m: float) -> NDArray[np.float64
 
 
 def swept_tube(axis_m: NDArray[np.float64], radius_m: float) -> Mesh:
-    """Return a closed tube of SIDES sides along a line (n, 3) that does not start vertical, with mitred bends."""
+    """Return a closed tube with SIDES sides and mitred bends along a line (n, 3) that does not start vertically."""
     directions = np.diff(axis_m, axis=0)
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     before, after = np.vstack([directions[:1], directions]), np.vstack([directions, directions[-1:]])
     side, up = _untwisted_frames(before)
     angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
     rings = radius_m * (np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * up[:, None])
-    # Each ring slides along the straight piece before it into the plane that bisects the bend, where the next starts.
+    # Each ring slides along the preceding straight piece into the plane that bisects the bend.
     mitres = before + after
     slide = np.einsum("nak,nk->na", rings, mitres) / np.einsum("nk,nk->n", before, mitres)[:, None]
     rings += axis_m[:, None] - slide[..., None] * before[:, None]
@@ -141,7 +141,7 @@ def swept_tube(axis_m: NDArray[np.float64], radius_m: float) -> Mesh:
 
 
 def _untwisted_frames(directions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return two unit normals for each of (n, 3) unit directions, turned by the smallest rotation between neighbours.
+    """Return two unit normals for each of (n, 3) unit directions, with the smallest rotation between neighbours.
 
     This keeps the tube's edges straight through a bend; independent frames would twist a tube that also climbs.
     """
@@ -169,7 +169,7 @@ def _skinned(rings: NDArray[np.float64], first: NDArray[np.float64], last: NDArr
 
 
 def _gate(gate: Gate, terrain: Terrain) -> Solid:
-    """Return posts from below the bed and a crossbar, whose height is measured from the bed midway between them."""
+    """Return posts from below the bed and crossbars; their height is measured from the bed midway between the posts."""
     yaw = np.radians(gate.yaw_deg)
     across = np.array([-np.sin(yaw), np.cos(yaw)])
     middle = np.asarray(gate.position_m)

@@ -1,4 +1,4 @@
-"""A scenario's optics for the native core: water, sun, wind, particles and turbulence."""
+"""A scenario's optics as core objects: water, sun, wind, particles and turbulence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of a mesh's scale against its world: a mesh drawn in millimetres would be a thousand times too large."""
+"""Checks that a mesh's scale is plausible: in the wrong unit, millimetres, it would be a thousand times too large."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.vehicle import DENSITIES_KG_M3, VOLUMES_M3
 
 UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "feet": 0.3048}
-"""Units that meshes are drawn in, as lengths in metres."""
+"""Units in which meshes are drawn, in metres."""
 LENGTHS_M = (0.2, 15.0)
-"""Lengths of typical vehicles, to guess a mesh's unit."""
+"""Lengths of typical vehicles, used to guess a mesh's unit."""
 HUGE_M = 50.0
 """Few vehicles are longer; a greater length suggests another unit."""
 HUGE_OBSTACLE_M = 1000.0
 TERRAINS_ACROSS = 10.0
-"""Largest length of an obstacle relative to the terrain: a quay may extend beyond a test basin."""
+"""Maximum length of an obstacle relative to the terrain: a quay may extend beyond a test basin."""
 
 Floats = NDArray[np.float64]
 
 
 def size_text(size_m: Floats) -> str:
-    """Return `1.2 x 0.8 x 0.7 m`."""
+    """Return text such as `1.2 x 0.8 x 0.7 m`."""
     return " x ".join(f"{side:.4g}" for side in size_m) + " m"
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
-    """Return a question about the unit that explains a factor of lengths; empty if no unit does."""
+    """Return a question about the mesh's unit if one explains a scale factor of lengths; otherwise an empty string."""
     unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
     return "" if unit is None else _question([unit], mesh_scale)
 
@@ -39,9 +39,9 @@ def question_of_factor(factor: float, mesh_scale: float) -> str:
 def require_plausible_volume(
     name: str, volume_m3: float, size_m: Floats, mesh_scale: float, mass_kg: float | None
 ) -> None:
-    """Refuse a hull with sides of size_m (3,) and a volume that no vehicle has. Raises ScenarioError.
+    """Raise ScenarioError for a hull with extents size_m (3,) and a volume that no vehicle has.
 
-    mass_kg: if given, it is the best evidence of the mesh's unit.
+    mass_kg: if known, it is the best evidence for the mesh's unit.
     """
     low, high = VOLUMES_M3
     if low <= volume_m3 <= high:
@@ -58,7 +58,7 @@ def require_plausible_volume(
 
 
 def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_scale: float, what: str) -> None:
-    """Refuse a mass that does not fit the hull. what: the parts of the mass, for the message. Raises ScenarioError."""
+    """Raise ScenarioError for a mass that does not fit the hull. what: what the mass includes, for the message."""
     density = mass_kg / volume_m3
     low, high = DENSITIES_KG_M3
     if low <= density <= high:
@@ -71,9 +71,9 @@ def require_plausible_density(name: str, mass_kg: float, volume_m3: float, mesh_
 
 
 def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float) -> None:
-    """Refuse a hull, vertices (n, 3), that is longer than the terrain or higher than its water is deep.
+    """Raise ScenarioError for a hull, vertices (n, 3), longer than the terrain or higher than the water is deep.
 
-    terrain: the whole terrain, even if only a window of it is built. Raises ScenarioError.
+    terrain: the whole terrain, even if only a window of it is built.
     """
     size_m = np.ptp(hull_m, axis=0)
     longest, deepest_m = float(size_m.max()), -terrain.lowest_m
@@ -89,7 +89,7 @@ def require_fits(name: str, hull_m: Floats, terrain: Terrain, mesh_scale: float)
 
 
 def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
-    """Refuse a mesh of an obstacle or the station that is far larger than the terrain. Raises ScenarioError."""
+    """Raise ScenarioError for a mesh of an obstacle or the station that is far larger than the terrain."""
     size_m = np.ptp(vertices_m, axis=0)
     x0, y0, x1, y1 = terrain.extent_m
     most_m = max(HUGE_OBSTACLE_M, TERRAINS_ACROSS * max(x1 - x0, y1 - y0))
@@ -101,14 +101,14 @@ def require_solid_fits(name: str, vertices_m: Floats, terrain: Terrain) -> None:
 
 
 def _of_size(longest_m: float, mesh_scale: float) -> str:
-    """Return a question about the unit of a hull that is too long; empty if no unit explains it."""
+    """Return a question about the unit of a hull that is too long, or an empty string if no unit explains it."""
     low, high = LENGTHS_M
     units = [unit for unit, metres in UNITS.items() if low <= longest_m * metres <= high]
     return "" if longest_m <= HUGE_M or not units else _question(units, mesh_scale)
 
 
 def _of_density(density_kg_m3: float, mesh_scale: float) -> str:
-    """Return a question about the unit that brings the density nearest to water's, if it makes it plausible."""
+    """Return a question about the unit that makes the density plausible and closest to water's, or an empty string."""
     if density_kg_m3 > DENSITIES_KG_M3[1]:
         return _too_small(mesh_scale) if mesh_scale != 1.0 else ": is the mass in kg and the mesh in metres?"
     water, (low, high) = 1000.0, DENSITIES_KG_M3

@@ -1,4 +1,4 @@
-"""A scenario's clock, seed, mission time and warning limits, for the core's simulation."""
+"""A scenario's clock, seed, mission time and warning limits as the core's SimulationSpec."""
 
 from __future__ import annotations
 

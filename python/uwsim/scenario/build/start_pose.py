@@ -1,4 +1,4 @@
-"""A vehicle's start: docked at the station or free."""
+"""A vehicle's initial pose: docked at the station, or free."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def start_pose(scenario: Scenario, vehicle: VehicleEntry) -> tuple[tuple[float, float, float], float]:
-    """Return the vehicle's origin at the start (world, metres) and its yaw (radians), docked or free."""
+    """Return the vehicle's initial position (world, metres) and yaw (radians), docked or free."""
     if vehicle.start is not None:
         return vehicle.start.position_m, float(np.radians(vehicle.start.yaw_deg))
     x, y, z = dock_position(scenario.station)

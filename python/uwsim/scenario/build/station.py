@@ -1,4 +1,4 @@
-"""The station in the world: its mesh, orientation and dock."""
+"""The station in the world frame: its mesh, orientation and dock."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from uwsim.base.quaternions import about_z, turned
 from uwsim.scenario.read.mesh_file import Triangles, Vertices, load_mesh
 from uwsim.scenario.spec.station import Station
 
-EXIT_M = 3.0  # ahead of the dock
+EXIT_M = 3.0  # default distance of the exit ahead of the dock
 
 
 def dock_position(station: Station) -> NDArray[np.float64]:
-    """Return the origin of a docked vehicle, (3,), world."""
+    """Return the origin of a docked vehicle, (3,), world frame."""
     return in_world(station, station.dock_m)
 
 
 def exit_position(station: Station) -> NDArray[np.float64]:
-    """Return the origin of a vehicle just after undocking, (3,), world."""
+    """Return the origin of a vehicle just after undocking, (3,), world frame."""
     return in_world(station, np.add(station.dock_m, (EXIT_M, 0.0, 0.0)) if station.exit_m is None else station.exit_m)
 
 
 def in_world(station: Station, point_m: ArrayLike) -> NDArray[np.float64]:
-    """Return points (3,) or (n, 3) of the station's frame in the world frame."""
+    """Convert points (3,) or (n, 3) from the station's frame to the world frame."""
     return turned(about_z(math.radians(station.yaw_deg)), point_m) + np.asarray(station.position_m, np.float64)
 
 

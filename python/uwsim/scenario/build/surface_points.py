@@ -1,4 +1,4 @@
-"""Deterministic points spread evenly over the surface of a mesh."""
+"""Deterministic points distributed evenly over the surface of a mesh."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 PLASTIC = 1.324717957244746
-"""The plastic number, whose powers define the R2 sequence: Roberts 2018, "The unreasonable effectiveness of
-quasirandom sequences"."""
+"""The plastic number, whose powers define the R2 sequence: Roberts 2018, "The unreasonable effectiveness of quasirandom
+sequences"."""
 
 
 def surface_points(vertices_m: Floats, triangles: NDArray[np.integer], count: int = 4000) -> Floats:
-    """Return points (count, 3) on the triangles (m, 3) of vertices (n, 3), each for an equal share of the area."""
+    """Return points (count, 3) on the triangles (m, 3) of vertices (n, 3), each representing an equal area."""
     a, b, c = (vertices_m[triangles[:, k]] for k in range(3))
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     upto = np.cumsum(areas)

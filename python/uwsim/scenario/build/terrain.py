@@ -1,4 +1,4 @@
-"""The terrain as heights on a regular grid, from any of a scenario's sources."""
+"""The terrain as heights on a regular grid, from any source that a scenario may name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrai
 class Terrain:
     """heights_m: (ny, nx) float32, finite; heights_m[j, i] is z at (x0 + i spacing, y0 + j spacing).
 
-    origin_m: (x0, y0). World frame, water surface at z = 0.
+    origin_m: (x0, y0). World frame; the water surface is at z = 0.
     """
 
     heights_m: NDArray[np.float32]
@@ -26,26 +26,26 @@ class Terrain:
 
     @property
     def extent_m(self) -> tuple[float, float, float, float]:
-        """The outermost grid points: (x0, y0, x1, y1)."""
+        """The bounds of the grid: (x0, y0, x1, y1)."""
         ny, nx = self.heights_m.shape
         x0, y0 = self.origin_m
         return x0, y0, x0 + (nx - 1) * self.spacing_m, y0 + (ny - 1) * self.spacing_m
 
     @property
     def extent_text(self) -> str:
-        """The extent in words, for messages."""
+        """The bounds as text for messages."""
         x0, y0, x1, y1 = self.extent_m
         return f"which reaches from x = {x0:g} to {x1:g} m and from y = {y0:g} to {y1:g} m"
 
     @property
     def lowest_m(self) -> float:
-        """Height of the deepest point."""
+        """Height (z) of the deepest point."""
         return float(self.heights_m.min())
 
     def window(self, corners_m: tuple[tuple[float, float], tuple[float, float]] | None) -> Terrain:
-        """Return the whole cells that cover a box, corners (x, y); None: all cells.
+        """Return the part of the terrain whose cells cover a box with these corners (x, y); None: all of it.
 
-        Raises ScenarioError if it is outside.
+        Raises ScenarioError if the box is outside.
         """
         if corners_m is None:
             return self
@@ -59,7 +59,7 @@ class Terrain:
         return Terrain(np.ascontiguousarray(self.heights_m[rows, columns]), self.spacing_m, origin_m)
 
     def height_at(self, xy_m: ArrayLike) -> NDArray[np.float64]:
-        """Return z of the triangulated surface at points (n, 2): (n,), NaN outside the terrain.
+        """Return z of the triangulated surface at points (n, 2) as (n,), NaN outside the terrain.
 
         Each cell is split along the diagonal from (i + 1, j) to (i, j + 1), as in the native world.
         """
@@ -79,9 +79,9 @@ class Terrain:
 
 
 def build_terrain(spec: TerrainSpec) -> Terrain:
-    """Return the heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
+    """Return heights from noise, a raster or an image, centred on the world's origin. Raises ScenarioError.
 
-    The same spec gives the same bytes with the same build of the libraries.
+    With the same build of the libraries, the same spec produces the same bytes.
     """
     heights = np.ascontiguousarray(_heights(spec), np.float32)
     if not np.isfinite(heights).all():
@@ -92,7 +92,7 @@ def build_terrain(spec: TerrainSpec) -> Terrain:
 
 
 def _heights(spec: TerrainSpec) -> NDArray[np.floating]:
-    # Each source is imported when needed: rasterio alone takes half a second.
+    # Sources are imported on demand: rasterio alone takes half a second.
     match spec:
         case NoiseTerrain():
             from uwsim.scenario.build.terrain_noise import noise_heights

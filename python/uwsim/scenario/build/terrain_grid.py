@@ -1,4 +1,4 @@
-"""A terrain's grid, and interpolation of other grids at its nodes."""
+"""The grid of a terrain, and interpolation of other grids at its nodes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ FloatGrid = NDArray[np.float64]
 PixelAt = Callable[[FloatGrid, FloatGrid], tuple[FloatGrid, FloatGrid]]
 
 BLOCK_NODES = 1 << 20
-SPLINE_MARGIN = 12  # SciPy's padding: so many copies of the edge values
+SPLINE_MARGIN = 12  # number of copies of the edge values, as SciPy pads
 
 
 def grid_axes(size_m: tuple[float, float], spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return x (nx,) and y (ny,) of the nodes, centred on zero."""
+    """Return the coordinates x (nx,) and y (ny,) of the nodes, centred on zero."""
 
     def axis(size: float) -> NDArray[np.float64]:
         count = round(size / spacing_m) + 1
@@ -30,10 +30,10 @@ def resampled(
 ) -> FloatGrid:
     """Interpolate values (h, w) at the nodes (ny, nx) of a grid, linearly or with an interpolating cubic spline.
 
-    pixel_at: converts coordinates to fractional columns and rows. It is called for one block at a time: all nodes of a
-    large terrain at once would take a gigabyte.
+    pixel_at: converts coordinates to fractional rows and columns. It is called block by block, since converting all
+    nodes of a large terrain at once would take a gigabyte.
     """
-    from scipy.ndimage import map_coordinates, spline_filter  # here, since scipy is slow to import
+    from scipy.ndimage import map_coordinates, spline_filter  # imported here: slow to import
 
     order = 3 if interpolation == "cubic" and min(values.shape) > 3 else 1
     margin = SPLINE_MARGIN if order > 1 else 0
@@ -47,7 +47,7 @@ def resampled(
 
 
 def _blocks(nx: int, ny: int) -> Iterator[tuple[slice, slice]]:
-    """Yield slices of columns and rows that together cover a grid."""
+    """Yield slices of columns and rows that tile a grid."""
     width = min(nx, BLOCK_NODES)
     height = max(BLOCK_NODES // width, 1)
     for top in range(0, ny, height):

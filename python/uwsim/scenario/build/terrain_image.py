@@ -12,11 +12,11 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.spec.terrain import MAX_NODES, ImageTerrain
 
 FORMATS = ("PNG", "TIFF", "BMP", "JPEG", "JPEG2000", "PPM", "GIF", "WEBP", "TGA")
-"""Formats that are read. Pillow supports more, but some of them start other programs, such as Ghostscript for EPS."""
+"""Supported formats. Pillow supports more, but some of them start other programs, such as Ghostscript for EPS."""
 
 
 def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
-    """Return heights (ny, nx): grey levels mapped to black_m..white_m, spread over size_m, with row 0 in the north."""
+    """Return heights (ny, nx): grey levels mapped to black_m..white_m and stretched over size_m, row 0 to the north."""
     share = _grey_share(spec)
     h, w = share.shape
     x, y = grid_axes(spec.size_m, spec.spacing_m)
@@ -29,7 +29,7 @@ def image_heights(spec: ImageTerrain) -> NDArray[np.float64]:
 
 
 def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
-    """Return grey levels (h, w) from 0, black, to 1, white. Raises ScenarioError."""
+    """Return grey levels (h, w) scaled from 0 (black) to 1 (white). Raises ScenarioError."""
     try:
         require_whole_tiff(spec.file)
         with Image.open(spec.file, formats=FORMATS) as image:
@@ -58,7 +58,7 @@ def _grey_share(spec: ImageTerrain) -> NDArray[np.float64]:
 
 
 def _one_channel(levels: NDArray[np.uint8], mode: str, spec: ImageTerrain) -> NDArray[np.uint8]:
-    """Return the grey levels of a grey image that was saved in colour; an alpha channel is ignored."""
+    """Return the grey levels of a grey image saved in colour, ignoring its alpha channel."""
     colours = levels[..., :1] if mode == "LA" else levels[..., :3]
     if (colours != colours[..., :1]).any():
         raise ScenarioError(

@@ -1,4 +1,4 @@
-"""A lake bed of fractal simplex noise."""
+"""A lake bed generated from fractal simplex noise."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.scenario.spec.terrain import NoiseTerrain, Rim
 
 FloatGrid = NDArray[np.float64]
 SHORE_EXPONENT = 2.5
-"""Exponent of the superellipse that the shore follows: 2 is an ellipse, infinity the terrain's rectangle."""
+"""Exponent of the superellipse that forms the shore: 2 is an ellipse, infinity the terrain's rectangle."""
 
 
 def noise_heights(spec: NoiseTerrain) -> FloatGrid:
@@ -28,8 +28,8 @@ def noise_heights(spec: NoiseTerrain) -> FloatGrid:
 def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> FloatGrid:
     """Return the weight of the rim: 1 outside the superellipse that touches the terrain's edges, 0 width_m inside it.
 
-    The variation, in [-0.5, 0.5], makes bays and headlands. In between, the weight is Perlin's step (2002): its second
-    derivative is continuous, so that there is no crease to echo.
+    The variation, in [-0.5, 0.5], creates bays and headlands. In between, the weight follows Perlin's step (2002),
+    whose continuous second derivative avoids a crease that would produce echoes.
     """
     half_x, half_y = x.max(), y.max()
     radius = (np.abs(x / half_x) ** SHORE_EXPONENT + np.abs(y / half_y) ** SHORE_EXPONENT) ** (1 / SHORE_EXPONENT)
@@ -39,7 +39,7 @@ def _rim_share(x: FloatGrid, y: FloatGrid, rim: Rim, variation: FloatGrid) -> Fl
 
 
 def _noise(x: FloatGrid, y: FloatGrid, spec: NoiseTerrain, seed: int) -> FloatGrid:
-    """Return OpenSimplex2 noise in fractal octaves, in [-1, 1]. Its float32 coordinates err by 1 mm at 10 km."""
+    """Return fractal OpenSimplex2 noise in [-1, 1]. Its float32 coordinates have an error of 1 mm at 10 km."""
     noise = FastNoiseLite(seed=seed)
     noise.noise_type = NoiseType.NoiseType_OpenSimplex2
     noise.frequency = 1 / spec.hill_wavelength_m

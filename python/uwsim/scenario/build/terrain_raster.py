@@ -1,4 +1,4 @@
-"""Terrain from an elevation raster: GeoTIFF, ESRI ASCII grid and other formats that GDAL reads."""
+"""Terrain from an elevation raster: GeoTIFF, ESRI ASCII grid and other formats that GDAL can read."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ LOCAL = "local"
 MAX_HEIGHT_M = 12_000.0
 """Largest distance from the water surface; no sea is deeper."""
 DEGREE_CELL = 0.1
-"""In a file without a coordinate system, cells smaller than this are taken as degrees if they lie on the globe."""
+"""If a file has no coordinate system, cells smaller than this that lie on the globe are assumed to be in degrees."""
 FORMATS = (
     *("GTiff", "AAIGrid", "HFA", "EHdr", "SRTMHGT", "USGSDEM", "DTED", "BAG", "netCDF", "GSAG", "GSBG", "GS7BG"),
     *("ENVI", "SAGA", "XYZ", "BT", "PCRaster", "GRIB"),
 )
-"""GDAL's names of formats that hold the elevations themselves. Others, such as VRT, name further files and servers to
-read, which would let an untrusted file reach whatever this machine can."""
+"""GDAL's names of formats that contain the elevations themselves. Others, such as VRT, refer to further files and
+servers, which would let an untrusted file read anything that this machine can access."""
 
 GRID_HEADER = (b"ncols", b"nrows", b"xllcorner", b"xllcenter", b"yllcorner", b"yllcenter", b"cellsize", b"dx", b"dy")
 GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -45,7 +45,7 @@ GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 @dataclass(frozen=True)
 class _Raster:
-    """elevations (h, w), without gaps; file_from_pixel maps pixel corners (column, row) to the file's coordinates."""
+    """elevations (h, w), without gaps. file_from_pixel: from pixel corners (column, row) to the file's coordinates."""
 
     name: str
     elevations: FloatGrid
@@ -54,12 +54,12 @@ class _Raster:
 
     @property
     def unit_m(self) -> float:
-        """Metres per unit of a projected system (mostly feet)."""
+        """Metres per unit of a projected coordinate system, which may use feet."""
         return 1.0 if self.crs is None else float(self.crs.linear_units_factor[1])
 
     @property
     def is_geographic(self) -> bool:
-        """Whether its coordinates are longitude and latitude in degrees."""
+        """Whether the coordinates are longitude and latitude in degrees."""
         return self.crs is not None and bool(self.crs.is_geographic)
 
     def pixel_at(self, x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
@@ -69,13 +69,13 @@ class _Raster:
 
 
 def raster_heights(spec: RasterTerrain) -> FloatGrid:
-    """Return heights (ny, nx): (elevation - water_level_m) * vertical_scale on a metric grid about the centre."""
+    """Return heights (ny, nx), (elevation - water_level_m) * vertical_scale, on a metric grid about the centre."""
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
     _require_centre(raster, centre, spec)
     size = spec.size_m or _largest_size(raster, centre, spec)
-    margin = 0.5 + 1e-6  # a cell's value applies up to its edge
+    margin = 0.5 + 1e-6  # a cell's value extends to its edge
 
     def pixel_at(x: FloatGrid, y: FloatGrid) -> tuple[FloatGrid, FloatGrid]:
         columns, rows = raster.pixel_at(
@@ -96,10 +96,10 @@ def raster_heights(spec: RasterTerrain) -> FloatGrid:
 
 @dataclass(frozen=True)
 class RasterPlace:
-    """The place of a raster terrain's world on Earth.
+    """The location on Earth of a world with raster terrain.
 
-    crs: None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: units of the system per
-    simulated metre.
+    crs: coordinate system; None for plain metres. origin: the world's origin, (x, y) in that system. units_per_m: units
+    of the system per simulated metre.
     """
 
     crs: CRS | None
@@ -108,7 +108,7 @@ class RasterPlace:
 
 
 def raster_place(spec: RasterTerrain) -> RasterPlace:
-    """Return the place of a raster terrain; a raster in degrees has its place in the projection to metres."""
+    """Return the location of a raster terrain; a raster in degrees is located in its projection to metres."""
     raster = _read(spec)
     h, w = raster.elevations.shape
     centre = spec.centre or _mapped(raster.file_from_pixel, w / 2, h / 2)
@@ -136,7 +136,7 @@ def _require_centre(raster: _Raster, centre: tuple[float, float], spec: RasterTe
 
 
 def _heights(raster: _Raster, elevations: FloatGrid, spec: RasterTerrain) -> FloatGrid:
-    """Return elevations above the water, scaled; refuse those beyond MAX_HEIGHT_M. Raises ScenarioError."""
+    """Return scaled elevations above the water. Raises ScenarioError for any beyond MAX_HEIGHT_M."""
     above = elevations - spec.water_level_m
     heights = above * spec.vertical_scale
     if np.abs(heights).max() <= MAX_HEIGHT_M:
@@ -191,7 +191,7 @@ def _read(spec: RasterTerrain) -> _Raster:
 
 def _opened(path: Path) -> DatasetReader:
     with Env(), warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error for it
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)  # `_read` raises an error instead
         return DatasetReader(str(path), driver=list(FORMATS))
 
 
@@ -209,7 +209,7 @@ def _without_gaps(name: str, elevations: FloatGrid, has_data: NDArray[np.bool_],
 
 
 def _crs(spec: RasterTerrain, crs: CRS | None, file_from_pixel: Affine) -> CRS | None:
-    """Return the file's coordinate system; None for plain metres."""
+    """Return the file's coordinate system, or None for plain metres."""
     if spec.crs == LOCAL:
         return None
     if spec.crs is None:
@@ -234,7 +234,7 @@ def _file_from_metres(
 
 
 def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerrain) -> tuple[float, float]:
-    """Return the simulated extent of the largest grid about the centre that fits into the outermost cell centres."""
+    """Return the simulated size of the largest grid about the centre that fits between the outermost cell centres."""
     h, w = raster.elevations.shape
     across, down = np.linspace(0.5, w - 0.5, 65), np.linspace(0.5, h - 0.5, 65)
     columns = np.concatenate([across, across, np.full(65, 0.5), np.full(65, w - 0.5)])
@@ -244,7 +244,7 @@ def _largest_size(raster: _Raster, centre: tuple[float, float], spec: RasterTerr
         east, north = (np.asarray(axis) for axis in transform(raster.crs, _metres_about(centre), x, y))
     else:
         east, north = (x - centre[0]) * raster.unit_m, (y - centre[1]) * raster.unit_m
-    # A border point limits the extent along the axis on which it is relatively farther out.
+    # A border point limits the size along the axis on which it is relatively farther out.
     limits_east = np.abs(east) / np.ptp(east) > np.abs(north) / np.ptp(north)
     halves = np.abs(east[limits_east]).min(), np.abs(north[~limits_east]).min()
     cells = [int(2 * half * spec.horizontal_scale / spec.spacing_m) for half in halves]
@@ -261,7 +261,10 @@ def _mapped(affine: Affine, x: Coordinates, y: Coordinates) -> tuple[Coordinates
 
 
 def _metres_about(centre: tuple[float, float]) -> CRS:
-    """Metres east and north of a longitude and latitude; the scale is 1 at the centre and errs by 1e-6 at 10 km."""
+    """Return a projection to metres east and north of a longitude and latitude.
+
+    Its scale is 1 at the centre; the scale error at 10 km is 1e-6.
+    """
     return CRS.from_string(f"+proj=tmerc +lon_0={centre[0]!r} +lat_0={centre[1]!r} +k=1 +datum=WGS84 +units=m +no_defs")
 
 
@@ -273,12 +276,12 @@ def _require_whole_tiff(path: Path) -> None:
 
 
 def _require_numbers(path: Path, cells: int) -> None:
-    """Refuse what GDAL would read as zero in an ASCII grid: words among its numbers, and missing numbers."""
+    """Raise ScenarioError for parts of an ASCII grid that GDAL would read as zero: words, and missing numbers."""
     numbers = 0
     with path.open("rb") as lines:
         for number, line in enumerate(lines, 1):
             words = line.split()
-            if line[:12].lower() == b"nodata_value":  # may be nan
+            if line[:12].lower() == b"nodata_value":  # may be NaN
                 continue
             if words and words[0].lower() in GRID_HEADER:
                 words = words[1:2] or [b""]

@@ -1,4 +1,4 @@
-"""A scenario's water for the core: waves, currents and profiles, and their files."""
+"""A scenario's water as core objects: waves, currents and profiles, including those read from files."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from uwsim.scenario.spec.water import (
 )
 from uwsim.scenario.spec.water_state import WaterState
 
-LINEAR_LEVELS = 17  # linear pieces then follow EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
+LINEAR_LEVELS = 17  # enough for linear pieces to match EOS-80 within 0.02 kg/m3 from -2 to 40 deg C
 
 Floats = NDArray[np.float64]
 
 
 def build_water(water: Water, *, bottom_depth_m: float, seed: int) -> _core.Water:
-    """Return the water. bottom_depth_m: of the terrain's deepest point, the default of depths. Raises ScenarioError."""
+    """Return the water. bottom_depth_m: depth of the terrain's deepest point, a default depth. Raises ScenarioError."""
     native = _core.Water()
     state = water.state(bottom_depth_m)
     native.density_kg_m3 = state.density
@@ -101,7 +101,7 @@ def _require_water_as_deep(depth_m: float | None, bottom_depth_m: float) -> None
 
 
 def steady_current_m_s(water: Water) -> Floats:
-    """Return the part of the current that is the same everywhere and always: (3,), world."""
+    """Return the part of the current that is constant in space and time: (3,), world frame."""
     parts = [np.asarray(water.current_world_m_s)]
     for current in water.current:
         if isinstance(current, UniformCurrent):
@@ -112,7 +112,7 @@ def steady_current_m_s(water: Water) -> Floats:
 
 
 def surface_density_kg_m3(water: Water) -> float:
-    """Return the density at the surface, to which a neutral vehicle is trimmed. Raises ScenarioError."""
+    """Return the density at the surface, for which a neutral vehicle is trimmed. Raises ScenarioError."""
     if water.profile is None:
         return water.state().density
     top = water.profile.surface if isinstance(water.profile, LinearProfile) else _levels(water.profile)[0]
@@ -184,7 +184,7 @@ def _levels(spec: TableProfile) -> tuple[WaterLevel, ...]:
 
 
 def read_current_grid(path: Path) -> tuple[Floats, Floats, Floats, Floats]:
-    """Read axes x, y, z (metres, rising) and velocity (nz, ny, nx, 3) from .npz or CSV. Raises ScenarioError."""
+    """Read axes x, y, z (metres, ascending) and velocity (nz, ny, nx, 3) from .npz or CSV. Raises ScenarioError."""
     if path.suffix.lower() == ".npz":
         keys = ("x_m", "y_m", "z_m", "velocity_m_s")
         try:

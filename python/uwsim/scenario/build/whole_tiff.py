@@ -1,4 +1,4 @@
-"""Check that a TIFF is complete: GDAL and Pillow leave missing parts zero or uninitialised."""
+"""Checks that a TIFF is complete, since GDAL and Pillow leave missing parts zero or uninitialised."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ TILE_WIDTH, TILE_HEIGHT, TILE_OFFSETS, TILE_COUNTS = 322, 323, 324, 325
 
 
 def require_whole_tiff(path: Path) -> None:
-    """Raise ValueError if a TIFF lacks some of its strips or tiles, OSError. Other formats pass."""
+    """Raise ValueError if a TIFF lacks some of its strips or tiles, OSError if it cannot be read.
+
+    Other formats pass.
+    """
     size = path.stat().st_size
     with path.open("rb") as file:
         if file.read(4) not in MAGIC:
@@ -30,12 +33,12 @@ def require_whole_tiff(path: Path) -> None:
                 _require_parts(file, tags, size)
         except (ValueError, OSError):
             raise
-        except Exception as error:  # with missing or mistyped tags, Pillow raises errors of any type
+        except Exception as error:  # for missing or mistyped tags, Pillow raises errors of any type
             raise ValueError(f"damaged tags: {type(error).__name__}: {error}") from None
 
 
 def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
-    """Yield the tags of each image in the file: overviews and masks are images of their own."""
+    """Yield the tags of each image in the file; overviews and masks are separate images."""
     file.seek(0)
     header = file.read(8)
     header += file.read(8) if header[:4] in BIG else b""
@@ -47,7 +50,7 @@ def _directories(file: IO[bytes]) -> Iterator[dict[int, Any]]:
             warnings.simplefilter("always")
             directory.load(file)
         said = [str(warning.message) for warning in issued]
-        if lost := [text for text in said if not text.startswith("Metadata Warning")]:  # more numbers than expected
+        if lost := [text for text in said if not text.startswith("Metadata Warning")]:  # that is only surplus values
             raise ValueError(f"damaged tags: {lost[0]}")
         yield dict(directory)
 
@@ -70,7 +73,7 @@ def _require_parts(file: IO[bytes], tags: dict[int, Any], size: int) -> None:
 
 
 def _require_unpacks(data: bytes, size: int) -> None:
-    """Raise ValueError if a deflated part is damaged: GDAL would silently return its uninitialised buffer."""
+    """Raise ValueError if a deflated part is damaged; GDAL would silently return an uninitialised buffer."""
     reader = zlib.decompressobj()
     try:
         found = len(reader.decompress(data, size + 1))
@@ -81,7 +84,7 @@ def _require_unpacks(data: bytes, size: int) -> None:
 
 
 def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return the expected number of tiles, and the unpacked bytes of each."""
+    """Return the expected number of tiles, and a function from a tile's index to its unpacked size in bytes."""
     planes, row_bits = _planes(tags, tags[TILE_WIDTH])
     across, down = -(-tags[WIDTH] // tags[TILE_WIDTH]), -(-tags[HEIGHT] // tags[TILE_HEIGHT])
     tile_bytes = tags[TILE_HEIGHT] * -(-row_bits // 8)
@@ -89,7 +92,7 @@ def _tiles(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
-    """Return the expected number of strips, and the unpacked bytes of each."""
+    """Return the expected number of strips, and a function from a strip's index to its unpacked size in bytes."""
     planes, row_bits = _planes(tags, tags[WIDTH])
     height: int = tags[HEIGHT]
     rows = min(tags.get(ROWS, height), height)
@@ -102,7 +105,7 @@ def _strips(tags: dict[int, Any]) -> tuple[int, Callable[[int], int]]:
 
 
 def _planes(tags: dict[int, Any], width: int) -> tuple[int, int]:
-    """Return the number of planes, and the bits in one row of a plane."""
+    """Return the number of planes, and the number of bits per row of a plane."""
     bits = tags.get(BITS, (1,))
     separate = tags.get(PLANAR, 1) == SEPARATE
     samples = tags.get(SAMPLES, 1)

@@ -1,4 +1,4 @@
-"""The native world for physics and rays: terrain, obstacles, station and water."""
+"""The core's world for physics and rays: terrain, obstacles, station and water."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ FRESH_KG_M3 = 1000.0
 
 
 def build_world(scenario: Scenario) -> _core.World:
-    """Return a world of terrain, obstacles, the station (named "station") and the water.
+    """Return the world of a scenario: terrain, obstacles, the station (named "station") and water.
 
-    Raises ScenarioError, which lists all mistakes.
+    Raises ScenarioError that lists all mistakes.
     """
     errors_at = scenario.source_file.errors_at
     with errors_at("terrain"):
@@ -61,7 +61,7 @@ def build_world(scenario: Scenario) -> _core.World:
 
 
 def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
-    """Return the vertices of a vehicle's hull; empty for an unsound one, which is refused when the vehicle is built."""
+    """Return the vertices of a vehicle's hull; a single zero vertex if it is invalid, which is reported later."""
     try:
         rigid_body(vehicle.model, FRESH_KG_M3)
         return vehicle_hull(vehicle.model)[0]
@@ -70,18 +70,18 @@ def _hull(vehicle: VehicleEntry) -> NDArray[np.float64]:
 
 
 def fill_with_water(world: _core.World, scenario: Scenario) -> None:
-    """Set the world's water from the scenario, with waves and gusts of its seed. Raises ScenarioError."""
+    """Set the world's water from the scenario, with waves and gusts from its seed. Raises ScenarioError."""
     world.water = scenario_water(scenario, world)
 
 
 def scenario_water(scenario: Scenario, world: _core.World) -> _core.Water:
-    """Return the scenario's water for a world whose terrain is built. Raises ScenarioError."""
+    """Return the scenario's water for a world that already has its terrain. Raises ScenarioError."""
     with scenario.source_file.errors_at("water"):
         return build_water(scenario.water, bottom_depth_m=-world.lowest_m, seed=scenario.seed)
 
 
 def _require_inside(scenario: Scenario, terrain: Terrain, found: Collected) -> None:
-    """Refuse a dry world; note vehicles that start outside or below the terrain, and survey corners outside it."""
+    """Reject a dry world; note vehicles that start outside or below the terrain, and survey corners outside it."""
     errors_at = scenario.source_file.errors_at
     if terrain.lowest_m >= 0.0:
         with errors_at("terrain"):

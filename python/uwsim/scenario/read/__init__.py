@@ -1,1 +1,1 @@
-"""Reading of files: YAML, meshes and textures, with errors that name file, line and rule."""
+"""Readers of YAML, mesh and texture files, whose errors name file, line and rule."""

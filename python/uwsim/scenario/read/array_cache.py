@@ -1,8 +1,8 @@
-"""A disk cache for arrays that take long to compute, such as closed hulls and noise terrain.
+"""A disk cache for arrays that are slow to compute, such as closed hulls and noise terrain.
 
-Its folder is $UWSIM_CACHE if set (empty: no cache), else uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is the
-digest of everything its arrays depend on: inputs, our sources and the libraries' versions. The folder may be deleted at
-any time; if a file is damaged, unwritable or not the user's, its arrays are computed again.
+The folder is $UWSIM_CACHE if set (empty: no cache), otherwise uwsim in $XDG_CACHE_HOME or ~/.cache. A file's name is a
+digest of everything that its arrays depend on: inputs, our sources and library versions. The folder may be deleted at
+any time. If a file is damaged, unwritable or not the user's own, its arrays are computed again.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ DIGEST_BYTES = 32
 
 
 def cached_arrays(make: Callable[[], Arrays], kind: str, *inputs: Input) -> Arrays:
-    """Return make(), or the stored arrays of an earlier call with the same inputs.
+    """Return make(), or the arrays stored by an earlier call with the same inputs.
 
-    kind: names the arrays. A result that came with warnings is not stored, so that they are issued every time.
+    kind: a name for this kind of arrays. Results that came with warnings are not stored, so that the warnings are
+    issued every time.
     """
     folder = _folder()
     if folder is None:
@@ -72,7 +73,7 @@ def _keep(path: Path, content: bytes) -> None:
 
 
 def _make_room(folder: Path, limit_bytes: int) -> None:
-    """Remove the oldest files until the others are within the limit."""
+    """Remove the oldest files until the rest are within the limit."""
     files = sorted(((p.stat().st_mtime, p.stat().st_size, p) for p in folder.glob("*.npz")), reverse=True)
     total = 0
     for _, size, path in files:
@@ -89,7 +90,7 @@ def _packed(arrays: Arrays) -> bytes:
 
 
 def _unpacked(data: bytes) -> Arrays:
-    """Return the arrays. Raises ValueError if the bytes are not as written."""
+    """Return the arrays. Raises ValueError if the bytes are damaged."""
     digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
     if hashlib.blake2b(content, digest_size=DIGEST_BYTES).digest() != digest:
         raise ValueError("damaged")
@@ -110,7 +111,7 @@ def _digest_of(*inputs: Input) -> str:
 
 @functools.cache
 def _versions() -> bytes:
-    """Return the libraries' versions and a digest of our sources, on which results depend."""
+    """Return the library versions and a digest of our sources, on which results depend."""
     digest = hashlib.blake2b()
     for name in LIBRARIES:
         with contextlib.suppress(metadata.PackageNotFoundError):

@@ -1,4 +1,4 @@
-"""The packaged assets, and the files that names and relative paths refer to."""
+"""The packaged assets, and lookup of files by name or relative path."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ YAML_SUFFIXES = (".yaml", ".yml")
 
 
 def assets_folder() -> Path:
-    """Return the folder of packaged assets: in the package if installed, else at the root of the repository."""
+    """Return the folder of packaged assets: in the package if installed, otherwise at the root of the repository."""
     package = Path(__file__).resolve().parents[2]
     candidates = [package / "assets", package.parents[1] / "assets"]
     for folder in candidates:
@@ -27,7 +27,7 @@ def packaged_names(kind: str) -> list[str]:
 
 
 def find_yaml(source: str | Path, kind: str) -> Path:
-    """Return the YAML file of a packaged name or a path. Raises ScenarioError, which lists the known names."""
+    """Return the YAML file for a packaged name or a path. Raises ScenarioError, which lists the known names."""
     text = str(source)
     names = packaged_names(kind)
     if isinstance(source, str) and text in names:
@@ -50,7 +50,7 @@ def find_yaml(source: str | Path, kind: str) -> Path:
 
 
 def find_asset(name: Path, folder: Path) -> Path | None:
-    """Return the file that a YAML file names: relative to that file's folder, else packaged; None if there is none."""
+    """Return a file named in a YAML file, relative to that file's folder, or else packaged; None if not found."""
     for base in (folder, assets_folder()):
         path = base / name.expanduser()
         if path.is_file():
@@ -59,7 +59,7 @@ def find_asset(name: Path, folder: Path) -> Path | None:
 
 
 def shown_name(path: Path) -> str:
-    """Return a YAML file's name in messages: the bare name of a packaged file, the path of any other."""
+    """Return a YAML file's name for messages: the bare name of a packaged file, otherwise the path."""
     return path.name if assets_folder() in path.parents else str(path)
 
 

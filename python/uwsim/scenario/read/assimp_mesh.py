@@ -1,4 +1,4 @@
-"""Mesh import with assimp, which reads dozens of formats but may crash or hang: in a process with limits."""
+"""Mesh import with assimp, which reads dozens of formats but may crash or hang, so it runs in a limited subprocess."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CPU_S, CPU_S_PER_BYTE = 8, 1e-6
 
 
 def read_by_assimp(path: Path) -> list[tuple[NDArray[np.float64], NDArray[Any]]]:
-    """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, ImportError."""
+    """Return points (n, 3) and triangles (m, 3) of each part. Raises ValueError with the reason, or ImportError."""
     if find_spec("assimp_py") is None:
         raise ImportError("no assimp", name="assimp_py")
     size = path.stat().st_size

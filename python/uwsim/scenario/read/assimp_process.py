@@ -1,6 +1,6 @@
-"""Mesh import with assimp, in its own process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
+"""Mesh import with assimp in a separate process: python assimp_process.py FILE MEMORY_BYTES CPU_SECONDS > parts.npz.
 
-It must not import uwsim, to start quickly. stdout: points and triangles of each part, p0, t0, p1, t1 ...
+To start quickly, this must not import uwsim. stdout: points and triangles of each part: p0, t0, p1, t1 ...
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
 
     flags = (
         assimp_py.Process_Triangulate
-        | assimp_py.Process_SortByPType  # keeps lines and points apart from triangles
+        | assimp_py.Process_SortByPType  # separates lines and points from triangles
         | assimp_py.Process_JoinIdenticalVertices
-        | assimp_py.Process_GlobalScale  # the file's unit to metres
+        | assimp_py.Process_GlobalScale  # converts the file's unit to metres
     )
     scene = assimp_py.import_file(path, flags)
     parts: list[np.ndarray[Any, Any]] = []
@@ -34,7 +34,7 @@ def read_parts(path: str) -> list[np.ndarray[Any, Any]]:
                 continue
             points = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
             triangles = np.asarray(mesh.indices, np.int64).reshape(-1, 3)
-            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored: would wind inward
+            if np.linalg.det(file_from_node[:3, :3]) < 0:  # mirrored, so triangles would wind inward
                 triangles = triangles[:, ::-1]
             parts.extend((points @ file_from_node[:3, :3].T + file_from_node[:3, 3], triangles))
         for child in node.children:
@@ -48,7 +48,7 @@ def main() -> None:
     """Read a mesh within the limits; on error, print one line to stderr and exit with code 1."""
     path, memory_bytes, cpu_s = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # keeps assimp's own prints out of the result
+    os.dup2(2, 1)  # keeps assimp's output out of the result
     for kind, limit in (
         (resource.RLIMIT_AS, memory_bytes),
         (resource.RLIMIT_CPU, cpu_s),

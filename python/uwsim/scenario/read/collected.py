@@ -1,4 +1,4 @@
-"""Collected: gathers the errors of parts that are built one by one, to report them together."""
+"""Collected: gathers errors of parts that are built one by one, so that they can be reported together."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from uwsim.scenario.read.errors import ScenarioError
 
 
 class Collected:
-    """The mistakes found so far, each one line."""
+    """The mistakes found so far, one line each."""
 
     def __init__(self) -> None:
         self.mistakes: list[str] = []
 
     @contextmanager
     def noted(self) -> Iterator[None]:
-        """Catch and note a ScenarioError raised in the block."""
+        """Catch a ScenarioError raised in the block and record its mistakes."""
         try:
             yield
         except ScenarioError as error:
             self.mistakes += error.mistakes
 
     def raise_any(self) -> None:
-        """Raise one ScenarioError with all mistakes, if there are any."""
+        """Raise one ScenarioError with all recorded mistakes, if there are any."""
         if self.mistakes:
             raise ScenarioError.of(self.mistakes)

@@ -1,4 +1,4 @@
-"""The one error for scenario, terrain and mesh files, and the warning about a repaired file."""
+"""The common error for scenario, terrain and mesh files, and the warning about a repaired file."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from collections.abc import Sequence
 class ScenarioError(ValueError):
     """A scenario, or a file that it names, cannot be used. The message is one line: the place and the remedy.
 
-    at: keys of the value at fault, relative to the part of the scenario being built. mistakes: the messages of a file
-    with several; the error's own message is the first, the others are notes, which tracebacks show.
+    at: key path of the offending value, relative to the part of the scenario being built. mistakes: all messages, if
+    there are several; the first is this exception's own message, the rest are attached as notes and shown in
+    tracebacks.
     """
 
     def __init__(self, message: str, at: tuple[str | int, ...] = (), mistakes: Sequence[str] = ()) -> None:
@@ -27,4 +28,4 @@ class ScenarioError(ValueError):
 
 
 class RepairWarning(UserWarning):
-    """A file was repaired before use. The message is one line that describes the repair."""
+    """A file was repaired before use. The message describes the repair in one line."""

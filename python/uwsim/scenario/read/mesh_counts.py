@@ -1,4 +1,4 @@
-"""Checks that a mesh file is complete: trimesh reads what it can of a damaged one, whatever its header announces."""
+"""Checks that a mesh file is complete, since trimesh silently reads what it can of a damaged one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STL_FACET = re.compile(
 def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> None:
     """Raise ValueError if triangles are missing; warn if the last line of a text file has no line break.
 
-    name: the file, in messages. suffix: of TEXT_SUFFIXES; the glTF reader checks this itself.
+    name: the file, for messages. suffix: one of TEXT_SUFFIXES; the glTF reader has its own check.
     """
     head = content[:MAX_HEADER]
     if suffix == ".off" and re.search(rb"[^\t\n\r -~]", re.sub(rb"#[^\n]*", b"", content)):
@@ -39,7 +39,7 @@ def require_whole(name: str, suffix: str, content: bytes, triangles: int) -> Non
 
 
 def require_whole_stl(name: str, text: bytes) -> None:
-    """Raise ValueError if an STL text is not solids of facets throughout; warn as require_whole."""
+    """Raise ValueError unless an STL text consists of solids of facets throughout; warn like require_whole."""
     warn_if_cut_short(name, text)  # another solid may be missing
     text, at = text.lower(), 0
     while begins := STL_SOLID.match(text, at):
@@ -58,9 +58,9 @@ def require_whole_stl(name: str, text: bytes) -> None:
 
 
 def _ply_header(head: bytes) -> tuple[bool, int]:
-    """Return whether a PLY file is binary, and the number of faces that it announces. Raises ValueError.
+    """Return whether a PLY file is binary, and the number of faces that its header announces. Raises ValueError.
 
-    trimesh ignores lines that it does not know, and uses the last of several elements with one name.
+    trimesh ignores unknown lines, and uses the last of several elements with the same name.
     """
     header = PLY_HEADER.match(head)
     if header is None:
@@ -73,6 +73,6 @@ def _ply_header(head: bytes) -> tuple[bool, int]:
 
 
 def _announced_faces(suffix: str, head: bytes) -> int:
-    """Return the number of faces that a header announces; 0 if it announces none."""
+    """Return the number of faces that a header announces, or 0 if it does not."""
     words = re.sub(rb"#[^\n]*", b"", head).split(maxsplit=3) if suffix == ".off" else []
     return int(words[2]) if len(words) > 2 and words[2].isdigit() else 0

@@ -1,4 +1,4 @@
-"""Triangle meshes from files such as STL, OBJ, glTF and FBX, as Blender and CAD programs export them."""
+"""Reads triangle meshes from files such as STL, OBJ, glTF and FBX, as exported by Blender and CAD programs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TRIMESH_SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MAX_REACH_M = 1e5
 Y_UP_SUFFIXES = (".glb", ".gltf")
 CACHED_SUFFIXES = (".obj", ".stl")
-"""Formats that hold the whole mesh in one file, whose content can therefore be a cache key."""
+"""Formats that contain the whole mesh in one file, so its bytes can be a cache key."""
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotates the file's y to z and keeps x; the file's z, towards the viewer, becomes -y."""
@@ -34,10 +34,12 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
     """Return all triangles of a file, with node transforms applied.
 
     Returns vertices (n, 3) float64 in metres, and triangles (m, 3) uint32. trimesh reads STL, PLY, OBJ, OFF and glTF;
-    assimp reads all other formats, mainly FBX, and converts its unit (usually centimetres) to metres.
-    scale: metres for each unit of the file; for FBX a further factor.
-    up: the file's axis that becomes z. The default is y for glTF, as in its specification, the declared axis for FBX
-    and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y".
+    assimp reads all other formats, mainly FBX, and converts their unit (usually centimetres) to metres.
+
+    scale: metres per unit of the file; for FBX an additional factor.
+
+    up: the file's axis that becomes z. The default is y for glTF, as its specification requires, the declared axis for
+    FBX and Collada, and z for all others; Blender's OBJ export with its default axes therefore needs up="y".
     """
     path = Path(path)
     _require_readable(path)
@@ -51,7 +53,7 @@ def load_mesh(path: str | Path, scale: float = 1.0, up: Literal["y", "z"] | None
 
 
 def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes = b"") -> tuple[Vertices, Triangles]:
-    """Return the mesh; content: the file's bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
+    """Read the mesh. content: the file's bytes, for CACHED_SUFFIXES. Raises ScenarioError."""
     suffix = path.suffix.lower()
     try:
         if suffix in TRIMESH_SUFFIXES:
@@ -61,7 +63,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
             y_up = suffix in Y_UP_SUFFIXES
         else:
             vertices, triangles = joined(read_by_assimp(path))
-            y_up = True  # assimp converts every file that declares its axes to y up
+            y_up = True  # assimp converts all files that declare their axes to y up
     except ScenarioError:
         raise
     except MemoryError:
@@ -70,7 +72,7 @@ def _load(path: Path, scale: float, up: Literal["y", "z"] | None, content: bytes
         raise ScenarioError(
             f"mesh '{path}': reading it needs the Python package '{error.name}', which cannot be imported: install it"
         ) from None
-    except Exception as error:  # the readers raise errors of any type for malformed files
+    except Exception as error:  # readers raise errors of any type for malformed files
         raise ScenarioError(f"mesh '{path}': not a readable {suffix[1:] or 'mesh'} file: {_reason(error)}") from None
     _require_sound(path, vertices, triangles, scale)
     if up == "y" or (up is None and y_up):
@@ -94,7 +96,7 @@ def _require_readable(path: Path) -> None:
 
 
 def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertices, NDArray[Any]]:
-    import trimesh  # takes a second; not needed for a cached mesh
+    import trimesh  # takes a second to import, and is not needed for a cached mesh
 
     if suffix == ".obj":  # comments and names may be in any encoding
         text = content.decode("utf-8", errors="replace")
@@ -109,7 +111,7 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
 
 
 def _require_indices_from_one(path: Path, text: str) -> None:
-    """Refuse a face with index 0, which is invalid; trimesh would take it as some vertex."""
+    """Raise ScenarioError for a face with the invalid index 0, which trimesh would take for some vertex."""
     zero = re.search(r"^[ \t]*f[ \t](?:.*[ \t])?[-+]?0+(?=[/\s]|\Z)", text, re.MULTILINE)
     if zero:
         line = text.count("\n", 0, zero.end()) + 1
@@ -117,7 +119,7 @@ def _require_indices_from_one(path: Path, text: str) -> None:
 
 
 def _sound_stl(path: Path, data: bytes) -> bytes:
-    """Return the file, text converted to UTF-8; refuse files in which trimesh would find no triangles."""
+    """Return the file's bytes, text converted to UTF-8. Raises ValueError if trimesh would find no triangles."""
     announced = int.from_bytes(data[80:84], "little")
     if len(data) >= 84 and len(data) == 84 + 50 * announced:
         return data
@@ -129,7 +131,7 @@ def _sound_stl(path: Path, data: bytes) -> bytes:
 
 
 def joined(parts: list[tuple[Vertices, NDArray[Any]]]) -> tuple[Vertices, NDArray[Any]]:
-    """Return several meshes as one."""
+    """Combine several meshes into one."""
     if not parts:
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     starts = np.cumsum([0] + [len(points) for points, _ in parts[:-1]])

@@ -1,4 +1,4 @@
-"""Repair of meshes that must be closed, such as hulls; a warning describes each repair."""
+"""Repairs meshes that must be closed, such as hulls; a warning describes each repair."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from uwsim.scenario.read.errors import RepairWarning, ScenarioError
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
 from uwsim.scenario.read.mesh_union import crossings, united
 
-if TYPE_CHECKING:  # its import takes a second; not needed for a cached hull
+if TYPE_CHECKING:  # takes a second to import, and is not needed for a cached hull
     import trimesh
 
 
 def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh") -> tuple[Vertices, Triangles]:
     """Return the same surface closed and winding outward, with equal vertices merged. Raises ScenarioError.
 
-    In the result, every edge is shared by two triangles that run along it in opposite directions, and the volume is
-    positive. Closed parts that overlap are united. A surface that still intersects itself is refused: its inside is
-    undefined. Merging vertices that STL duplicates is silent; any other repair issues a RepairWarning.
+    In the result, every edge is shared by two triangles that traverse it in opposite directions, and the volume is
+    positive. Overlapping closed parts are united. A surface that still intersects itself is rejected, since its inside
+    is undefined. Merging vertices that STL duplicates is silent; any other repair issues a RepairWarning.
     """
     import trimesh
 
@@ -43,7 +43,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
 
 
 def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> trimesh.Trimesh:
-    """Unite parts that overlap and note it in `repairs`; refuse a surface that still intersects itself."""
+    """Unite overlapping parts and record it in `repairs`; reject a surface that still intersects itself."""
     whole = None
     try:
         whole = united(mesh)
@@ -62,7 +62,7 @@ def _without_overlaps(mesh: trimesh.Trimesh, name: str, repairs: list[str]) -> t
 
 
 def _repair(mesh: trimesh.Trimesh) -> list[str]:
-    """Repair the mesh in place; return a list of the repairs."""
+    """Repair the mesh in place; return descriptions of the repairs."""
     import trimesh
 
     repairs = []
@@ -84,7 +84,7 @@ def _is_closed(mesh: trimesh.Trimesh) -> bool:
 
 
 def _turn_outward(mesh: trimesh.Trimesh) -> bool:
-    """Flip parts of negative volume, except cavities inside another part; return whether any was flipped."""
+    """Flip parts with negative volume, except cavities inside another part; return whether any was flipped."""
     import trimesh
 
     parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)

@@ -1,4 +1,4 @@
-"""Union of a mesh's overlapping closed parts, and detection of self-intersecting surfaces."""
+"""Union of a mesh's overlapping closed parts, and detection of surfaces that intersect themselves."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 Faces = NDArray[Any]
 
-MIN_OVERLAP = 1e-6  # share of the volume; parts that overlap by less are not united
-TOUCH_TOLERANCE = 1e-9  # share of an edge or triangle; a crossing this close to its end or rim counts as a touch
+MIN_OVERLAP = 1e-6  # fraction of the volume; parts that overlap by less are not united
+TOUCH_TOLERANCE = 1e-9  # fraction of an edge or triangle; a crossing this close to its end or rim is only a touch
 MAX_PAIRS = 2_000_000  # edge-triangle pairs tested at once
 
 
 def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
-    """Return the union of a closed mesh's parts and their number, or None if none overlap.
+    """Return the union of a closed mesh's parts and their number, or None if no parts overlap.
 
-    A part of negative volume is a cavity in the smallest part around it. Raises ValueError if a part intersects itself
-    in a way that manifold3d does not accept.
+    A part with negative volume is a cavity in the smallest part around it. Raises ValueError if a part intersects
+    itself in a way that manifold3d does not accept.
     """
     faces = [mesh.faces[part] for part in _components(mesh)]
     solids = [part for part in faces if _volume(mesh, part) > 0.0]
@@ -59,7 +59,7 @@ def united(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, int] | None:
 
 
 def crossings(vertices: Vertices, faces: Faces) -> int:
-    """Return the number of edges that pierce a triangle without sharing a vertex; touches do not count."""
+    """Return the number of edges that pierce a triangle with which they share no vertex; touches do not count."""
     faces = np.asarray(faces, np.int64)
     edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     ends, corners = vertices[edges], vertices[faces]
@@ -67,7 +67,7 @@ def crossings(vertices: Vertices, faces: Faces) -> int:
     face_low, face_high = corners.min(axis=1), corners.max(axis=1)
     order = np.argsort(face_low[:, 0])
     faces, corners, face_low, face_high = faces[order], corners[order], face_low[order], face_high[order]
-    # Candidates by their extent along x: triangles that begin before the edge ends, less those that must end before it
+    # Candidates by extent along x: triangles that begin before the edge ends, except those that must end before it
     # begins, since none is wider than `widest`.
     widest = float(np.max(face_high[:, 0] - face_low[:, 0]))
     first = np.searchsorted(face_low[:, 0], edge_low[:, 0] - widest)
@@ -95,7 +95,7 @@ def crossings(vertices: Vertices, faces: Faces) -> int:
 def _flat_boxes_meet(
     face_low: Vertices, face_high: Vertices, edge_low: Vertices, edge_high: Vertices
 ) -> NDArray[np.bool_]:
-    """Return whether boxes meet if one is flat along an axis, where comparing open intervals would find nothing."""
+    """Return which pairs of boxes meet where either is flat along an axis, so that open intervals would not overlap."""
     meet = ((face_low <= edge_high) & (edge_low <= face_high)).all(axis=1)
     flat = ((face_low == face_high) | (edge_low == edge_high)).any(axis=1)
     return np.asarray(meet & flat, np.bool_)
@@ -142,7 +142,7 @@ def _boxes_meet(mesh: trimesh.Trimesh, parts: list[Faces]) -> bool:
 
 
 def _solid_around(mesh: trimesh.Trimesh, solids: list[Faces], cavity: Faces) -> int:
-    """Return the index of the first, so smallest, solid whose box contains the cavity's; of the last if none does."""
+    """Return the index of the first (smallest) solid whose box contains the cavity's, or of the last if none does."""
     low, high = _box(mesh, cavity)
     for index, solid in enumerate(solids):
         outer_low, outer_high = _box(mesh, solid)

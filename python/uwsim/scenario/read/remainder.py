@@ -1,4 +1,4 @@
-"""The valid rest of a file's values: mistakes are left out so that everything else can be checked, too."""
+"""The valid remainder of a file's values: mistakes are left out so that the rest can still be checked."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ Path = tuple[Key, ...]
 
 
 class Remainder:
-    """A copy of values without the parts left out; it maps places in the rest to places in the file.
+    """A copy of values without the parts left out; it maps places in the copy to places in the file.
 
-    values: own copies of dicts and lists; models and plain values as given. left_out: places in the file, in order.
+    values: dicts and lists are copied, models and plain values are not. left_out: places in the file, in the order of
+    removal.
     """
 
     def __init__(self, values: Any) -> None:
         self.left_out: list[Path] = []
-        self._positions: dict[int, list[int]] = {}  # of the remaining items, by the list's identity
-        self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by the mapping's identity
+        self._positions: dict[int, list[int]] = {}  # original indices of the remaining items, by the list's id
+        self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by the mapping's id
         self.values = self._copy(values)
 
     def _copy(self, value: Any) -> Any:
@@ -48,12 +49,12 @@ class Remainder:
         return tuple(found)
 
     def has(self, path: Path) -> bool:
-        """Return whether there is such a key."""
+        """Return whether the key exists."""
         node = self._at(path[:-1])
         return isinstance(node, dict) and path[-1] in node
 
     def rename(self, path: Path, key: str) -> bool:
-        """Rename a key; return False if the new name is in use."""
+        """Rename a key; return False if the new name is already in use."""
         node = self._at(path[:-1])
         if not isinstance(node, dict) or key in node or path[-1] not in node:
             return False
@@ -62,9 +63,9 @@ class Remainder:
         return True
 
     def leave_out(self, path: Path) -> Path | None:
-        """Leave out a key, or an item of a list of mappings; if it does not exist, its nearest ancestor.
+        """Remove a key, or an item of a list of mappings, or its nearest existing ancestor.
 
-        Returns the place left out; None if that would be everything.
+        Return the place removed, or None if that would be everything.
         """
         while path:
             node, key = self._at(path[:-1]), path[-1]

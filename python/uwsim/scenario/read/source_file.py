@@ -1,4 +1,4 @@
-"""SourceFile: the file that a scenario was read from, so that later errors can still name file and line."""
+"""SourceFile: the file from which a scenario was read, so that later errors can name file and line."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 @dataclass(frozen=True)
 class SourceFile:
-    """document: None for a scenario made in Python. All source files compare equal: a scenario does not depend on them.
+    """document: None for a scenario built in Python. in_file: converts places if parts of the file were left out.
 
-    in_file: maps a place in the scenario to the place in the file, if parts of the file were left out.
+    in_file takes a place in the scenario and returns the place in the file. All source files compare equal, so that
+    they do not affect the equality of scenarios.
     """
 
     document: YamlDocument | None = field(default=None, compare=False, repr=False)
@@ -25,7 +26,7 @@ class SourceFile:
         return f"{self.document.name}:{self.document.line(self.in_file(keys))}: " if self.document else ""
 
     def place(self, *keys: Key) -> str:
-        """Return the keys in the form used in messages: vehicles[0].model."""
+        """Return the keys as messages show them: vehicles[0].model."""
         return dotted(self.in_file(keys))
 
     @property
@@ -35,7 +36,7 @@ class SourceFile:
 
     @contextmanager
     def errors_at(self, *keys: Key) -> Iterator[None]:
-        """Prefix ScenarioErrors from the block with file and line; the value at fault is at or below these keys."""
+        """Prefix ScenarioErrors from the block with file and line of the offending value, at or below these keys."""
         try:
             yield
         except ScenarioError as error:

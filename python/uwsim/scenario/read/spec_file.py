@@ -1,4 +1,4 @@
-"""Parts of a scenario in YAML files of their own: a vehicle, a thruster, a sonar, a set of sensors."""
+"""Parts of a scenario in separate YAML files: a vehicle, a thruster, a sonar, a set of sensors."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Spec = TypeVar("Spec", bound=BaseModel)
 
 
 def read_spec(model: type[Spec], source: str | Path, kind: str, folder: Path | None = None) -> Spec:
-    """Read and check the YAML file of a packaged name or a path. Raises ScenarioError.
+    """Read and validate the YAML file of a packaged name or a path. Raises ScenarioError.
 
-    kind: the assets' folder for packaged names, such as "vehicles". folder: the base of relative paths, by default the
-    working folder.
+    kind: the assets folder in which packaged names are found, such as "vehicles". folder: the base of relative paths,
+    by default the working folder.
     """
     beside = (folder or Path()) / source
     path = beside if beside.is_file() else find_yaml(source, kind)

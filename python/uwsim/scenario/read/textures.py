@@ -1,4 +1,4 @@
-"""Textures and colours of mesh files: an image, and each triangle's place on it."""
+"""Textures and colours of mesh files: an image, and the coordinates of each triangle on it."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from uwsim.scenario.read.mesh_file import Y_UP_SUFFIXES, load_mesh
 TEXTURED_SUFFIXES = (".obj", ".glb", ".gltf")
 MAX_SIDE = 4096
 PATCH = 4
-"""Side of a colour patch, pixels."""
+"""Side of a colour patch in pixels."""
 UNCOLOURED = np.array([1.0, 1.0, 1.0])
-"""The base colour of a glTF material without one: white, as in the specification."""
+"""The default base colour of a glTF material: white, as in the specification."""
 
 Texture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
 def load_texture(path: Path) -> Texture | None:
-    """Return a mesh file's image (h, w, 3) uint8, sRGB, and corners (m, 3, 2) float32 on it, from its lower left.
+    """Return a mesh file's image (h, w, 3) uint8, sRGB, and texture coordinates (m, 3, 2) float32 of the corners.
 
-    For a glTF file without images whose materials or vertices have colours, the image has a patch for each colour.
-    Returns None for files without either, for unreadable images, and for formats other than glTF and OBJ. The triangles
-    are those of load_mesh, in its order. Several images of a file are placed side by side. Images are reduced to at
-    most 4,096 pixels a side.
+    Coordinates are measured from the lower left. For a glTF file without images whose materials or vertices have
+    colours, the image contains one patch per colour. Returns None for files with neither, for unreadable images, and
+    for formats other than glTF and OBJ. The triangles are those of load_mesh, in the same order. Several images are
+    placed side by side. Images are reduced to at most 4,096 pixels per side.
     """
     if path.suffix.lower() not in TEXTURED_SUFFIXES:
         return None
@@ -50,7 +50,7 @@ def load_texture(path: Path) -> Texture | None:
 
 
 def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
-    """Return the colour of each triangle (m, 3), sRGB, for a scene with colours but no images, else None."""
+    """Return the colour of each triangle (m, 3), sRGB, for a scene with colours but no images; otherwise None."""
     parts, given = [], False
     for mesh in scene.dump(concatenate=False):
         material: Any = getattr(mesh.visual, "material", None)
@@ -72,7 +72,7 @@ def _face_colours(scene: Any) -> NDArray[np.uint8] | None:
 
 
 def _palette(colours: NDArray[np.uint8]) -> Texture:
-    """Return an image with a patch for each of the colours (m, 3), and corners in the middle of these patches."""
+    """Return an image with one patch for each distinct colour among (m, 3), and corners at the patch centres."""
     known, which = np.unique(colours, axis=0, return_inverse=True)
     across = min(len(known), MAX_SIDE // PATCH)
     rows = -(-len(known) // across)

@@ -1,7 +1,7 @@
 """Validation of values against a model, with all mistakes reported together.
 
-pydantic stops at a model's first broken rule and skips rules that combine several. So values at fault are left out, or
-read under the key that was meant, and the rest is checked again, until no new mistake is found.
+pydantic stops at a model's first broken rule and skips rules that combine several fields. So offending values are left
+out, or read under the key that was meant, and the rest is checked again until no new mistake is found.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MEANT = re.compile(r"did you mean '([^']+)'")
 
 
 def validated(model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None) -> M:
-    """Return the model of these values. Files are looked up in `folder` first. Raises ScenarioError."""
+    """Return a model of these values. folder: where to look for files first. Raises ScenarioError."""
     try:
         return model.model_validate(values, context={"folder": folder or Path(), HINTS: {}})
     except ValidationError:
@@ -35,9 +35,9 @@ def validated(model: type[M], values: Any, document: YamlDocument | None = None,
 
 @dataclass(frozen=True)
 class Holding(Generic[M]):
-    """The result of a check. mistakes: in the order of the file.
+    """The result of a check. mistakes: the errors found, in file order.
 
-    model: of the valid rest; None if too little is left.
+    model: built from the remaining valid parts, or None if too little is valid. left: those parts.
     """
 
     mistakes: list[str]
@@ -48,9 +48,9 @@ class Holding(Generic[M]):
 def what_holds(
     model: type[M], values: Any, document: YamlDocument | None = None, folder: Path | None = None
 ) -> Holding[M]:
-    """Return all mistakes, each in one line: at most MAX_MISTAKES, then the number of the others."""
+    """Return all mistakes, one line each: at most MAX_MISTAKES, followed by the number of the others."""
     left = Remainder(values)
-    found: dict[str, tuple[bool, int]] = {}  # unique: each absent item of a list is a separate error
+    found: dict[str, tuple[bool, int]] = {}  # a dict, since each absent item of a list repeats the error
     made: M | None = None
     for _ in range(MAX_ROUNDS):
         hints: Hints = {}
@@ -71,7 +71,7 @@ def what_holds(
 
 
 def _follows(mistake: Mistake, left: Remainder) -> bool:
-    """Return whether a mistake exists only because something was left out before."""
+    """Return whether a mistake exists only because a value was left out earlier."""
     path, model = left.in_file(mistake.path), left.in_file(mistake.model)
     for gone in left.left_out:
         if path[: len(gone)] == gone:
@@ -85,12 +85,11 @@ def _follows(mistake: Mistake, left: Remainder) -> bool:
 
 
 def _leave_out(mistakes: list[Mistake], left: Remainder) -> bool:
-    """Rename misspelt keys; else leave out what is wrong; else leave out the mapping that lacks something.
+    """Rename misspelt keys; otherwise leave out offending values; otherwise the mappings that lack something.
 
-    Only one of these is done at a time, to leave as much as possible to be checked. Returns False if nothing is left to
-    do.
+    Only one of these is done at a time, so that as much as possible is checked. Return False if nothing is left to do.
     """
-    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # lists from their ends
+    ordered = sorted(mistakes, key=lambda each: _last_first(each.path), reverse=True)  # from the end of each list
     renamed = [each for each in ordered if (key := _meant(each)) is not None and left.rename(each.path, key)]
     if renamed:
         return True

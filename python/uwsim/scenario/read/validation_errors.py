@@ -1,7 +1,7 @@
-"""pydantic's validation errors, each as one line: place, value, unit, rule.
+"""Converts pydantic's validation errors to one line each: place, value, unit, rule.
 
-`lake.yaml:12: vehicles[0].sonr: unknown key; did you mean 'sonar'?`
-`lake.yaml:7: water.density_kg_m3 = 5000 kg/m3: must be in [900, 1100] kg/m3`
+`lake.yaml:12: vehicles[0].sonr: unknown key; did you mean 'sonar'?` `lake.yaml:7: water.density_kg_m3 = 5000 kg/m3:
+must be in [900, 1100] kg/m3`
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 TAGS = ("source", "kind")
-"""Keys that select one of several models; pydantic includes their values in the locations of errors."""
+"""Keys that select one of several models; pydantic includes their values in error locations."""
 
 HINTS = "hints"
-"""Key for the Hints in the validation's context."""
+"""Key of the Hints in the validation context."""
 
 Hints = dict[str, str]
-"""For each unknown key, the end of the message: the nearest known key."""
+"""The end of the message for each unknown key, which suggests the most similar known key."""
 
 InFile = Callable[[Sequence[Key]], Sequence[Key]]
 
@@ -42,9 +42,9 @@ RULES = {
 
 
 class Mistake(NamedTuple):
-    """One of pydantic's errors. path: keys to it. model: keys to the model whose rule is broken.
+    """One of pydantic's errors. path: key path of the error. model: key path of the model whose rule is broken.
 
-    lines: pairs of line in the file and text; several if another file is at fault that has several mistakes.
+    lines: pairs of line number and text; several if the error is in another file that has several mistakes.
     """
 
     path: tuple[Key, ...]
@@ -56,7 +56,7 @@ class Mistake(NamedTuple):
 def mistakes_in(
     errors: Sequence[ErrorDetails], hints: Hints, values: Any, document: YamlDocument | None, in_file: InFile
 ) -> list[Mistake]:
-    """Return the errors that are not mere consequences of others. in_file: maps places in `values` to the file."""
+    """Return the errors that are not consequences of others. in_file: maps places in `values` to the file."""
     return [
         _described(error, errors, hints, values, document, in_file)
         for error in errors
@@ -75,7 +75,7 @@ def _described(
     below, shown, rules = _explained(error, errors, hints)
     model = _path(values, error["loc"])
     path = [*model, *below]
-    if error["type"] == "missing" and isinstance(path[-1], int):  # report the list, not its absent item
+    if error["type"] == "missing" and isinstance(path[-1], int):  # report the list instead of its absent item
         path.pop()
     found = in_file(path)
     place, line = dotted(found), document.line(found) if document else 0
@@ -85,14 +85,14 @@ def _described(
 
 
 def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
-    """Return whether an error is only a consequence of another, which alone is reported."""
+    """Return whether an error is only a consequence of another, which is reported in its place."""
     kind, loc = error["type"], error["loc"]
     if kind == "default_factory_not_called":  # another field is invalid
         return True
     if kind == "missing":  # its key is misspelt
         unknown = [o["loc"][-1] for o in errors if o["type"] == "extra_forbidden" and o["loc"][:-1] == loc[:-1]]
         return any(f"'{loc[-1]}'" in hints.get(str(key), "") for key in unknown)
-    if kind == "extra_forbidden":  # the kind that has this key is unknown or misspelt
+    if kind == "extra_forbidden":  # the kind to which this key belongs is unknown or misspelt
         beside = [str(o["loc"][-1]) for o in errors if o["loc"][:-1] == loc[:-1]]
         return any(tag in beside and f"'{tag}'" not in hints.get(str(loc[-1]), "") for tag in TAGS)
     if kind == "too_short":  # invalid items do not count
@@ -103,7 +103,7 @@ def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], h
 def _explained(
     error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints
 ) -> tuple[Sequence[Key], str, Sequence[str]]:
-    """Return the keys below the error's location, `= value unit`, and the rule; or the mistakes of another file."""
+    """Return the keys below the error's location, `= value unit` and the rule, or the mistakes of another file."""
     if isinstance(error.get("ctx", {}).get("error"), ScenarioError):  # from a file that this one names
         return (), "", error["ctx"]["error"].mistakes
     if error["type"] == "extra_forbidden":
@@ -140,13 +140,13 @@ def _rule(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> tuple[Sequence
 
 
 def _path(values: Any, loc: Sequence[Key]) -> list[Key]:
-    """Return the keys to the error in the file: pydantic's location without tags of unions."""
+    """Return the key path of an error in the file: pydantic's location without the tags of unions."""
     path: list[Key] = []
     node, entered = values, True
     for part in loc:
-        if part == "[key]":  # of a dict
+        if part == "[key]":  # pydantic's marker for a dict's key
             continue
-        if isinstance(part, int) and isinstance(node, dict):  # a single item without its list
+        if isinstance(part, int) and isinstance(node, dict):  # a single item written without its list
             continue
         if entered and isinstance(node, dict) and part in [node.get(tag) for tag in TAGS]:
             entered = False

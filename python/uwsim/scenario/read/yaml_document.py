@@ -1,4 +1,4 @@
-"""A YAML file as plain values, with the line number of each."""
+"""A YAML file as plain values, with their line numbers."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ Key = str | int
 
 
 def dotted(path: Sequence[Key]) -> str:
-    """Return keys in the form used in messages: vehicles[0].sonar.model."""
+    """Return a key path as messages show it: vehicles[0].sonar.model."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return text.removeprefix(".")
 
 
 @dataclass(frozen=True)
 class YamlDocument:
-    """name: the file, in messages. values: dicts, lists, text, numbers, booleans and None only."""
+    """name: the file's name, for messages. values: only dicts, lists, text, numbers, booleans and None."""
 
     name: str
     values: dict[str, Any]
     _root: CommentedMap
 
     def line(self, path: Sequence[Key]) -> int:
-        """Return the line, counted from 1, of a key or list item, or of its nearest ancestor in the file."""
+        """Return the line, counted from 1, of a key or list item, or of its nearest existing ancestor."""
         node: Any = self._root
         line = 1
         for key in path:
@@ -54,12 +54,12 @@ class YamlDocument:
 
 
 def read_yaml(path: Path, name: str) -> YamlDocument:
-    """Return a YAML mapping. name: the file, in messages. Raises ScenarioError with name and line."""
+    """Read a YAML mapping. name: the file's name, for messages. Raises ScenarioError with name and line."""
     document = _parsed(_read_text(path, name), name)
     return replace(document, values=copy.deepcopy(document.values))
 
 
-@functools.lru_cache(maxsize=64)  # parsing is a third of a simulator's start, and files change rarely
+@functools.lru_cache(maxsize=64)  # parsing takes a third of a simulator's start-up time, and files rarely change
 def _parsed(text: str, name: str) -> YamlDocument:
     """Return the document, which must not be modified. Raises ScenarioError with name and line."""
     reader = YAML(typ="rt")
@@ -68,7 +68,7 @@ def _parsed(text: str, name: str) -> YamlDocument:
         if "!" in text:
             _refuse_tags(text, name)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ReusedAnchorWarning)  # YAML 1.2 allows it
+            warnings.simplefilter("ignore", ReusedAnchorWarning)  # YAML 1.2 allows reused anchors
             root = reader.load(StringIO(text))
     except DuplicateKeyError as error:
         raise ScenarioError(
@@ -111,7 +111,7 @@ def _read_text(path: Path, name: str) -> str:
 
 
 class _Constructor(RoundTripConstructor):
-    """Reports the line of a value that YAML accepts as a number or date but Python does not."""
+    """Adds line numbers to errors for values that YAML accepts as a number or date but Python does not."""
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:
         try:
@@ -123,7 +123,7 @@ class _Constructor(RoundTripConstructor):
     def check_mapping_key(self, node: Any, key_node: Any, mapping: Any, key: Any, value: Any) -> bool:
         try:
             return bool(super().check_mapping_key(node, key_node, mapping, key, value))
-        except TypeError as error:  # a mapping that contains a list has no hash
+        except TypeError as error:  # a mapping that contains a list is not hashable
             raise ConstructorError(problem="a key is no plain word", problem_mark=key_node.start_mark) from error
 
 
@@ -140,7 +140,7 @@ def _written(tag: Any) -> str:
 
 
 class _Plain:
-    """Converts ruamel's values, which carry comments and styles, to plain ones."""
+    """Converts ruamel's values, which carry comments and styles, to plain values."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -188,7 +188,7 @@ class _Plain:
 
 
 def _line_of(node: CommentedMap | CommentedSeq, key: Any) -> int:
-    """Return the line of a key or item; for one from an alias, the line of the mapping or list around it."""
+    """Return the line of a key or item; for one from an alias, the line of the enclosing mapping or list."""
     try:
         line, _ = node.lc.key(key) if isinstance(node, CommentedMap) else node.lc.item(key)
     except (KeyError, TypeError):

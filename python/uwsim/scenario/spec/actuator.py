@@ -21,11 +21,11 @@ Microseconds = Annotated[float, InRange(1, 10_000, "us")]
 Component = Annotated[float, InRange(-1e6, 1e6)]
 ThrusterName = Annotated[str, AssetName("thrusters")]
 Direction = tuple[Component, Component, Component]
-"""A vector of any length except zero."""
+"""A vector of nonzero length."""
 
 
 class Pwm(Model):
-    """A speed controller's pulse widths.
+    """The pulse widths of a speed controller.
 
     centre_us: for command 0. span_us: from the centre to commands -1 and 1.
     """
@@ -35,15 +35,13 @@ class Pwm(Model):
 
 
 class ThrusterType(Model):
-    """A thruster type, as sold.
+    """A type of thruster, as sold.
 
-    pwm: the pulse widths, if thrust_n is given by them.
-    thrust_n: pairs of a command in [-1, 1], or a pulse width if `pwm` is given, and the still-water thrust on the
-    vehicle; linear between pairs, constant beyond the ends. time_constant_s: of the thrust's first-order lag.
-    diameter_m: of the propeller.
-    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes;
-    without it, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque per newton of thrust,
-    k_q = D K_Q / K_T.
+    pwm: the pulse widths, if thrust_n is tabulated by them. thrust_n: pairs of a command in [-1, 1], or a pulse width
+    if `pwm` is given, and the still-water thrust on the vehicle; linear between pairs, constant beyond the ends.
+    time_constant_s: of the thrust's first-order lag. diameter_m: of the propeller. bollard_coefficient: T / (rho n^2
+    D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes; without it, inflow does not reduce
+    thrust. torque_per_thrust_m: the propeller's torque per newton of thrust, k_q = D K_Q / K_T.
     """
 
     name: Name
@@ -66,7 +64,7 @@ class ThrusterType(Model):
 
     @property
     def curve_points(self) -> tuple[list[float], list[float]]:
-        """Return commands in [-1, 1] and their thrusts [N]."""
+        """Commands in [-1, 1] and their thrusts [N]."""
         centre, span = (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
         commands = [(given - centre) / span for given, _ in self.thrust_n]
         return commands, [thrust_n for _, thrust_n in self.thrust_n]
@@ -89,10 +87,10 @@ def _require_direction(direction: Direction, key: str) -> None:
 class ThrusterMount(Model):
     """A thruster on a vehicle.
 
-    model: a packaged thruster's name or the path of its YAML file, which is read into a ThrusterType. position_m: of
-    the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: seen from behind, at
-    positive thrust. gain: a factor on the type's thrust, such as for another battery voltage; the allocation of efforts
-    takes it into account. health: the share of thrust left by a fault, of which the allocation is not aware.
+    model: the name of a packaged thruster or the path of its YAML file, which is read into a ThrusterType. position_m:
+    of the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: seen from behind,
+    at positive thrust. gain: a factor on the type's thrust, such as for another battery voltage; the allocation of
+    efforts takes it into account. health: the fraction of thrust left by a fault, of which the allocation is not aware.
     """
 
     model: Annotated[ThrusterType, BeforeValidator(_thruster_type, json_schema_input_type=ThrusterName | ThrusterType)]
@@ -113,10 +111,10 @@ class FinMount(Model):
 
     position_m: the centre of pressure. span: the direction about which it turns, right-handed, perpendicular to x.
     area_m2: the reference area of lift and drag. aspect_ratio: effective, span^2 / area, doubled if the hull mirrors
-    the fin. parasitic_drag: the drag coefficient without lift. efficiency: Oswald's, for the induced drag.
-    stall_angle_deg: where lift is halfway to that of a flat plate; leave it out for a surface that does not stall, such
-    as a hull. stall_sharpness_deg: width of that transition. deflection_max_deg, rate_max_deg_s: limits of its angle
-    and rate.
+    the fin. parasitic_drag: the drag coefficient at zero lift. efficiency: Oswald's, for the induced drag.
+    stall_angle_deg: angle at which lift is halfway to that of a flat plate; omit it for a surface that does not stall,
+    such as a hull. stall_sharpness_deg: width of that transition. deflection_max_deg, rate_max_deg_s: limits of its
+    angle and rate.
     """
 
     position_m: Point3

@@ -21,7 +21,8 @@ Colour = tuple[Share, Share, Share]
 class PanTilt(Model):
     """A motor that turns a camera on its mount: pan about its z, positive to port, then tilt about y, positive down.
 
-    pan_limits_deg, tilt_limits_deg: from, to; 0, the mount's own direction, must be between. rate_deg_s: of each axis.
+    pan_limits_deg, tilt_limits_deg: lower, upper; the range must include 0, the mount's own direction. rate_deg_s: of
+    each axis.
     """
 
     pan_limits_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
@@ -41,12 +42,13 @@ class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
     It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
-    height: pixels, which are square. horizontal_fov_deg: across the image's width, before distortion. distortion: k1,
-    k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
-    full_well, read_noise: electrons at base gain. vignetting: share of the cos^4 law. wobble_mrad: largest bend of a
-    ray by turbulence; by default derived from `optics.turbulence_k`. follows: its carrier; `body`: fixed to the hull,
-    which is not in its pictures; `heading`: it follows the vehicle's position and heading from outside, level, and is
-    kept above the ground. pan_tilt: its motor, if any. on: a camera that is off gives black pictures.
+    height: in pixels, which are square. horizontal_fov_deg: across the image's width, before distortion. distortion:
+    k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
+    full_well, read_noise: electrons at base gain. vignetting: fraction of the cos^4 law. wobble_mrad: largest
+    deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. follows: its carrier; `body`:
+    fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's position and heading
+    from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that is off produces
+    black pictures.
     """
 
     position_m: Point3
@@ -84,9 +86,9 @@ class LampSpot(Model):
 class Lamps(Model):
     """The lamps on one switch, identical except for their mounts.
 
-    spots: their mounts. on: whether they are on at the start. flux_lm: of each lamp. half_angle_deg: of the cone,
-    outside which it is dark. soft_share: share of that angle over which the light fades. colour: red, green, blue
-    relative to daylight white.
+    spots: their mounts. on: whether they are initially on. flux_lm: of each lamp. half_angle_deg: of the cone, outside
+    which it is dark. soft_share: fraction of that angle over which the light fades. colour: red, green, blue relative
+    to daylight white.
     """
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]
@@ -101,7 +103,7 @@ CameraMounts = Annotated[dict[Name, CameraMount], Field(max_length=32)]
 LampSwitches = Annotated[dict[Name, Lamps], Field(max_length=16)]
 
 DECK_CAMERA = CameraMount(position_m=(-3.4, 0.9, 4.6), yaw_pitch_roll_deg=(0.0, 16.0, 0.0), horizontal_fov_deg=80.0)
-"""Above the hut of the packaged station, looking over its deck and the water ahead."""
+"""Above the hut of the packaged station, overlooking its deck and the water ahead."""
 
 
 def dock_camera(dock_m: Point3) -> CameraMount:

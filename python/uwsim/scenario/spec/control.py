@@ -1,4 +1,4 @@
-"""A vehicle's control loops: gains and limits, for uwsim.navigation.control.Controller."""
+"""Gains and limits of a vehicle's control loops, for uwsim.navigation.control.Controller."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ Seconds = Annotated[float, InRange(0.001, 100, "s")]
 
 
 class Loop(Model):
-    """The cascade of one axis; position errors are in m or rad.
+    """The cascaded loops of one axis; position errors are in m or rad.
 
     position_1_s: reference velocity per unit of position error. velocity_1_s: acceleration per unit of velocity error.
-    integral_1_s2: acceleration per unit of the velocity error's integral. acceleration_share: share of the measured
+    integral_1_s2: acceleration per unit of the velocity error's integral. acceleration_share: fraction of the measured
     acceleration that is opposed, like added inertia.
     """
 
@@ -25,7 +25,7 @@ class Loop(Model):
 
 
 class TurningLoop(Loop):
-    """The cascade of roll, pitch or yaw."""
+    """The cascaded loops of roll, pitch or yaw."""
 
     position_1_s: Rate = 2.0
     velocity_1_s: Rate = 4.0
@@ -35,10 +35,11 @@ class TurningLoop(Loop):
 class Control(Model):
     """Gains and limits of all loops. An axis without actuators has none.
 
-    surge, sway, heave, roll, pitch, yaw: of each axis. filter_s: time constant of the filter of measured acceleration.
-    tracking_s: time constant with which a saturated integral follows the actual thrust. speed_max_m_s, climb_max_m_s,
-    turn_max_rad_s: limits of the reference velocities towards a position (horizontal, vertical) and an attitude.
-    acceleration_max_m_s2, turn_acceleration_max_rad_s2: limits of the rate of change of the reference velocities.
+    surge, sway, heave, roll, pitch, yaw: gains of each axis. filter_s: time constant of the filter of measured
+    acceleration. tracking_s: time constant with which a saturated integral follows the actual thrust. speed_max_m_s,
+    climb_max_m_s, turn_max_rad_s: limits on the reference velocities towards a position (horizontal, vertical) and an
+    attitude. acceleration_max_m_s2, turn_acceleration_max_rad_s2: limits on the rate of change of the reference
+    velocities.
     """
 
     surge: Loop = Loop()

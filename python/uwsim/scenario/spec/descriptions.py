@@ -1,4 +1,4 @@
-"""Descriptions of models and fields, from docstrings that have `key, other_key [unit]: words.` for each field."""
+"""Descriptions of models and fields, from docstrings that contain `key, other_key [unit]: words.` for each field."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
 
 
 def _said_by(model: type[BaseModel], fields: frozenset[str]) -> dict[str, str]:
-    """Return the descriptions of these fields in a model's docstring; inherited ones may be another model's."""
+    """Return the descriptions of these fields in a model's docstring; inherited fields may belong to another model."""
     text = inspect.getdoc(model) or ""
     found: dict[str, str] = {}
     starts = [match for match in KEYS.finditer(text) if _fields(match[1]) & fields]

@@ -1,4 +1,4 @@
-"""A vehicle's reaction to loss of contact or to a fault on board."""
+"""A vehicle's reaction to loss of contact or to a failure aboard."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ class Failsafe(Model):
     battery_then: the charge below which it reacts, and how; 0: never. leak_then, thruster_then, sensor_then: the
     reaction when it detects water inside, a thruster that does not respond, a sensor that is silent or stuck; none: not
     monitored. These reactions last until they are overridden; meanwhile commands have no effect. ascent_m_s: rate of
-    ascent of `surface` and `return`. surface_m: the depth at which the ascent stops. speed_m_s: of the way back.
-    return_depth_m: its depth; none: the depth at release. height_m: the smallest height above the bed during `return`.
+    ascent in `surface` and `return`. surface_m: the depth at which the ascent stops. speed_m_s: speed of the return.
+    return_depth_m: depth of the return; none: the depth at release. height_m: minimum height above the bed during
+    `return`.
     """
 
     silence_s: Annotated[float, InRange(0.1, 1e6, "s")] | None = None

@@ -14,11 +14,11 @@ Speed = Annotated[float, InRange(-5, 5, "m/s")]
 
 
 class FaultModel(Model):
-    """The fields of every fault.
+    """The fields common to all faults.
 
-    name: in the log; by default its kind, or kind_2 and so on for several of a kind. vehicle: by default the first.
-    at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of occurrences per hour, at random times
-    (exponential intervals, from the seed). for_s: its duration; by default until the end.
+    name: in the log; by default its kind, or kind_2 and so on if there are several of a kind. vehicle: by default the
+    first. at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of occurrences per hour, at random
+    times (exponential intervals, from the seed). for_s: its duration; by default until the end.
     """
 
     name: Name | None = None
@@ -35,10 +35,10 @@ class FaultModel(Model):
 
 
 class ThrusterFault(FaultModel):
-    """A thruster gives only a share of its thrust; 0: none. The allocation is not aware of it.
+    """A thruster produces only a fraction of its thrust; 0: none. The allocation is not aware of it.
 
-    thruster: its name. axis: instead, for a vehicle without thrusters, the axis along which force or torque is reduced.
-    health: the share that is left.
+    thruster: its name. axis: instead, for a vehicle without thrusters, the axis on which force or torque is reduced.
+    health: the fraction that remains.
     """
 
     kind: Literal["thruster"]
@@ -56,9 +56,9 @@ class ThrusterFault(FaultModel):
 class SensorFault(FaultModel):
     """A sensor fails.
 
-    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last reading is repeated; `bias`, a
-    constant is added. bias: in the sensor's unit, on every number of `field`. field: of the reading; required for a
-    sensor of several quantities.
+    sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last reading is repeated; `bias`, a constant
+    is added. bias: in the sensor's unit, added to each component of `field`. field: of the reading; required for a
+    sensor that measures several quantities.
     """
 
     kind: Literal["sensor"]
@@ -90,7 +90,7 @@ class CameraFault(FaultModel):
 
 
 class BatteryFault(FaultModel):
-    """The battery's voltage drops: all thrusters give only a share of their thrust. thrust: the share."""
+    """The battery's voltage drops: all thrusters produce only a fraction of their thrust. thrust: the fraction."""
 
     kind: Literal["battery"]
     thrust: Share
@@ -99,8 +99,8 @@ class BatteryFault(FaultModel):
 class LeakFault(FaultModel):
     """Water enters, and remains when the leak ends: weight without buoyancy.
 
-    kg_per_s: the inflow. kg_max: the mass at which the compartment is full. position_m: of the water in the body frame;
-    by default at the centre of mass.
+    kg_per_s: the inflow. kg_max: the mass at which the compartment is full. position_m: where the water collects, in
+    the body frame; by default at the centre of mass.
     """
 
     kind: Literal["leak"]
@@ -116,7 +116,7 @@ class LinkLoss(FaultModel):
 
 
 class CurrentFault(FaultModel):
-    """A further current.
+    """An additional current.
 
     velocity_world_m_s: added to water.current_world_m_s; east, north, up.
     """

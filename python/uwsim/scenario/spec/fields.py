@@ -1,6 +1,6 @@
-"""Field types of the scenario models: a strict base, numbers with a range and a unit, names, files.
+"""Field types of the scenario models: a strict base class, numbers with range and unit, names, files.
 
-Each rule belongs to a type, so that it applies to YAML and Python alike. Errors carry the unit and the rule to
+Each rule is part of a type, so that it applies to YAML and Python alike. Errors pass the unit and the rule to
 read/validation_errors.py, which adds file and line.
 """
 
@@ -38,7 +38,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
 
 
 class Model(BaseModel):
-    """Base of all scenario models: immutable; an unknown key is an error that suggests the nearest known key."""
+    """Base of all scenario models: immutable; an unknown key is an error that suggests the most similar known key."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -49,7 +49,7 @@ class Model(BaseModel):
         super().__setattr__(name, value)
 
     def given(self) -> dict[str, Any]:
-        """Return the fields whose presence carries information, by name: those given, and the name of a variant."""
+        """Return the fields whose presence carries information: those set explicitly, and the name of a variant."""
         return {name: getattr(self, name) for name in type(self).model_fields if self._is_given(name)}
 
     def _is_given(self, name: str) -> bool:
@@ -60,7 +60,7 @@ class Model(BaseModel):
             return True
         if field.default_factory is None:
             return False
-        # A dict that was a default may have been filled since then.
+        # A default dict may have been filled in the meantime.
         return bool(getattr(self, name) != field.get_default(call_default_factory=True, validated_data=self.__dict__))
 
     @classmethod
@@ -72,7 +72,7 @@ class Model(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _knows_every_key(cls, data: object, info: ValidationInfo) -> object:
-        """Note the nearest known key for each unknown one, for the message; pydantic then refuses all of them."""
+        """Note the most similar known key for each unknown one, for the message; pydantic rejects unknown keys."""
         hints = (info.context or {}).get(HINTS)
         for key in data if isinstance(data, Mapping) else ():
             if key not in cls.model_fields:
@@ -84,7 +84,7 @@ class Model(BaseModel):
 
 
 def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> PydanticCustomError:
-    """Return the error of a broken rule. at: keys below the model that raises it.
+    """Return the error for a broken rule. at: keys below the model that raises it.
 
     context: the `value` and its `unit`.
     """
@@ -93,7 +93,7 @@ def broken(rule: str, *, at: tuple[str | int, ...] = (), **context: Any) -> Pyda
 
 @dataclass(frozen=True)
 class InRange:
-    """A number in [low, high], also of a NumPy type, but no text or boolean; a whole number if the field is an int."""
+    """A number in [low, high], including NumPy types but not text or booleans; whole if the field is an int."""
 
     low: float
     high: float
@@ -118,7 +118,7 @@ class InRange:
 
 @dataclass(frozen=True)
 class OneOf:
-    """One of these names."""
+    """Text that must be one of these names."""
 
     names: Sequence[str]
 
@@ -145,7 +145,7 @@ class AssetName:
 
 
 def _plain_int(value: object) -> object:
-    """Return NumPy integers as Python's; leave anything else, booleans included, to be refused."""
+    """Convert NumPy integers to Python's; leave anything else, including booleans, to be rejected later."""
     if isinstance(value, np.bool_):
         return bool(value)
     if isinstance(value, int) or not hasattr(value, "__index__"):
@@ -157,7 +157,7 @@ def _plain_int(value: object) -> object:
 
 
 def _plain_float(value: object) -> object:
-    """Return NumPy numbers as Python floats; a whole number too large for a float becomes infinite."""
+    """Convert NumPy numbers to Python floats; a whole number too large for a float becomes infinite."""
     value = _plain_int(value)
     if isinstance(value, np.floating):
         return float(value)
@@ -186,7 +186,7 @@ def _check_file(value: object, info: ValidationInfo) -> Path:
 Name = Annotated[str, AfterValidator(_check_name), WithJsonSchema({"type": "string", "pattern": f"^{NAME.pattern}$"})]
 
 AssetFile = Annotated[Path, BeforeValidator(_check_file, json_schema_input_type=str)]
-"""An existing file: relative to the YAML file that names it (in Python: to the working folder), else packaged."""
+"""An existing file: relative to the YAML file that names it (in Python: to the working folder), or else packaged."""
 
 # Rays are traced in float32, which resolves a millimetre within 10 km.
 Metres = Annotated[float, InRange(-10_000, 10_000, "m")]

@@ -25,16 +25,17 @@ from uwsim.scenario.spec.parameter import checked_values
 
 RADIANS, DEGREES = "_rad", "_deg"
 STRENGTHS = "strengths_db"
-"""The one parameter that is a mapping, from surface names to backscatter strengths; the core takes it by label."""
+"""The only parameter that is a mapping, from surface names to backscatter strengths; the core uses labels instead of
+names."""
 LOUDEST_DB = 300.0
 
 
 class ImagingMount(Model):
     """An imaging sonar of one of _core.imaging_kinds(), and its mount: x ahead, y to port, z up; pitch positive down.
 
-    Parameters that differ from the kind's defaults (see `sonars/imaging/`) stand beside the other keys in YAML,
-    angles in degrees under names that end in _deg. position_m: in the body frame. figures: in Python, the parameters
-    that stand beside the other keys in YAML, by their own names and in SI units.
+    Parameters that differ from the kind's defaults (see `sonars/imaging/`) are written next to the other keys in YAML,
+    with angles in degrees under names that end in _deg. position_m: in the body frame. figures: in Python, those
+    parameters, under their own names and in SI units.
     """
 
     kind: str
@@ -101,7 +102,7 @@ def _yaml_key(name: str) -> str:
 
 
 def _figure(kind: str, name: str, value: Any) -> Any:
-    """Return a parameter as it is stored, from its value in YAML."""
+    """Convert a parameter's YAML value to the stored value."""
     key = _yaml_key(name)
     _check(kind, name, value, key=key)
     return value if key == name else float(np.radians(value))

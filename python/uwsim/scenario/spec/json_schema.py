@@ -1,4 +1,4 @@
-"""The parts of a JSON Schema that pydantic cannot derive: descriptions, units and ranges, kinds of the core's tables.
+"""Parts of a JSON Schema that pydantic cannot derive: descriptions, units, ranges, and the kinds in the core's tables.
 
 Draft 7, which all editors support.
 """
@@ -32,19 +32,19 @@ def in_range(kind: str, low: float, high: float, unit: str = "") -> JsonSchemaVa
 
 
 def described(model: type[BaseModel], schema: JsonSchemaValue) -> None:
-    """Add descriptions from its docstring, with ranges and units, to a model's schema and its properties."""
+    """Add descriptions from a model's docstring, with ranges and units, to its schema and properties."""
     schema["description"] = summary(model)
     words = descriptions(model)
     for name, part in schema.get("properties", {}).items():
         part.pop("title", None)
-        if part.get("default") is None or isinstance(part["default"], dict):  # in the description, or the part's own
+        if part.get("default") is None or isinstance(part["default"], dict):  # stated elsewhere
             part.pop("default", None)
         if text := "; ".join(filter(None, (words.get(name, "").rstrip(".;"), _range(part)))):
             part["description"] = text[:1].upper() + text[1:]
 
 
 def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], without: set[str]) -> None:
-    """Make a model's schema a choice of kinds, each with its own properties beside the shared ones."""
+    """Turn a model's schema into a choice of kinds, each with its own properties in addition to the shared ones."""
     shared = {key: value for key, value in schema["properties"].items() if key not in {"kind", *without}}
     required = [key for key in schema.get("required", []) if key not in without]
     options = [
@@ -63,9 +63,9 @@ def one_of_kinds(schema: JsonSchemaValue, kinds: Mapping[str, JsonSchemaValue], 
 
 
 def figures(parameters: Mapping[str, _core.Parameter], in_degrees: bool = False) -> JsonSchemaValue:
-    """Return the properties for parameters of a kind of sensor or imaging sonar, and the required ones.
+    """Return the properties for the parameters of a kind of sensor or imaging sonar, and the required ones.
 
-    in_degrees: whether angles are given in degrees, under names that end in _deg.
+    in_degrees: whether angles are in degrees, under names that end in _deg.
     """
     properties, required = {}, []
     for name, parameter in parameters.items():
@@ -93,7 +93,7 @@ def _figure(parameter: _core.Parameter, turned: bool) -> JsonSchemaValue:
 
 
 def _range(part: JsonSchemaValue) -> str:
-    """Return `0 to 5 m` for a number, or for the numbers of a list; empty for anything else."""
+    """Return `0 to 5 m` for a number or a list of numbers, and an empty string for anything else."""
     if "maximum" in part:
         least = part.get("minimum", part.get("exclusiveMinimum"))
         return f"{_short(least)} to {_short(part['maximum'])} {part.get(UNIT, '')}".strip() if least is not None else ""
@@ -108,5 +108,5 @@ def _short(value: float) -> str:
 
 
 def _whole(value: float) -> Any:
-    """Return 1e+06 as 1000000 and 5.0 as 5."""
+    """Return whole floats as integers, so that 1e+06 is written as 1000000 and 5.0 as 5."""
     return int(value) if float(value).is_integer() and abs(value) < 2**63 else value

@@ -24,9 +24,9 @@ BOTTOMS: dict[str, tuple[float, float, float]] = {
 
 
 class LinkFault(Model):
-    """A time in which packets are lost, whatever the state of the water.
+    """A period in which packets are lost, regardless of conditions.
 
-    from_s, until_s: simulated time. loss: share of packets lost; 1 is a blackout.
+    from_s, until_s: simulated time. loss: fraction of packets lost; 1 is a blackout.
     """
 
     from_s: Annotated[float, InRange(0, 1e9, "s")]
@@ -49,12 +49,12 @@ def _modem(value: object, info: ValidationInfo) -> object:
 class LinkSetup(Model):
     """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
-    modem: a packaged modem's name or the path of its YAML file, which is read into a ModemModel. access: the access
-    protocol, instead of the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin.
+    modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access: the
+    access protocol, overriding the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin.
     wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
-    at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of further
-    copies of each message, by pattern of channel, whether or not the first arrives; a service's command is
-    `command/NAME`. faults: by schedule.
+    at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of
+    additional copies of each message, by channel pattern, sent whether or not the first arrives; a service's command is
+    `command/NAME`. faults: scheduled losses.
     """
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]
@@ -80,7 +80,7 @@ class LinkSetup(Model):
 
 
 def _link_setup(value: Any) -> Any:
-    """Return a setup for a modem's name or path; anything else unchanged, to be validated."""
+    """Return a setup for a modem's name or path; return anything else unchanged, to be validated."""
     return {"modem": value} if isinstance(value, str | Path) else value
 
 

@@ -1,4 +1,4 @@
-"""Materials of surfaces, for light and for sound."""
+"""Materials of surfaces: how they reflect light and scatter sound."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Relief = Annotated[float, InRange(0, 2)]
 class Backscatter(Model):
     """A surface that scatters sound according to Lambert's law.
 
-    strength_db: backscattering strength per square metre at normal incidence. relief: rms slope, across a footprint, of
+    strength_db: backscattering strength per square metre at normal incidence. relief: RMS slope, across a footprint, of
     roughness that is finer than the mesh; it spreads the echo in range.
     """
 
@@ -49,7 +49,7 @@ class Material(Model):
     """The material of a surface.
 
     kind: its name. colour: its albedo, red, green and blue; strength_db, relief: its backscatter, as in Backscatter.
-    Each overrides the material's own value.
+    Each overrides the material's default.
     """
 
     kind: MaterialName
@@ -59,7 +59,7 @@ class Material(Model):
 
     @property
     def backscatter(self) -> Backscatter:
-        """How the surface scatters sound."""
+        """The backscatter of the surface."""
         return _with_own(BACKSCATTER[self.kind], self.strength_db, self.relief)
 
 
@@ -86,7 +86,7 @@ class Ground(Model):
 
     @property
     def backscatter(self) -> Backscatter:
-        """How the terrain scatters sound."""
+        """The backscatter of the terrain."""
         return _with_own(BACKSCATTER[self.bed], self.strength_db, self.relief)
 
 

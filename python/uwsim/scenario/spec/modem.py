@@ -1,4 +1,4 @@
-"""A modem, or another connection of station and vehicle, as read from its YAML file."""
+"""A modem, or another connection between station and vehicle, as read from its YAML file."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ NEEDED = ("bit_rate_bit_s", "frequency_hz", "bandwidth_hz", "source_level_db")
 class ModemModel(Model):
     """A connection between station and vehicle.
 
-    kind: `none` (messages pass at once), `cable` (a rate and a latency), `ideal` (the sound's travel time alone, as in
-    the paper) or `modem`, which has all parameters. Levels in dB re 1 uPa (at 1 m). bit_rate_bit_s: of a packet's bits,
-    header included. latency_s: of a cable. header_bytes: of each packet. packet_bytes: largest payload of a packet;
-    longer messages take several. preamble_s: before each packet. frequency_hz, bandwidth_hz: centre and width of the
-    band. source_level_db: of the transmitter, re 1 uPa at 1 m. modulation: it determines the bit error rate at a
-    signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz: of the vehicle and the
-    electronics. fading: Rayleigh. multipath_window_s: echoes that follow the first arrival within this time add to the
-    signal, later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m:
-    the range for which TDMA leaves time. slot_s: of a turn in TDMA. backoff_s: longest random wait in ALOHA. access:
-    `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the vehicles take turns
-    of slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the queue of messages to
-    be sent.
+    kind: `none` (messages are delivered immediately), `cable` (a rate and a latency), `ideal` (only the travel time of
+    sound, as in the paper) or `modem`, which has all parameters. Levels in dB re 1 uPa (at 1 m). bit_rate_bit_s: of a
+    packet's bits, including the header. latency_s: of a cable. header_bytes: in each packet. packet_bytes: largest
+    payload of a packet; longer messages take several. preamble_s: before each packet. frequency_hz, bandwidth_hz:
+    centre and width of the band. source_level_db: of the transmitter, re 1 uPa at 1 m. modulation: determines the bit
+    error rate for a signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz: of the vehicle
+    and the electronics. fading: Rayleigh. multipath_window_s: echoes that follow the first arrival within this time add
+    to the signal, later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler).
+    range_max_m: the range for which TDMA reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest
+    random wait in ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the
+    station and the vehicles take turns of slot_s, each followed by the travel time over range_max_m. queue_bytes:
+    largest size of the queue of messages to be sent.
     """
 
     name: Name
@@ -79,11 +79,11 @@ class ModemModel(Model):
 
     @property
     def guard_s(self) -> float:
-        """The time that a TDMA slot leaves for the sound's travel, seconds."""
+        """Time that each TDMA slot reserves for the travel of sound, in seconds."""
         return self.range_max_m / SLOWEST_SOUND_M_S
 
     def packet_s(self, payload_bytes: int | None = None) -> float:
-        """Return the duration of a packet, by default a full one, seconds."""
+        """Return the duration of a packet, by default a full one, in seconds."""
         if self.bit_rate_bit_s is None:
             return 0.0
         size = self.packet_bytes if payload_bytes is None else payload_bytes

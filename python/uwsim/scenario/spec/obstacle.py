@@ -1,6 +1,6 @@
-"""Fixed obstacles in the water, selected by `kind`. All collide and echo.
+"""Fixed obstacles in the water, selected by `kind`. All of them collide and produce echoes.
 
-Rays meet round obstacles as exact shapes; contacts and map scores use meshes of them, see build/obstacles.py.
+Rays intersect round obstacles as exact shapes; contacts and map scores use meshes of them, see build/obstacles.py.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Placed(Model):
     """An obstacle placed by coordinates.
 
     on_bed: whether it stands on the terrain: z of position_m is then the height of its lowest point above the point of
-    the bed that it would touch first; if negative, it is sunk in. position_m: in the world.
+    the bed that it would touch first; a negative value sinks it in. position_m: in the world.
     """
 
     on_bed: StrictBool = False
@@ -51,9 +51,10 @@ class OnBed(Model):
 
 
 class Pipeline(OnBed):
-    """A pipe that follows the terrain under a line through points_m (x, y).
+    """A pipe that follows the terrain below a line through points_m (x, y).
 
-    points_m: its corners, x and y. radius_m: outer. buried_fraction: share of the diameter that is below the bed.
+    points_m: corners of the line, x and y. radius_m: outer radius. buried_fraction: fraction of the diameter below the
+    bed.
     """
 
     kind: Literal["pipeline"]
@@ -81,8 +82,8 @@ class Pipeline(OnBed):
 class Gate(OnBed):
     """Two posts and a crossbar that stand on the terrain; the passage is along the gate's x.
 
-    position_m: x and y of its middle. yaw_deg: of the gate's x from east, counter-clockwise. width_m: between the
-    posts' axes. height_m: of the crossbar's axis above the bed at position_m. bar_radius_m: of posts and bars.
+    position_m: x and y of its middle. yaw_deg: direction of the gate's x, counter-clockwise from east. width_m: between
+    the posts' axes. height_m: of the crossbar's axis above the bed at position_m. bar_radius_m: of posts and bars.
     lower_bar_m: height of a second bar; none by default.
     """
 
@@ -123,7 +124,7 @@ class Box(Placed):
 class Cylinder(Placed):
     """A cylinder along its own z.
 
-    position_m: its centre (world), unless it is on_bed. radius_m, length_m: its size.
+    position_m: its centre (world), unless it is on_bed. radius_m, length_m: its dimensions.
     """
 
     kind: Literal["cylinder"]
@@ -135,9 +136,9 @@ class Cylinder(Placed):
 
 
 class Sphere(Placed):
-    """A ball.
+    """A sphere.
 
-    position_m: its centre (world), unless it is on_bed. radius_m: its size.
+    position_m: its centre (world), unless it is on_bed. radius_m: its radius.
     """
 
     kind: Literal["sphere"]
@@ -147,11 +148,11 @@ class Sphere(Placed):
 
 
 class MeshObstacle(Placed):
-    """A mesh file.
+    """An obstacle from a mesh file.
 
-    file: FBX, glTF, OBJ, STL, PLY and others. position_m: of the mesh's own origin (world), unless it is on_bed.
-    scale: metres per unit of the file. up: the file's axis that points up; by default y for glTF, the declared axis for
-    FBX, z for all others.
+    file: FBX, glTF, OBJ, STL, PLY and others. position_m: of the mesh's own origin (world), unless it is on_bed. scale:
+    metres per unit of the file. up: the file's axis that points up; by default y for glTF, the declared axis for FBX, z
+    for all others.
     """
 
     kind: Literal["mesh"]

@@ -1,4 +1,4 @@
-"""The light in a scenario: water, sun, wind over the surface, particles."""
+"""The optical conditions of a scenario: water, sun, wind over the surface, particles."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PerBand = tuple[PerMetre, PerMetre, PerMetre]
 class WaterCoefficients(Model):
     """Custom water, for red (600 nm), green (550 nm) and blue (450 nm).
 
-    diffuse_attenuation: Kd, of daylight. absorption, scattering: of light in the water.
+    diffuse_attenuation: Kd of daylight. absorption, scattering: coefficients of the water.
     """
 
     diffuse_attenuation: PerBand
@@ -26,7 +26,7 @@ class WaterCoefficients(Model):
 
     @model_validator(mode="after")
     def _absorbs_at_most_what_is_lost(self) -> WaterCoefficients:
-        """Kd is never less than a: light that descends by a metre has travelled at least a metre."""
+        """Check that Kd is at least a, since light that descends by a metre has travelled at least a metre."""
         for band, (a, kd) in enumerate(zip(self.absorption, self.diffuse_attenuation, strict=True)):
             if a > kd:
                 rule = f"must be at most diffuse_attenuation[{band}] = {kd:g} 1/m: light that descends a metre has gone"
@@ -41,7 +41,7 @@ def _jerlov(value: object) -> object:
 
 
 class OpticsChanges(TypedDict, total=False):
-    """The fields of Optics, as keyword arguments."""
+    """The fields of Optics as keyword arguments."""
 
     jerlov: str
     coefficients: WaterCoefficients | Mapping[str, Any] | None
@@ -54,14 +54,14 @@ class OpticsChanges(TypedDict, total=False):
 
 
 class Optics(Model):
-    """The light for cameras.
+    """The optical conditions for cameras.
 
-    jerlov: the water type, unless coefficients are given. coefficients: of custom water. sun_elevation_deg: above the
-    horizon. sun_azimuth_deg: direction towards the sun, from east, counter-clockwise. wind_m_s, wind_heading_deg: speed
-    and direction of the breeze that ripples the surface; the ripples only refract light: vehicles feel the waves of
-    `water.surface`. particles_per_m3: number of particles that are large enough to be visible one by one. turbulence_k:
-    standard deviation of the temperature in the eddies that refract light (effect `wobble`): 0 in water at rest, 0.1 in
-    calm water, 2 where warm and cold water mix; assumed.
+    jerlov: the water type, unless coefficients are given. coefficients: custom optical properties of the water.
+    sun_elevation_deg: above the horizon. sun_azimuth_deg: direction towards the sun, counter-clockwise from east.
+    wind_m_s, wind_heading_deg: speed and direction of the breeze that ripples the surface; the ripples only refract
+    light: vehicles feel the waves of `water.surface`. particles_per_m3: density of particles large enough to be
+    individually visible. turbulence_k: standard deviation of the temperature in the eddies that refract light (effect
+    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
@@ -74,7 +74,7 @@ class Optics(Model):
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
 
     def with_changes(self, changes: Mapping[str, Any]) -> Optics:
-        """Return a copy with some fields replaced and checked. Raises ScenarioError."""
+        """Return a validated copy with some fields replaced. Raises ScenarioError."""
         from uwsim.scenario.read.validated import validated
 
         return validated(Optics, {**{key: getattr(self, key) for key in type(self).model_fields}, **changes})

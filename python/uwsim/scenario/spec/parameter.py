@@ -1,4 +1,4 @@
-"""Parameters of one kind of sensor or imaging sonar, checked against the table in the kind's C++ file."""
+"""Validates parameters of a kind of sensor or imaging sonar against the table in the kind's C++ file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.scenario.spec.fields import broken
 def checked_values(
     key: str, value: Any, parameter: _core.Parameter, *, in_degrees: bool = False
 ) -> tuple[float, ...]:  # fmt: skip
-    """Return a parameter's values, in degrees if so given. Raises the error of a broken rule at the key."""
+    """Return a parameter's values, in degrees if in_degrees. Raises the error of a broken rule at the key."""
     several = parameter.width > 1
     values = list(value) if several and isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if several and len(values) != parameter.width:

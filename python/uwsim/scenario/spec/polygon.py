@@ -1,4 +1,4 @@
-"""Polygons: self-intersection, area and smallest width."""
+"""Geometry of polygons: self-intersection, area and smallest width."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Point = tuple[float, float]
 
 
 def crossing_edges(corners: Sequence[Point]) -> tuple[int, int] | None:
-    """Return two edges that cross, touch or fold back, by their first corners; None for a simple polygon."""
+    """Return two edges that cross, touch or fold back, as indices of their first corners; None for a simple polygon."""
     n = len(corners)
     edges = [(corners[k], corners[(k + 1) % n]) for k in range(n)]
     for i in range(n):
@@ -25,16 +25,16 @@ def crossing_edges(corners: Sequence[Point]) -> tuple[int, int] | None:
 
 
 def area(corners: Sequence[Point]) -> float:
-    """Return the area of a simple polygon with its corners in either order."""
+    """Return the area of a simple polygon whose corners are in either order."""
     x, y = np.asarray(corners, np.float64).T
     x, y = x - x[0], y - y[0]  # avoids cancellation far from the origin
     return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
 
 
 def narrowest_width(corners: Sequence[Point]) -> float:
-    """Return the smallest distance between two parallel lines with the polygon between them.
+    """Return the smallest distance between two parallel lines that enclose the polygon.
 
-    One of the lines runs along an edge of the convex hull (Houle and Toussaint 1988), so through two corners.
+    One of the lines runs along an edge of the convex hull (Houle and Toussaint 1988), and so through two corners.
     """
     points = np.asarray(corners, np.float64)
     first, second = np.triu_indices(len(points), 1)
@@ -49,7 +49,7 @@ def _turn(a: Point, b: Point, c: Point) -> float:
 
 
 def _folds_back(a: Point, b: Point, c: Point) -> bool:
-    """Return whether the edge from b to c goes back along the edge from a to b, or one of them has no length."""
+    """Return whether the edge from b to c runs back along the edge from a to b, or one of them has no length."""
     along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1])
     return a == b or b == c or (_turn(a, b, c) == 0.0 and along < 0.0)
 

@@ -1,4 +1,4 @@
-"""A scenario: the environment, its obstacles, the vehicles and their survey."""
+"""A scenario: the environment, obstacles, vehicles and survey."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from uwsim.scenario.spec.water import Water
 
 RESERVED_NAMES = ("nothing", "terrain", "station")
 WITHOUT_STATION = Station(dock_m=(0.0, 0.0, -2.0))
-"""The default station: a point on the water over the world's origin, with its dock 2 m below."""
+"""The default station: a point on the water above the world's origin, with its dock 2 m below."""
 
 
 class WarningLimits(Model):
-    """Limits beyond which the panel warns.
+    """Limits beyond which the panel issues warnings.
 
     range_m: largest distance from the station. proximity_m: smallest height above the bed.
     """
@@ -39,13 +39,14 @@ class WarningLimits(Model):
 
 
 class Scenario(Model):
-    """All inputs that determine a run's results. World ENU, z up, water surface at z = 0.
+    """All inputs that determine a run's results. World frame: ENU, z up, water surface at z = 0.
 
-    name: of the scenario. seed: of every random draw, such as sensor noise. step_s: of the simulation. water: its
-    surface, currents and profile. optics: the light for cameras. terrain: the bed. ground: its materials.
+    name: of the scenario. seed: of all random draws, such as sensor noise. step_s: of the simulation. water: its
+    surface, currents and profile. optics: optical conditions for cameras. terrain: the bed. ground: its materials.
     obstacles: in the water, fixed. station: the reference for distances; it has the dock. vehicles: at least one.
-    warnings: when the panel warns. survey: what `uwsim survey` flies. mission_time_s: battery life after the vehicle's
-    release. link: between station and vehicles; None: messages pass at once. faults: what fails, and when.
+    warnings: when the panel issues them. survey: flown by `uwsim survey`. mission_time_s: battery life after the
+    vehicle's release. link: between station and vehicles; None: messages are delivered immediately. faults: what fails,
+    and when.
     """
 
     name: Name
@@ -94,11 +95,11 @@ class Scenario(Model):
 
     @property
     def source_file(self) -> SourceFile:
-        """The file that the scenario was read from, for messages."""
+        """The file from which the scenario was read, for messages."""
         return self._source_file
 
     def read_from(self, source_file: SourceFile) -> Self:
-        """Return a copy whose errors name this file and its lines."""
+        """Return a copy whose errors refer to this file and its lines."""
         copy = super().model_copy()
         copy._source_file = source_file
         return copy
@@ -118,9 +119,9 @@ class Scenario(Model):
         vehicle_model: VehicleModel | None = None,
         modem: str | Path | None = None,
     ) -> Scenario:
-        """Return a checked copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
+        """Return a validated copy with some values replaced, the sonar's for every vehicle. Raises ScenarioError.
 
-        vehicle_model: for the first vehicle. modem: of the link, by a packaged name or a path.
+        vehicle_model: replaces the first vehicle's. modem: of the link, as a packaged name or a path.
         """
         data = self.given()
         if seed is not None:

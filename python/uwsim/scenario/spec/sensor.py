@@ -1,6 +1,6 @@
 """A vehicle's sensor, as read from its YAML file: its kind, mount, rate and errors.
 
-The kinds and their parameters are in the native core's table (cpp/uwsim/sensors/): a new kind needs no change here.
+The kinds and their parameters are in the native core's table (cpp/uwsim/sensors/); a new kind needs no change here.
 """
 
 from __future__ import annotations
@@ -58,12 +58,12 @@ class SensorMount(Model):
     """A sensor of one of _core.sensor_kinds(), and its mount on the body.
 
     Rays are cast along the sensor's x: yaw 90 points to port. Parameters of the kind
-    (_core.sensor_kind(...).parameters, such as range_max_m) stand beside the other keys in YAML, and in `parameters`
-    here. position_m: in the body frame. parameters: in Python, the parameters of the kind that stand beside the other
-    keys in YAML. on: whether it is powered; off, it has no readings. rate_hz: of samples; every step by default.
-    latency_s: from the measurement to its arrival. drop_out: the share of samples that is lost; a read then returns the
-    last sample that was not lost, marked invalid. noise: of every channel; noise_std: short for noise: {std: ...}.
-    channels: noise by channel, instead of `noise`.
+    (_core.sensor_kind(...).parameters, such as range_max_m) are written next to the other keys in YAML, and in
+    `parameters` here. position_m: in the body frame. parameters: in Python, the parameters of the kind, which YAML has
+    next to the other keys. on: whether it is powered; off, it has no readings. rate_hz: sampling rate; every step by
+    default. latency_s: from the measurement to its arrival. drop_out: the fraction of samples that is lost; a read then
+    returns the last sample that was not lost, marked invalid. noise: of all channels; noise_std: short for noise: {std:
+    ...}. channels: noise by channel, instead of `noise`.
     """
 
     kind: str
@@ -129,7 +129,7 @@ class SensorMount(Model):
 
 
 class SensorSet(Model):
-    """Sensors that several vehicles share, in a YAML file of their own.
+    """Sensors shared by several vehicles, in a separate YAML file.
 
     sensors: by name.
     """
@@ -140,7 +140,7 @@ class SensorSet(Model):
 
 
 def load_sensors(source: str | Path, folder: Path | None = None) -> dict[str, SensorMount]:
-    """Load a set from a packaged name ("bluerov2") or a path, relative to `folder`. Raises ScenarioError."""
+    """Load a set of sensors from a packaged name ("bluerov2") or a path, relative to `folder`. Raises ScenarioError."""
     return read_spec(SensorSet, source, "sensors", folder).sensors
 
 
@@ -149,7 +149,7 @@ def _sensors(value: object, info: ValidationInfo) -> object:
 
 
 def _named_as_their_kind(sensors: dict[str, SensorMount]) -> dict[str, SensorMount]:
-    """Return sensors if those named after a kind are of that kind: programs and their type checkers rely on it."""
+    """Check that sensors named after a kind are of that kind, on which programs and their type checkers rely."""
     kinds = _core.sensor_kinds()
     for name, mount in sensors.items():
         if name in kinds and mount.kind != name:
@@ -162,4 +162,4 @@ Sensors = Annotated[
     BeforeValidator(_sensors, json_schema_input_type=SensorSetName | dict[Name, SensorMount]),
     AfterValidator(_named_as_their_kind),
 ]
-"""By name; or the packaged name or the path of a SensorSet's file."""
+"""Sensors by name, or the packaged name or path of a SensorSet's file."""

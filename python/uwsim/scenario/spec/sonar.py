@@ -40,8 +40,7 @@ class SonarNoise(Model):
     """The receiver's noise and its effects.
 
     level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio at which the probability
-    of detection is one half. false_detections: whether noise may be detected as a bottom. range: whether ranges have
-    errors.
+    of detection is 0.5. false_detections: whether noise may be detected as a bottom. range: whether ranges have errors.
     """
 
     level_db: NoiseLevel = 45.0
@@ -51,11 +50,10 @@ class SonarNoise(Model):
 
 
 class SonarNoiseChanges(Model):
-    """Values of SonarNoise that override the model's; the others are the model's.
+    """Values of SonarNoise that override the model's; omitted values remain the model's.
 
     level_db: re 1 uPa, in the receiver's band. detection_threshold_db: signal-to-noise ratio at which the probability
-    of detection is one half. false_detections: whether noise may be detected as a bottom. range: whether ranges have
-    errors.
+    of detection is 0.5. false_detections: whether noise may be detected as a bottom. range: whether ranges have errors.
     """
 
     level_db: NoiseLevel | None = None
@@ -64,14 +62,14 @@ class SonarNoiseChanges(Model):
     range: bool | None = None
 
     def of(self, noise: SonarNoise) -> SonarNoise:
-        """Return a model's noise with these values."""
+        """Return a model's noise with these overrides applied."""
         return noise.model_copy(update={key: value for key, value in dict(self).items() if value is not None})
 
 
 class SonarBand(Model):
     """One of the instrument's frequencies, with its parameters there.
 
-    frequency_khz: centre. field_of_view_deg: of the fan. range_max_m: a range at or beyond it is no echo.
+    frequency_khz: centre. field_of_view_deg: of the fan. range_max_m: ranges at or beyond it are not echoes.
     range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by default.
     beam_width_along_deg: of the transmitter, across the plane of the fan, -3 dB one way. beam_width_across_deg: of an
     unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s, bandwidth_hz: of the pulse.
@@ -122,11 +120,12 @@ ACOUSTIC = (
 class SonarModel(Model):
     """A commercial multibeam.
 
-    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: among the four models of
-    the published simulator. dual_swath: two fans per ping. tilt_rate_deg_s: of the head. mounting: on the vehicle's
-    mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of the
-    electronics. receivers: flat arrays, one ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg; a
-    model with one receiver and a tilt is also available with two. frequencies: a scenario selects one.
+    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: its number among the four
+    models of the published simulator. dual_swath: two fans per ping. tilt_rate_deg_s: of the head. mounting: on the
+    vehicle's mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of
+    the electronics. receivers: flat arrays, one facing ahead or two ("dual RX"), each turned to its side by
+    receiver_tilt_deg; a model with one receiver and a tilt is also available with two. frequencies: a scenario selects
+    one.
     """
 
     name: Name
@@ -173,9 +172,9 @@ class SonarModel(Model):
         return band
 
     def with_receivers(self, receivers: Receivers, frequency_khz: float | None = None) -> SonarModel:
-        """Return the model with this number of receivers, for a frequency. Two have twice the beams.
+        """Return the model with this number of receivers, at a frequency. Two receivers double the number of beams.
 
-        Raises ValueError.
+        Raises ValueError if the model cannot have this number.
         """
         if receivers == self.receivers:
             return self
@@ -189,7 +188,7 @@ class SonarModel(Model):
         return self.model_copy(update={"receivers": 2, "beams": 2 * self.beams, "frequencies": (wider,)})
 
     def within(self, range_m: float) -> SonarModel:
-        """Return the model with its range limited."""
+        """Return the model with its maximum range limited."""
         bands = [
             band.model_copy(
                 update={
@@ -203,7 +202,7 @@ class SonarModel(Model):
 
 
 def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarModel:
-    """Load a model by its number on the wire (1 to 4), packaged name ("em2040-04") or path. Raises ScenarioError."""
+    """Load a model by its wire number (1 to 4), packaged name ("em2040-04") or path. Raises ScenarioError."""
     if isinstance(source, int):
         return _em2040(source)
     return read_spec(SonarModel, source, "sonars", folder)
@@ -211,7 +210,7 @@ def load_sonar(source: int | str | Path, folder: Path | None = None) -> SonarMod
 
 @cache
 def _em2040(number: int) -> SonarModel:
-    """Return a packaged model, which is read once: setups ask for theirs often."""
+    """Return a packaged model; cached, since setups request theirs often."""
     return read_spec(SonarModel, f"em2040-{number}", "sonars")
 
 

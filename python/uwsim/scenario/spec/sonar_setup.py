@@ -57,14 +57,14 @@ class SonarSetup(Model):
 
     model: an EM 2040 by its number on the wire (1: 600 kHz single, 2: 700 kHz single, 3: 600 kHz dual, 4: 700 kHz dual
     swath); or a packaged model's name, or the path of its YAML file, which is read into a SonarModel. frequency_khz:
-    for a model with several. range_m: the operator's setting, for a model with a larger range: the ping rate is then
-    limited by the sound's travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
-    of twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, whose
-    ranges, errors and gaps follow from its acoustics. bending: in physics mode, rays follow the water's sound-speed
-    profile. rays_per_beam: in physics mode, for each footprint. tilt_rate_deg_s: of the head, instead of the model's.
-    gain_db: of the receiver's display, added to every intensity. noise: values of physics mode that override the
-    model's. tilt_deg: at the start, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but has
-    no echoes.
+    for a model with several. range_m: the operator's range setting, for a model with a larger range: the ping rate is
+    then limited by the travel time over it. receivers: 2 ("dual RX") for a model that can have two, with a wider fan
+    and twice the beams; by default the model's. mode: `geometry`, one exact ray for each beam, or `physics`, in which
+    ranges, errors and gaps follow from acoustics. bending: in physics mode, rays follow the water's sound-speed
+    profile. rays_per_beam: in physics mode, for each footprint. tilt_rate_deg_s: of the head, overriding the model's.
+    gain_db: of the receiver's display, added to every intensity. noise: values for physics mode that override the
+    model's. tilt_deg: initial tilt, positive nose down, as scanPos on the wire. on: a sonar that is off tilts, but
+    receives no echoes.
     """
 
     model: Annotated[
@@ -106,7 +106,7 @@ class SonarSetup(Model):
 
     @property
     def loaded(self) -> SonarModel:
-        """The model with the chosen receivers, range, tilt rate and noise. Raises ValueError."""
+        """The model with the selected receivers, range, tilt rate and noise. Raises ValueError."""
         model = self.model if isinstance(self.model, SonarModel) else load_sonar(self.model)
         if self.receivers is not None:
             model = model.with_receivers(self.receivers, self.frequency_khz)
@@ -120,7 +120,7 @@ class SonarSetup(Model):
 
     @property
     def title(self) -> str:
-        """The model's number on the wire, or its name; with the receivers and the frequency if they were chosen."""
+        """The model's number on the wire or its name, with the receivers and the frequency if specified."""
         name = self.model.name if isinstance(self.model, SonarModel) else str(self.model)
         name = f"{name} with {self.receivers} receivers" if self.receivers is not None else name
         return name if self.frequency_khz is None else f"{name} at {self.frequency_khz:g} kHz"

@@ -16,12 +16,12 @@ Coordinate = Annotated[float, InRange(-1e9, 1e9)]
 
 
 class Grid(Model):
-    """The grid of any terrain. Its centre is the world's origin.
+    """The grid common to all terrains. Its centre is the world's origin.
 
     size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
-    source: of the heights; each source has keys of its own. window_m: corners (x, y), south-west and north-east, of the
+    source: of the heights; each source has its own keys. window_m: corners (x, y), south-west and north-east, of the
     part that is built, extended to whole cells; the heights and the world's origin are those of the whole terrain. It
-    is for a part of a survey so large that no single process needs to hold all of it.
+    is for flying part of a survey so large that no single process needs to hold all of it.
     """
 
     spacing_m: Spacing = 0.5
@@ -50,7 +50,7 @@ class Grid(Model):
 
 
 class Rim(Model):
-    """Hills around the lake, above water everywhere on the terrain's edge.
+    """Hills around the lake, above water everywhere along the terrain's edge.
 
     height_m: mean height of the crest, which varies by half of that. width_m: distance over which the bed rises to the
     crest.
@@ -63,10 +63,10 @@ class Rim(Model):
 class NoiseTerrain(Grid):
     """A bed of fractal OpenSimplex2 noise, ringed by hills.
 
-    seed: of this noise; separate from the scenario's seed, so that the terrain stays when the sensors' noise changes.
-    bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
-    hill_wavelength_m: of the broadest hills. octaves: of the noise; each further one halves the wavelength. gain: the
-    factor of height from each octave to the next. rim: hills around the lake, above the water; none by default.
+    seed: of this noise; separate from the scenario's seed, so that the terrain is unchanged when the sensors' noise
+    changes. bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
+    hill_wavelength_m: of the broadest hills. octaves: of the noise; each additional one halves the wavelength. gain:
+    ratio of heights between successive octaves. rim: hills around the lake, above the water; none by default.
     """
 
     source: Literal["noise"]
@@ -86,16 +86,16 @@ class NoiseTerrain(Grid):
 
 
 class RasterTerrain(Grid):
-    """An elevation grid that GDAL reads: GeoTIFF, ESRI ASCII (.asc) and others that hold the elevations themselves.
+    """An elevation grid that GDAL can read: GeoTIFF, ESRI ASCII (.asc) and others that contain elevations themselves.
 
     file: the grid. band: of a file with several, counted from 1. interpolation: between its cells. crs: coordinate
     system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names one, a file whose
     cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres by a transverse
     Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the file's own units;
-    it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m lake.
-    vertical_scale: likewise. centre: of the terrain in the file's coordinates (longitude, latitude or easting,
-    northing); default the file's centre. size_m: simulated extent; default the largest that fits. fill_nodata:
-    interpolate cells without data.
+    it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m lake. vertical_scale:
+    likewise. centre: of the terrain in the file's coordinates (longitude, latitude or easting, northing); by default
+    the file's centre. size_m: simulated extent; by default the largest that fits. fill_nodata: interpolate cells
+    without data.
     """
 
     source: Literal["raster"]
@@ -118,10 +118,10 @@ class RasterTerrain(Grid):
 
 
 class ImageTerrain(Grid):
-    """The grey levels of an 8 or 16 bit image, its first row in the north, its outer pixels' centres on the edge.
+    """Terrain heights from the grey levels of an 8- or 16-bit image. The first row is the northern edge.
 
-    file: the image. interpolation: between its pixels. black_m, white_m: z at grey level 0 and at the highest one (255
-    or 65535).
+    The centres of the outermost pixels lie on the terrain's edge. file: the image. interpolation: between its pixels.
+    black_m, white_m: z at grey level 0 and at the highest one (255 or 65535).
     """
 
     source: Literal["image"]

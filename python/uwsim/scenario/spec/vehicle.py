@@ -21,9 +21,9 @@ from uwsim.scenario.spec.material import Material, MaterialSpec
 from uwsim.scenario.spec.sensor import Sensors
 
 DENSITIES_KG_M3 = (100.0, 10_000.0)
-"""Densities of whole vehicles: from an empty pressure hull to a solid lump of metal."""
+"""Plausible densities of whole vehicles: from an empty pressure hull to a solid lump of metal."""
 VOLUMES_M3 = (1e-6, 1e5)
-"""Volumes of hulls: from a thimble to twice the largest submarine."""
+"""Plausible volumes of hulls: from a thimble to twice the largest submarine."""
 
 Force = Annotated[float, InRange(0, 1e6, "N")]
 Torque = Annotated[float, InRange(0, 1e6, "N m")]
@@ -49,7 +49,7 @@ class SonarMount(Model):
 
 
 class Trim(Model):
-    """Weights that an operator adds or removes to set how a vehicle floats in the scenario's water.
+    """Weights that an operator adds or removes to adjust a vehicle's buoyancy in the scenario's water.
 
     They are a point mass, before ballast_kg and leaks, that displaces no water; negative if weights are removed.
     net_buoyancy_n: buoyancy of the whole hull, in surface water, minus the weight; positive: it rises. position_m: of
@@ -63,27 +63,27 @@ class Trim(Model):
 class VehicleModel(Model):
     """A rigid vehicle, driven by thrusters and fins, or by forces and torques along and about its axes.
 
-    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative. A full matrix about the
-    origin, by rows, may be given instead of one, such as added_mass_matrix. mesh: the hull, closed and winding outward.
+    Six-vectors are surge, sway, heave, roll, pitch, yaw; all are magnitudes, not negative. Instead of one, a full
+    matrix about the origin may be given by rows, such as added_mass_matrix. mesh: the hull, closed and winding outward.
     Buoyancy acts on its triangles, and it collides. It also determines the volume, and the inertia (as a solid of
-    uniform density) if inertia_kg_m2 is left out. mesh_scale: metres per unit of the file. mesh_up: the file's axis
-    that points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: of the vehicle, without
-    ballast and water inside; give exactly one of it, density_kg_m3 and buoyancy. density_kg_m3: instead, of the hull's
-    volume. buoyancy: instead, `neutral`: the mass of the water that the whole hull displaces in the scenario's water.
-    centre_of_mass_m: without ballast, in the hull's bounding box. ballast_kg, ballast_position_m: an additional point
-    mass: it adds to mass and inertia and moves the centre of mass, but displaces no water. compressibility_1_pa:
-    relative loss of the hull's volume per pascal, 0 for a rigid one; by default it is compressed like the water around
-    it (assumed). trim: for the scenario's water; by default the mass and the water determine whether it floats or
-    sinks. volume_m3, centre_of_buoyancy_m: published values, to which the mesh is scaled and moved; it must be near
-    them. collision: as the convex hull, as the bounding box, or as convex pieces. collision_pieces: the file of the
-    pieces, which `uwsim decompose` makes from the mesh. linear_damping, quadratic_damping: force or torque that opposes
-    v and v|v|. added_mass: of the water that moves with the hull; zero by default. inertia_kg_m2: principal moments
-    about the centre of mass along the body axes. max_force_n, max_torque_nm: at full effort along and about x, y, z,
-    for a vehicle without thrusters. control: gains and limits of the loops of a Controller. thrusters,
-    fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's mount, if it has one. friction:
-    Coulomb's coefficient; for two bodies in contact, the geometric mean applies. restitution: the share of the approach
-    speed that is kept; for two bodies in contact, the larger value applies. material: of the hull, for cameras.
-    failsafe: the reaction to loss of contact or to a fault.
+    uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's axis that
+    points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: of the vehicle, without
+    ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3: instead, mean
+    density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole hull displaces in
+    the scenario's water. centre_of_mass_m: without ballast, in the hull's bounding box. ballast_kg, ballast_position_m:
+    an additional point mass: it adds to mass and inertia and moves the centre of mass, but displaces no water.
+    compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by default it is as
+    compressible as the water around it (assumed). trim: for the scenario's water; by default the mass and the water
+    determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published values, to which the mesh
+    is scaled and moved; it must be close to them. collision: as the convex hull, as the bounding box, or as convex
+    pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes from the mesh. linear_damping,
+    quadratic_damping: force or torque that opposes v and v|v|. added_mass: of the water that moves with the hull; zero
+    by default. inertia_kg_m2: principal moments about the centre of mass along the body axes. max_force_n,
+    max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters. control: gains and limits of
+    a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's
+    mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the geometric mean applies.
+    restitution: the fraction of the approach speed that is kept; for two bodies in contact, the larger value applies.
+    material: of the hull, for cameras. failsafe: the reaction to loss of contact or to a fault.
     """
 
     name: Name
@@ -175,11 +175,11 @@ class VehicleModel(Model):
 
     @property
     def source_file(self) -> SourceFile:
-        """The file that the model was read from, for messages."""
+        """The file from which the model was read, for messages."""
         return self._source_file
 
     def matrix(self, key: Literal["added_mass", "linear_damping", "quadratic_damping"]) -> NDArray[np.float64]:
-        """Return a matrix (6, 6), given as a matrix or as a diagonal; zero if it was not given."""
+        """Return a matrix (6, 6), specified in full or by its diagonal; zero if unspecified."""
         full, diagonal = getattr(self, key + "_matrix"), getattr(self, key)
         if full is not None:
             return np.array(full, np.float64)

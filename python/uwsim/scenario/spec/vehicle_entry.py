@@ -19,7 +19,7 @@ VehicleName = Annotated[str, AssetName("vehicles")]
 class StartPose(Model):
     """A free start, level and at rest.
 
-    position_m: of the vehicle's origin in the world. yaw_deg: of its x axis from east, counter-clockwise.
+    position_m: the vehicle's origin in the world. yaw_deg: direction of its x axis, counter-clockwise from east.
     """
 
     position_m: Point3
@@ -43,9 +43,9 @@ def _vehicle_model(value: object, info: ValidationInfo) -> object:
 class VehicleEntry(Model):
     """One vehicle in the scenario.
 
-    sonar: its multibeam, on the model's mount. model: a packaged vehicle's name or the path of its YAML
-    file, which is read into a VehicleModel. failsafe, trim: instead of the model's. start: `station` (docked there;
-    None in Python) or a free pose.
+    sonar: its multibeam, on the model's mount. model: the name of a packaged vehicle or the path of its YAML file,
+    which is read into a VehicleModel. failsafe, trim: override the model's. start: `station` (docked there; None in
+    Python) or a free pose.
     """
 
     name: Name

@@ -29,17 +29,17 @@ Deviation = Annotated[float, InRange(0, 5, "m/s")]
 
 
 class StillSurface(Model):
-    """Flat, at z = 0."""
+    """A flat surface at z = 0."""
 
     kind: Literal["still"] = "still"
 
 
 class AirySurface(Model):
-    """One linear (Airy) wave.
+    """A single linear (Airy) wave.
 
     amplitude_m, period_s, phase_deg: of the surface's cosine at the origin. heading_deg: direction of travel,
-    from east, counter-clockwise. depth_m: of the water below; by default, and at most, that of the terrain's
-    deepest point.
+    counter-clockwise from east. depth_m: of the water below; by default, and at most, that of the terrain's deepest
+    point.
     """
 
     kind: Literal["airy"]
@@ -53,10 +53,9 @@ class AirySurface(Model):
 class JonswapSurface(Model):
     """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
 
-    significant_height_m, peak_period_s: of the spectrum. heading_deg: direction of travel, from east,
-    counter-clockwise. component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-
-    Moskowitz sea. spreading_exponent: n of cos^n about the heading; 0 for long crests. depth_m: as for an Airy
-    wave.
+    significant_height_m, peak_period_s: of the spectrum. heading_deg: direction of travel, counter-clockwise from east.
+    component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea.
+    spreading_exponent: n of cos^n about the heading; 0 for long crests. depth_m: as for an Airy wave.
     """
 
     kind: Literal["jonswap"]
@@ -74,7 +73,7 @@ SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discr
 
 
 class UniformCurrent(Model):
-    """A current that is the same everywhere and always.
+    """A current that is constant in space and time.
 
     velocity_m_s: along the world's axes.
     """
@@ -101,7 +100,7 @@ def _check_depths_rise(levels: tuple[CurrentLevel, ...] | tuple[WaterLevel, ...]
 
 
 class LayeredCurrent(Model):
-    """Linear in depth between levels; constant beyond the first and the last.
+    """A current that is linear in depth between levels, and constant beyond the first and the last.
 
     levels: from the surface down.
     """
@@ -144,8 +143,8 @@ class GustyCurrent(Model):
 class GriddedCurrent(Model):
     """A steady field on a regular grid from a file: trilinear inside, constant beyond its edges.
 
-    file: a .npz with x_m (nx,), y_m (ny,), z_m (nz,) rising and velocity_m_s (nz, ny, nx, 3). Any other is read as CSV
-    with the columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
+    file: a .npz with x_m (nx,), y_m (ny,), z_m (nz,) ascending and velocity_m_s (nz, ny, nx, 3). Any other file is read
+    as CSV with the columns x_m, y_m, z_m, u_m_s, v_m_s, w_m_s, its rows in any order.
     """
 
     kind: Literal["grid"]
@@ -173,10 +172,10 @@ CurrentSpecs = Annotated[
 
 
 class WaterLevel(Model):
-    """The water at a depth.
+    """The properties of the water at a depth.
 
     depth_m, temperature_deg_c: of the level. salinity_psu, density_kg_m3: must agree with each other. sound_speed_m_s:
-    at all levels or none; by default from the others.
+    at all levels or none; by default derived from the other properties.
     """
 
     depth_m: Depth
@@ -186,13 +185,13 @@ class WaterLevel(Model):
     sound_speed_m_s: SoundSpeed | None = None
 
     def state(self, *, in_place: bool = False) -> WaterState:
-        """Return the density and the salinity. in_place: whether the density was measured at its depth."""
+        """Return density and salinity. in_place: whether the density was measured at the level's depth."""
         depth_m = self.depth_m if in_place else 0.0
         return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
 class TableProfile(Model):
-    """Levels of the water, linear between them, given here or in a file.
+    """A profile of the water that is linear between levels, which are listed here or in a file.
 
     levels: from the surface down. file: instead, a CSV file whose columns are the levels' keys.
     """
@@ -217,7 +216,7 @@ class LinearProfile(Model):
     """Temperature and salinity linear from the surface down to bottom_depth_m, constant below.
 
     surface, bottom: the water there. bottom_depth_m: by default that of the terrain's deepest point. Density is also
-    linear if both ends give it; else it follows from temperature and salinity at every depth (EOS-80).
+    linear if both ends specify it; otherwise it follows from temperature and salinity at every depth (EOS-80).
     """
 
     kind: Literal["linear"]
@@ -235,7 +234,8 @@ class LinearProfile(Model):
 class LinearEnd(Model):
     """One end of a linear profile.
 
-    temperature_deg_c: there. salinity_psu, density_kg_m3: must agree with each other; the density at both ends or none.
+    temperature_deg_c: at this end. salinity_psu, density_kg_m3: must agree with each other; density at both ends or
+    none.
     """
 
     temperature_deg_c: Celsius
@@ -243,7 +243,7 @@ class LinearEnd(Model):
     density_kg_m3: Density | None = None
 
     def state(self, depth_m: float = 0.0) -> WaterState:
-        """Return the density and the salinity. depth_m: at which the density was measured; 0: at the surface."""
+        """Return density and salinity. depth_m: depth at which the density was measured; 0: at the surface."""
         return WaterState(self.density_kg_m3, self.salinity_psu, (self.temperature_deg_c,), depth_m)
 
 
@@ -264,9 +264,9 @@ class Water(Model):
     have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear
     between the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the
     water's own weight (EOS-80). sound_speed_equation: automatic selects the best that is valid in all of the water; one
-    that is not valid in it is refused. surface: flat, or with waves. current_world_m_s: a current that is the same
-    everywhere. current: further currents; all add up, to 10 m/s at most, gusts counted at three sigma. profile:
-    temperature, salinity, density and sound speed by depth, instead of the first four.
+    that is not valid in it is rejected. surface: flat, or with waves. current_world_m_s: a uniform current. current:
+    additional currents; all add up, to 10 m/s at most, with gusts counted at three sigma. profile: temperature,
+    salinity, density and sound speed by depth, instead of the first four.
     """
 
     density_kg_m3: Density | None = None
@@ -291,7 +291,7 @@ class Water(Model):
 
     @model_serializer(mode="wrap")
     def _without_what_the_profile_gives(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out the defaults that the validator would refuse beside a profile."""
+        """Omit the defaults that the validator would reject beside a profile."""
         data: dict[str, Any] = plain(self)
         return data if self.profile is None else {key: item for key, item in data.items() if key not in ONE_WATER}
 
@@ -303,7 +303,7 @@ class Water(Model):
         return self
 
     def state(self, bottom_depth_m: float = DEEPEST_M) -> WaterState:
-        """Return the density and the salinity, without a profile."""
+        """Return density and salinity, for water without a profile."""
         temperatures = self.surface_temperature_deg_c, self.bottom_temperature_deg_c
         return WaterState(self.density_kg_m3, self.salinity_psu, temperatures, self._measured_at(bottom_depth_m))
 
@@ -311,7 +311,7 @@ class Water(Model):
         return 0.0 if self.compressible else depth_m
 
     def _states(self) -> Iterator[tuple[tuple[str | int, ...], WaterState]]:
-        """Yield each given state of the water and its place; levels in a file are read later."""
+        """Yield each specified state of the water and its place; levels in a file are read later."""
         if isinstance(self.profile, LinearProfile):
             yield ("profile", "surface"), self.profile.surface.state()
             bottom_m = self._measured_at(self.profile.bottom_depth_m or DEEPEST_M)

@@ -1,4 +1,4 @@
-"""Density, temperature and salinity of water: derived values (EOS-80), and whether given ones agree."""
+"""Density, temperature and salinity of water: derived values (EOS-80), and whether specified ones agree."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from typing import NamedTuple
 from uwsim import _core
 
 TOLERANCE_KG_M3 = 5.0
-"""Largest accepted difference between a given density and that of the temperature and salinity.
-
-Fresh water rounded to 1000 kg/m3 is off by up to 4.4 from 0 to 30 deg C, a sea of 35 psu rounded to
-1025 by up to 3.3, and a density measured in place 1 km down by 4.6. A sea taken for fresh water is off by 26.
-"""
+"""Largest accepted difference between a specified density and that derived from temperature and salinity. Fresh water
+rounded to 1000 kg/m3 is off by up to 4.4 from 0 to 30 deg C, sea water of 35 psu rounded to 1025 by up to 3.3, and a
+density measured in place 1 km down by 4.6. Sea water mistaken for fresh water is off by 26."""
 SALTIEST_PSU = 45.0
 DEEPEST_M = 12_000.0
 _PA_PER_M = 1e4
@@ -20,8 +18,8 @@ _PA_PER_M = 1e4
 class WaterState(NamedTuple):
     """A scenario's values for some water. density_kg_m3, salinity_psu: None if derived.
 
-    temperatures_deg_c: at its ends. depth_m: the depth at which the density may have been measured; 0 for densities at
-    atmospheric pressure.
+    temperatures_deg_c: at its upper and lower end. depth_m: depth at which the density may have been measured; 0 for
+    densities at atmospheric pressure.
     """
 
     density_kg_m3: float | None
@@ -31,7 +29,7 @@ class WaterState(NamedTuple):
 
     @property
     def salinity(self) -> float:
-        """The salinity given; else 0 if no density is given or fresh water has it; else the nearest that fits [psu]."""
+        """The specified salinity, or 0 if fresh water fits the density, or else derived from the density [psu]."""
         if self.salinity_psu is not None:
             return self.salinity_psu
         if self.density_kg_m3 is None or self.density_kg_m3 <= self._at_top(0.0) + TOLERANCE_KG_M3:
@@ -44,12 +42,12 @@ class WaterState(NamedTuple):
 
     @property
     def density(self) -> float:
-        """The density given, else that of the first temperature and the salinity [kg/m3]."""
+        """The specified density, or else that of the first temperature and the salinity [kg/m3]."""
         return self._at_top(self.salinity) if self.density_kg_m3 is None else self.density_kg_m3
 
     @property
     def broken_rule(self) -> str:
-        """The rule that the density breaks given the salinity, or an empty string."""
+        """The rule that the density breaks for the specified salinity, or an empty string."""
         if self.density_kg_m3 is None or self.salinity_psu is None:
             return ""
         low, high = self._density_of(self.salinity_psu)
