@@ -1,4 +1,4 @@
-"""Pictures of vehicles' cameras that have come over the link, the only ones that a pilot gets."""
+"""Pictures from the vehicles' cameras that have arrived over the link, the only ones that a pilot receives."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from uwsim.simulator.simulator import Simulator
 SUFFIX = "image_raw/compressed"
 LOOK_S = 0.05
 SMALL_S = 2.0
-"""Between pictures of a view that no pilot shows large, in simulated time."""
+"""Interval between pictures of a view that no pilot shows large, in simulated time."""
 
 
 class Arrivals:
-    """The pictures that arrive for the views of vehicles' cameras.
+    """The pictures that arrive for the views of the vehicles' cameras.
 
     A view's pictures are sent while any page shows it large; the newest is kept for later viewers and as the small
-    picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem has no capacity
-    for them. describe: how often one comes.
+    picture. A cable and the ideal link also carry pictures of small views, one every SMALL_S; a modem does not have the
+    capacity.
     """
 
     def __init__(self, live: LiveSimulator, carrier: Carrier, views: Iterable[View], node: Node) -> None:
@@ -45,7 +45,7 @@ class Arrivals:
         self._panels = {name: vehicle_of(one, live.simulator) for name, one in seen.items() if one.type == TELEMETRY}
 
     def __contains__(self, view: str) -> bool:
-        """Whether a view's pictures come over the link."""
+        """Return whether a view's pictures are received over the link."""
         return view in self._channels
 
     def topics(self) -> list[GuestTopic]:
@@ -57,7 +57,7 @@ class Arrivals:
         ]
 
     def start(self) -> None:
-        """Start showing arriving pictures."""
+        """Start publishing pictures as they arrive."""
         for name, channel in self._channels.items():
             if channel is not None:
                 self._live.every(LOOK_S, self._reader(name, channel.name), self._shower(name))
@@ -67,13 +67,13 @@ class Arrivals:
         return {"link": self.pace(getattr(self._channels[view], "name", ""))}
 
     def pace(self, channel: str) -> Values:
-        """Return the modem, the seconds between pictures (None: it has no capacity for any), and `large_only`."""
+        """Return the modem, the seconds between pictures (None: no capacity for any), and `large_only`."""
         rate_hz = self._carrier.rates.get(channel)
         period_s = None if rate_hz is None else 1.0 / rate_hz
         return {"modem": self._carrier.modem, "period_s": period_s, "large_only": self._large_only}
 
     def snapshot(self, view: str) -> tuple[bytes, Values]:
-        """Return the newest picture as a PNG, and the panel at that time. Raises ValueError if none has come."""
+        """Return the newest picture as PNG, and the panel at that time. Raises ValueError if none has arrived."""
         from PIL import Image
 
         if view not in self._newest:
@@ -85,7 +85,7 @@ class Arrivals:
         return png.getvalue(), to_plain(said[0]) if said else {}
 
     def _reader(self, name: str, channel: str) -> Any:
-        """Read pictures while a page shows them, which makes the vehicle send them."""
+        """Return a function that requests pictures from the vehicle while any page needs them, and reads the newest."""
 
         def read(sim: Simulator) -> Any:
             if self._is_due(name, sim.time_ns):
@@ -95,11 +95,11 @@ class Arrivals:
         return read
 
     def _is_due(self, name: str, time_ns: int) -> bool:
-        """Return whether a view needs another picture."""
+        """Return whether another picture of a view is needed."""
         if self._node.is_wanted(f"station/view/{name}"):
             return True
         due_ns = self._small_due_ns.get(name, 0)
-        is_past = time_ns >= due_ns or due_ns > time_ns + round(1e9 * SMALL_S)  # time may have gone back
+        is_past = time_ns >= due_ns or due_ns > time_ns + round(1e9 * SMALL_S)  # simulated time may have been reset
         if self._large_only or not is_past or not self._node.is_wanted(f"station/small/{name}"):
             return False
         self._small_due_ns[name] = time_ns + round(1e9 * SMALL_S)
@@ -118,6 +118,6 @@ class Arrivals:
 
 
 def _topic(view: View) -> str:
-    """Return the channel of a view's camera."""
+    """Return the name of a view's camera channel."""
     prefix, camera = view.name.rpartition("/")[::2]
     return f"{prefix}/camera/{camera}/{SUFFIX}" if prefix else f"camera/{camera}/{SUFFIX}"

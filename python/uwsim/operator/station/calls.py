@@ -1,4 +1,4 @@
-"""The services of the station: names, requests and answers. `wire_js` generates the page's functions from them."""
+"""The services of the station: names, requests and responses. `wire_js` generates the page's functions from them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,9 @@ from uwsim.operator.station.wire import (
 class Call:
     """A service `/station/NAME`.
 
-    request, answer: their fields; a failure answers Refused. is_brief: it is answered on the network thread.
-    is_start_screen: a server with one scenario does not offer it.
+    request, answer: types of the request and of a successful response; a failure returns Refused. is_brief: whether it
+    is handled on the network thread. is_start_screen: whether it belongs to the start screen, so that a server with a
+    fixed scenario does not offer it.
     """
 
     name: str
@@ -42,7 +43,7 @@ class Call:
 
     @property
     def ros_type(self) -> str:
-        """The ROS name of the service's type."""
+        """The ROS name of the service type."""
         return "uwsim_msgs/srv/Station" + "".join(part.capitalize() for part in self.name.split("_"))
 
 

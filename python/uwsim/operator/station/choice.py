@@ -1,4 +1,4 @@
-"""The choice on the start screen: checked field by field, then made into a scenario."""
+"""The choice made on the start screen: validated field by field, then turned into a scenario."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 0.0)
 
 
 class ChoiceError(ValueError):
-    """The errors in a choice, by field."""
+    """Errors in a choice, by field."""
 
     def __init__(self, errors: dict[str, str]) -> None:
         super().__init__("; ".join(errors.values()))
@@ -28,8 +28,8 @@ class ChoiceError(ValueError):
 def chosen(choice: Values, offered: str = "lake") -> tuple[Scenario, Speed]:
     """Return the scenario and the speed of a choice. Raises ChoiceError.
 
-    offered: a scenario that may be chosen in addition to the packaged ones. Only names are accepted, since the user of
-    the page may not be allowed to read this machine's files.
+    offered: a scenario that may be chosen in addition to the packaged ones. Only names are accepted, not paths, since
+    the page's user may not be allowed to read this machine's files.
     """
     errors: dict[str, str] = {name: "unknown field" for name in choice if name not in FIELDS}
     values = {name: choice.get(name) for name in FIELDS}
@@ -65,14 +65,14 @@ def chosen_save(choice: Values, known: Sequence[str]) -> tuple[str, Speed]:
 
 
 def scenarios(offered: str) -> list[str]:
-    """Return the names that may be chosen."""
+    """Return the names of scenarios that may be chosen."""
     names = packaged_scenarios()
     return names if offered in names else [offered, *names]
 
 
 @cache
 def catalog(offered: str = "lake") -> Values:
-    """Return the possible choices, and the initial one: that of the scenario `offered`. Computed once."""
+    """Return the possible choices, with those of the scenario `offered` as defaults. Computed once."""
     return {
         "scenarios": [_described(name) for name in scenarios(offered)],
         "vehicles": [
@@ -102,7 +102,7 @@ def _described(name: str) -> Values:
 
 
 def _sonars() -> list[Values]:
-    """Return the wire's four models by their numbers, and the instruments by their names."""
+    """Return the four published models by number, and the other instruments by name."""
     found = []
     for name in packaged_names("sonars"):
         model = load_sonar(name)
@@ -161,5 +161,5 @@ def _link(value: Any) -> str | None:
 
 
 def _modems() -> list[str]:
-    """Return the packaged modems; none comes first."""
+    """Return the packaged modems, `none` first."""
     return sorted(packaged_names("modems"), key=lambda name: (name != "none", name))

@@ -1,4 +1,4 @@
-"""Files for pilots to download: the map in several formats, and snapshots with the panel's values."""
+"""Files that pilots can download: the map in several formats, and snapshots with the panel's values."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def cloud(running: Running, vehicle: str, suffix: str) -> bytes:
 
 
 def depth_tiff(running: Running, vehicle: str) -> bytes:
-    """Return the depths as GeoTIFF, placed on Earth if the terrain is. Raises ValueError."""
+    """Return the depths as GeoTIFF, georeferenced if the terrain is. Raises ValueError."""
     points_m, edge_m = _map(running, vehicle).points()
     grid = depth_grid(points_m - running.table.sources[0].origin_m, edge_m)
     place = georeference(running.live.simulator.scenario)
@@ -38,7 +38,7 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
 def snapshot_png(running: Running, view: str) -> bytes:
     """Return a lossless picture of a view, and store the panel's values at that moment. Raises ValueError.
 
-    Over a link these are the last picture and the last panel that arrived.
+    For a view received over a link, these are the last picture and the last panel that arrived.
     """
     shown = running.views.view(view)
     if running.arrivals is not None and view in running.arrivals:
@@ -51,7 +51,7 @@ def snapshot_png(running: Running, view: str) -> bytes:
 
 
 def snapshot_json(running: Running, view: str) -> bytes:
-    """Return the panel's values at the last picture of a view. Raises ValueError if there is none."""
+    """Return the panel's values at the last snapshot of a view. Raises ValueError if there is none."""
     if running.views.view(view).name not in running.snapshots:
         raise ValueError(f"there is no snapshot of '{view}' yet")
     import orjson

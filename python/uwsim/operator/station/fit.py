@@ -1,30 +1,30 @@
-"""Chooses the largest picture for which a stream keeps its rate under the machine's present load."""
+"""Chooses the largest picture size at which a stream keeps its rate under the machine's current load."""
 
 from __future__ import annotations
 
-SHARES = (1.0, 0.75, 0.5)  # of the width
-TOO_LONG, SHORT = 0.8, 0.65  # shares of a period: below the second a larger size is tried
+SHARES = (1.0, 0.75, 0.5)  # fractions of the full width
+TOO_LONG, SHORT = 0.8, 0.65  # fractions of a period above which to shrink, and below which to try a larger size
 SMOOTHING = 0.25
-LEAST_PICTURES = 4  # before the size changes; the first picture fills caches
+LEAST_PICTURES = 4  # minimum number before the size changes; the first picture fills caches
 PATIENCE, PATIENCE_MAX = 20, 640  # pictures before a larger size is tried; doubled after each failure
 
 
 class Fit:
-    """Chooses the share of the full width from how long pictures take, which is proportional to their pixels."""
+    """Chooses the fraction of the full width from rendering times, which are proportional to the number of pixels."""
 
     def __init__(self) -> None:
         self._step = 0
         self._patience = PATIENCE
         self._has_grown = False
-        self._pictures, self._took_s = 0, 0.0  # of the present share
+        self._pictures, self._took_s = 0, 0.0  # at the current size
 
     @property
     def share(self) -> float:
-        """Share of the full width, in (0, 1]."""
+        """Fraction of the full width, in (0, 1]."""
         return SHARES[self._step]
 
     def note(self, took_s: float, period_s: float) -> None:
-        """Record how long a picture of the present share took, and choose the share of the next."""
+        """Record how long a picture at the current size took, and choose the size of the next one."""
         self._pictures += 1
         self._took_s = took_s if self._pictures <= 2 else self._took_s + SMOOTHING * (took_s - self._took_s)
         if self._pictures < LEAST_PICTURES:

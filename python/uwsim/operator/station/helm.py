@@ -1,4 +1,4 @@
-"""The pilot's efforts: they must be fresh, are held while they are repeated, and are zero otherwise."""
+"""The pilot's efforts: they must be recent, hold only while repeated, and are zero otherwise."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from uwsim.commands import ALL_STOP, COMMANDS
 from uwsim.live import LiveSimulator, NotRunningError
 
 SILENCE_S = 0.5
-"""The age beyond which a command is refused, and the time without one after which efforts are zero."""
-RETRY_S = 0.05  # until a failed attempt to set efforts to zero is repeated
+"""The age beyond which a command is rejected, and the time without a command after which efforts are set to zero."""
+RETRY_S = 0.05  # delay before setting efforts to zero is attempted again
 WINDOW_S = 30.0
 ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class LeastDelay:
-    """Estimates how late a message is, using its sender's own clock.
+    """Estimates how late a message is from its sender's own clock.
 
-    The two clocks differ: the least difference between them in the last WINDOW_S to 2 WINDOW_S counts as the delay of
-    an undelayed message, so that clocks may drift.
+    The two clocks differ. The smallest difference between them in the last WINDOW_S to 2 WINDOW_S is assumed to be that
+    of a message without delay, so that clocks may drift.
     """
 
     def __init__(self) -> None:
-        self._least = [math.inf, math.inf]  # of the present and of the previous window
+        self._least = [math.inf, math.inf]  # in the current and in the previous window
         self._began_s = -math.inf
 
     def age_s(self, sent_s: float, now_s: float) -> float:
@@ -45,9 +45,9 @@ class LeastDelay:
 class Helm:
     """Steers the vehicles of one simulator for the pilot; commands are logged with their tick.
 
-    Every command is issued, even one that repeats the last: others may have commanded the vehicle since, its failsafe
-    may wait for a sign of life, and over a link an earlier one may be lost. `beat` must be called at least twice a
-    second, and at the times that it returns: it sets efforts to zero when commands have ceased.
+    Every command is issued, even if it repeats the last one: others may have commanded the vehicle since, its failsafe
+    may be waiting for a sign of life, and earlier commands may be lost on a link. Call `beat` at least twice a second,
+    and at the times it returns: it sets efforts to zero when commands have ceased.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Helm:
         self._clock = clock
         self._lock = threading.Lock()
         self._delay = LeastDelay()
-        self._efforts = dict.fromkeys(steering, ZERO)  # as last set from here
+        self._efforts = dict.fromkeys(steering, ZERO)  # as last set by this helm
         self._heard_s = -math.inf
 
     def drive(self, request: Values) -> Future[Values]:
@@ -78,11 +78,11 @@ class Helm:
             return self._set(vehicle, efforts, {"age_s": age_s})
 
     def all_stop(self, request: Values, text: str = "") -> Future[Values]:
-        """Set or release all stop, by request["on"]; text: the message of the answer. Raises ValueError."""
+        """Set or release all stop according to request["on"]. text: message of the response. Raises ValueError."""
         vehicle, on = self._named(request), wants_stop(request)
         require_link(self._live, vehicle, ALL_STOP)
         with self._lock:
-            self._efforts[vehicle] = ZERO  # all stop itself sets them to zero, and its release leaves them there
+            self._efforts[vehicle] = ZERO  # all stop sets them to zero, and releasing it leaves them there
         return answered(self._live, self._live.command(ALL_STOP, vehicle=vehicle, on=on), text=text)
 
     def _named(self, request: Values) -> str:
@@ -92,7 +92,7 @@ class Helm:
         return vehicle
 
     def beat(self) -> float:
-        """Set efforts to zero if no command has come for SILENCE_S; return when to check again [s]."""
+        """Set efforts to zero if no command has arrived for SILENCE_S; return the time [s] until the next check."""
         with self._lock:
             left_s = self._heard_s + SILENCE_S - self._clock()
             if left_s <= 0:
@@ -101,7 +101,7 @@ class Helm:
             return max(left_s, RETRY_S) if is_held else math.inf
 
     def let_go(self) -> None:
-        """Set efforts to zero now, and restart the estimate of delays: another pilot has another clock."""
+        """Set efforts to zero now, and reset the delay estimate, since another pilot has another clock."""
         with self._lock:
             self._delay = LeastDelay()
             self._zero()
@@ -111,7 +111,7 @@ class Helm:
             if efforts != ZERO:
                 try:
                     self._set(vehicle, ZERO, {})
-                except (NotRunningError, RuntimeError):  # it is paused or overloaded: the next beat tries again
+                except (NotRunningError, RuntimeError):  # paused or overloaded: the next beat tries again
                     return
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
@@ -121,10 +121,10 @@ class Helm:
 
 
 def answered(live: LiveSimulator, future: Future[Any], answer: Values | None = None, text: str = "") -> Future[Values]:
-    """Return a service's answer after a command has taken effect: success, message (an error, or text), the tick."""
+    """Return the service response after a command has taken effect: success, message (an error or text) and tick."""
     said: Future[Values] = Future()
 
-    def say(done: Future[Any]) -> None:  # on the simulator's thread: the tick is that of the command
+    def say(done: Future[Any]) -> None:  # on the simulator's thread, so the tick is that of the command
         error = None if done.cancelled() else done.exception()
         found = {"success": error is None, "message": text if error is None else str(error), "tick": live.tick}
         said.set_result({**found, **(answer or {})})

@@ -1,4 +1,4 @@
-"""The station's end of the graph: it starts and ends simulators, and keeps track of the pilot."""
+"""The station's node in the graph: starts and stops simulators, and keeps track of the pilot."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class Station:
         with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
             ...
 
-    offered, link: the initial scenario of the start screen, and the modem, if different from the scenario's. is_fixed:
-    it runs one simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
-    position. wire, origin: see uwsim.channels; others raise ValueError. threads: of simulators. folder: where `save`
-    writes. phase: "idle" (the start screen), "starting", "running". session: a number that changes with each simulator
-    and each restart.
+    offered, link: scenario preselected on the start screen, and its modem, if different from the scenario's. is_fixed:
+    run a single simulator, passed to `run`, without a start screen. truth: whether pilots may see the vehicle's true
+    position. wire, origin: see uwsim.channels; invalid values raise ValueError. threads: for simulators. folder: where
+    `save` writes. phase: "idle" (the start screen), "starting" or "running". session: a number that changes with each
+    simulator and each restart.
     """
 
     name = "/station"
@@ -56,7 +56,7 @@ class Station:
         threads: int | None = None,
         folder: Path | None = None,
     ) -> None:
-        checked_wire(wire, origin)  # now, instead of when a pilot starts the first simulator
+        checked_wire(wire, origin)  # here, so that errors do not appear only when a pilot starts the first simulator
         self.folder = folder or Path.cwd()
         self.offered = offered
         self.link = link
@@ -74,15 +74,15 @@ class Station:
         self._pulse = Pulse(self)
         self.services = Services(self).all()
 
-    # The graph's side
+    # Called by the graph
 
     def connect(self, node: Node) -> None:
-        """Receive the end of the graph."""
+        """Receive the node through which the station takes part in the graph."""
         self.node = node
         node.offer_topics(self._topics(None))
 
     def left(self, client: str) -> None:
-        """Called when a connection is gone; a pilot's takes the efforts with it."""
+        """Called when a connection is closed; if it was the pilot's, efforts are set to zero."""
         if self.lease.leave(client):
             self.let_go()
         if not self.lease.members:
@@ -100,7 +100,7 @@ class Station:
 
     def __enter__(self) -> Self:
         self._pulse.start()
-        if not self.is_fixed:  # reading all files takes half a second, for which the first page should not have to wait
+        if not self.is_fixed:  # reads all files ahead, which takes half a second, so that the first page need not wait
             threading.Thread(target=catalog, args=(self.offered,), name="uwsim-catalog", daemon=True).start()
         return self
 
@@ -114,7 +114,7 @@ class Station:
     # Simulators
 
     def start(self, choice: Values) -> None:
-        """Run a simulator of the user's choice, replacing the present one. Raises ChoiceError, RuntimeError."""
+        """Run a simulator for the user's choice, replacing the current one. Raises ChoiceError, RuntimeError."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
         if choice.get("saved") is not None:
@@ -131,7 +131,7 @@ class Station:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
 
     def _go_on(self, choice: Values) -> None:
-        """Continue a saved session: everything but the speed is as it was."""
+        """Continue a saved session, with only the speed chosen anew."""
         name, speed = chosen_save(choice, saved_names(self.folder))
         self.prepared.forget()
         folder = self.folder / name
@@ -149,9 +149,10 @@ class Station:
         prepare: Callable[[Running], object] = lambda running: None,
         feed: Feed | None = None,
     ) -> None:
-        """Run the simulator returned by `make`, replacing the present one, which keeps running until then.
+        """Run the simulator returned by `make`, replacing the current one, which keeps running until then.
 
-        prepare: called when its channels exist and before its map starts to grow. feed: shared with other sinks.
+        prepare: called when the new simulator's channels exist and before its map is built. feed: shared with other
+        sinks.
         """
         if not self._starting.acquire(blocking=False):
             raise ValueError("another simulator is being started")
@@ -174,13 +175,13 @@ class Station:
             self._starting.release()
 
     def preview(self, scenario: str) -> bytes:
-        """Return a PNG from above of an available scenario. Raises LookupError, ScenarioError, OSError."""
+        """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError, OSError."""
         if self.is_fixed or scenario not in scenarios(self.offered):
             raise LookupError(scenario)
-        return self.prepared.afterwards(lambda: preview_png(scenario))  # the simulator is needed sooner
+        return self.prepared.afterwards(lambda: preview_png(scenario))  # preparing a simulator has priority
 
     def quit(self) -> None:
-        """End the simulator and return to the start screen. Raises ValueError if there is none."""
+        """Stop the simulator and return to the start screen. Raises ValueError if there is none."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: there is nothing else to show")
         with self._starting:
@@ -189,7 +190,7 @@ class Station:
             self._enter("idle")
 
     def begin_anew(self) -> None:
-        """Record that simulated time has restarted, so that pages request everything again."""
+        """Start another session because simulated time has restarted, so that pages request everything again."""
         self.session = next(self._numbers)
         self.tell()
 
@@ -216,7 +217,7 @@ class Station:
             running.helm.let_go()
 
     def tell(self) -> None:
-        """Publish the state, since it has changed."""
+        """Publish the state, which has changed."""
         self._pulse.tell()
 
     def _topics(self, running: Running | None) -> list[GuestTopic]:

@@ -1,4 +1,4 @@
-"""The lease of the controls: one pilot at a time; the others watch."""
+"""The lease of the controls: one member is the pilot, and the others watch."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ NAME_MAX = 40
 
 
 class Lease:
-    """The members of a station, by connection, and which of them is the pilot; pilot: "" for none.
+    """The members of a station, by connection, and which of them is the pilot. pilot: "" for none.
 
     asking: members who have requested the controls, in order.
     """
@@ -17,13 +17,13 @@ class Lease:
         self.asking: list[str] = []
 
     def join(self, client: str, name: object) -> None:
-        """Add a connection as a member with a name. Raises ValueError."""
+        """Add a connection as a named member. Raises ValueError."""
         if not isinstance(name, str) or not name.strip() or len(name) > NAME_MAX or not name.isprintable():
             raise ValueError(f"name = {str(name)[:NAME_MAX]!r}: must have 1 to {NAME_MAX} printable characters")
         self.members[client] = name.strip()
 
     def leave(self, client: str) -> bool:
-        """Remove a connection that is gone; return whether it was the pilot's."""
+        """Remove a closed connection; return whether it was the pilot's."""
         self.members.pop(client, None)
         if client in self.asking:
             self.asking.remove(client)
@@ -33,9 +33,9 @@ class Lease:
         return was_pilot
 
     def take(self, client: str, *, is_silent: bool = False) -> None:
-        """Give the controls to a member if they are free, or held by a pilot whose connection seems dead (is silent).
+        """Give the controls to a member if they are free, or if the pilot's connection seems dead (is_silent).
 
-        Raises ValueError, and records the request, if they are taken.
+        Otherwise record the request and raise ValueError.
         """
         self._require_member(client)
         if self.pilot not in ("", client) and not is_silent:
@@ -45,14 +45,14 @@ class Lease:
         self._give(client)
 
     def hand_over(self, client: str, to: object) -> None:
-        """Pass the controls to a member, or with "" release them. Raises ValueError."""
+        """Pass the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
         if to != "" and to not in self.members:
             raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is no member")
         self._give(str(to))
 
     def require_pilot(self, client: str) -> None:
-        """Raise ValueError unless a connection has the controls."""
+        """Raise ValueError unless this connection has the controls."""
         if client != self.pilot or not client:
             who = f"{self.members[self.pilot]} has the controls" if self.pilot else "nobody has the controls: take them"
             raise ValueError(who)

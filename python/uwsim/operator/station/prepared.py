@@ -1,4 +1,4 @@
-"""A simulator that is prepared while the start screen is still open, so that Start need not wait for it."""
+"""A simulator prepared while the start screen is still open, so that starting it takes no time."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ T = TypeVar("T")
 
 
 class Prepared:
-    """At most one simulator: that of the last checked choice. A choice is identified by its scenario's content.
+    """Holds at most one simulator, for the last validated choice, which is identified by its scenario's content.
 
-    make: makes the simulator of a scenario. Methods may be called on any thread.
+    make: creates the simulator for a scenario. Methods may be called on any thread.
     """
 
     def __init__(self, make: Callable[[Scenario], Simulator]) -> None:
@@ -28,7 +28,7 @@ class Prepared:
         self._made: Future[Simulator] | None = None
 
     def want(self, scenario: Scenario) -> None:
-        """Start making a simulator, replacing that of another scenario. Raises OSError if a file is gone."""
+        """Start preparing a simulator, replacing any for another scenario. Raises OSError if a file is gone."""
         key = scenario_fingerprint(scenario)
         with self._lock:
             if key != self._key:
@@ -36,28 +36,28 @@ class Prepared:
                 self._key, self._made = key, self._worker.submit(self._warm, scenario)
 
     def take(self, scenario: Scenario) -> Simulator:
-        """Return the scenario's simulator: prepared, or made now. Raises as `make` does, and OSError."""
+        """Return the scenario's simulator, prepared or created now. Raises the errors of `make`, and OSError."""
         key = scenario_fingerprint(scenario)
         with self._lock:
             made = self._made if self._key == key else None
             if made is None:
                 self._drop()
             self._key, self._made = "", None
-        if made is None or made.cancel():  # it would have to wait for the previous one
+        if made is None or made.cancel():  # not started yet: it would have to wait for the previous one
             return self._make(scenario)
         return made.result()
 
     def afterwards(self, function: Callable[[], T]) -> T:
-        """Call a function when nothing is being prepared any more; return its result."""
+        """Call a function once nothing is being prepared any more; return its result."""
         return self._worker.submit(function).result()
 
     def forget(self) -> None:
-        """Free what was prepared."""
+        """Discard the prepared simulator."""
         with self._lock:
             self._drop()
 
     def close(self) -> None:
-        """Prepare nothing more."""
+        """Stop preparing simulators."""
         self.forget()
         self._worker.shutdown(wait=False, cancel_futures=True)
 
@@ -67,9 +67,9 @@ class Prepared:
         self._key, self._made = "", None
 
     def _warm(self, scenario: Scenario) -> Simulator:
-        """Make a simulator and render a small picture, since the first one takes long.
+        """Create a simulator and render a small picture, since the first one is slow.
 
-        This does not change its state.
+        This does not change the simulator's state.
         """
         simulator = self._make(scenario)
         for camera in list(simulator.rov.cameras.values())[:1]:

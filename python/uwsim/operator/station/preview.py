@@ -1,4 +1,4 @@
-"""A scenario from above, for the start screen: depths, obstacles, the area to survey, the station, starts."""
+"""A top view of a scenario for the start screen: depths, obstacles, survey area, station, starting positions."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ Points = NDArray[np.float64]
 
 @cache
 def preview_png(name: str) -> bytes:
-    """Return the picture of a scenario by name; drawn once. Raises ScenarioError, OSError."""
+    """Return the picture of a scenario, by name; cached. Raises ScenarioError, OSError."""
     return draw(load(name))
 
 
 def draw(scenario: Scenario) -> bytes:
-    """Return the picture, north up, as PNG."""
+    """Return the picture as PNG, north up."""
     full = build_terrain(scenario.terrain)
     plan = Plan(thinned(full))
     for obstacle in scenario.obstacles:
@@ -42,7 +42,7 @@ def draw(scenario: Scenario) -> bytes:
     plan.station(np.asarray(station.position_m))
     for entry in scenario.vehicles:
         if entry.start is None:
-            plan.vehicle(dock_position(station), station.yaw_deg, ahead=20.0)  # of the station's mark
+            plan.vehicle(dock_position(station), station.yaw_deg, ahead=20.0)  # clear of the station's mark
         else:
             plan.vehicle(np.asarray(entry.start.position_m), entry.start.yaw_deg)
     plan.scale()
@@ -50,7 +50,7 @@ def draw(scenario: Scenario) -> bytes:
 
 
 class Plan:
-    """A picture of a terrain on which more can be drawn, in world coordinates."""
+    """A picture of a terrain, on which items are drawn in world coordinates."""
 
     def __init__(self, terrain: Terrain) -> None:
         rows, columns = terrain.heights_m.shape
@@ -64,13 +64,13 @@ class Plan:
         self._deepest_m = -float(np.nanmin(terrain.heights_m))
 
     def solid(self, vertices: Points, triangles: NDArray[np.integer]) -> None:
-        """Draw a solid's shadow on the plane."""
+        """Draw a solid's outline from above."""
         corners = self._at(vertices)[triangles]
         for triangle in corners:
             self._pen.polygon([tuple(corner) for corner in triangle], fill=OBSTACLE, outline=OBSTACLE)
 
     def area(self, polygon_m: Points) -> None:
-        """Draw the outline of the area to survey."""
+        """Draw the outline of the survey area."""
         outline = [tuple(corner) for corner in self._at(polygon_m)]
         self._pen.line([*outline, outline[0]], fill=AREA, width=2)
 
@@ -80,7 +80,7 @@ class Plan:
         self._pen.rectangle((x - 8, y - 8, x + 8, y + 8), fill=STATION, outline=INK, width=2)
 
     def vehicle(self, position_m: Points, yaw_deg: float, ahead: float = 0.0) -> None:
-        """Mark where a vehicle starts, as an arrow along its bow. ahead: offset of the arrow in pixels."""
+        """Mark a vehicle's start with an arrow along its heading. ahead: offset of the arrow in pixels."""
         along = np.array([math.cos(math.radians(yaw_deg)), -math.sin(math.radians(yaw_deg))])
         across = np.array([-along[1], along[0]])
         middle = self._at(position_m) + ahead * along
@@ -88,7 +88,7 @@ class Plan:
         self._pen.polygon([tuple(corner) for corner in corners], fill=START, outline=INK)
 
     def scale(self) -> None:
-        """Draw a bar with its length, and a legend of depths."""
+        """Draw a scale bar with its length, and the maximum depth."""
         most_m = 0.25 * self._image.width / self._pixels_per_m
         power = 10.0 ** math.floor(math.log10(most_m))
         length_m = max(step * power for step in (1, 2, 5) if step * power <= most_m)
@@ -99,7 +99,7 @@ class Plan:
         self._text(14, low, f"down to {self._deepest_m:.0f} m", "ls")
 
     def png(self) -> bytes:
-        """Return the picture."""
+        """Return the picture as PNG."""
         data = io.BytesIO()
         self._image.save(data, "PNG")
         return data.getvalue()
@@ -109,19 +109,19 @@ class Plan:
         self._pen.text((x, y), text, fill=AREA, font=font, anchor=anchor, stroke_width=2, stroke_fill=INK)
 
     def _at(self, points_m: Points) -> Points:
-        """Return pixels (..., 2) of world points (..., 2 or 3)."""
+        """Return the pixels (..., 2) of world points (..., 2 or 3)."""
         pixels: Points = (points_m[..., :2] - self._low_m) * self._pixels_per_m
         pixels[..., 1] = self._image.height - pixels[..., 1]
         return pixels
 
 
 def shaded(terrain: Terrain) -> NDArray[np.uint8]:
-    """Return the colours (rows, columns, 3) of a terrain, from the south: by depth, lit from the north-west."""
+    """Return the colours (rows, columns, 3) of a terrain, southernmost row first: by depth, lit from the north-west."""
     heights = np.nan_to_num(np.asarray(terrain.heights_m, float), nan=float(np.nanmin(terrain.heights_m)))
     depth = np.clip(heights / min(float(heights.min()), -1e-3), 0.0, 1.0)[..., None]
     colours = (1.0 - depth) * SHALLOW + depth * np.asarray(DEEP, float)
     colours[heights > 0.0] = LAND
     north, east = np.gradient(heights, terrain.spacing_m)
-    light = (1.0 + east - north) / np.sqrt(3.0 * (1.0 + east**2 + north**2))  # from 45 degrees, flat ground: 0.58
+    light = (1.0 + east - north) / np.sqrt(3.0 * (1.0 + east**2 + north**2))  # from 45 degrees up; flat ground: 0.58
     lit = colours * (0.55 + 0.78 * np.clip(light, 0.0, 1.0))[..., None]
     return np.asarray(np.clip(lit, 0, 255), np.uint8)

@@ -1,4 +1,4 @@
-"""The station's pulse: ends efforts that no pilot holds, starts the pictures that are due and publishes the state."""
+"""The station's heartbeat: zeroes efforts that no pilot maintains, starts due pictures and publishes the state."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 STATE = "station/state"
 STATE_S = 0.5
-SILENT_S = 1.5  # without anything received from a pilot, who is pinged every second
+SILENT_S = 1.5  # silence of the pilot, who is pinged every second, from which it is reported
 LOGGER = logging.getLogger("uwsim.operator.station")
 
 
@@ -46,11 +46,11 @@ class Pulse:
             self._thread.join()
 
     def stir(self) -> None:
-        """Beat now: something may be due. On any thread."""
+        """Beat now, since something may be due. May be called on any thread."""
         self._stirred.set()
 
     def tell(self) -> None:
-        """Publish the state now, since it has changed. On any thread."""
+        """Publish the state now, since it has changed. May be called on any thread."""
         self._is_changed = True
         self._stirred.set()
 
@@ -69,7 +69,7 @@ class Pulse:
                 rest_s = STATE_S
 
     def _beat(self, running: Running | None, now_s: float) -> float:
-        """Do what is due; return the time [s] until something is due again."""
+        """Perform due actions; return the time [s] until the next."""
         if self._is_changed or now_s >= self._told_s + STATE_S:
             self._is_changed, self._told_s = False, now_s
             self._tell_state(running)
@@ -109,7 +109,7 @@ class Pulse:
 
 
 def _progress(running: Running) -> Values:
-    """Return a simulator's progress."""
+    """Return a simulator's progress as fields of the state."""
     live = running.live
     return {
         "scenario": live.simulator.scenario.name,

@@ -1,4 +1,4 @@
-"""One simulator run by the station: its channels, views and map, and the description of it for the page."""
+"""A simulator run by the station, with its channels, views and map, and its description for the page."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from uwsim.recording import Recorder
 from uwsim.recording.recorder import MAP_TYPE
 
 SHOWN = ("telemetry", PLACED, "image_raw/compressed", "picture/compressed")
-"""Channels shown by the page, by name ending: a modem has no capacity for more, unless the scenario selects them."""
+"""Name endings of the channels that the page shows: by default a modem, with its low capacity, carries only these."""
 SONAR_KINDS: dict[type, str] = {ForwardLooking: "forward_looking", SideScan: "side_scan", SingleBeam: "profiling"}
 
 
 def piloted_commands() -> list[str]:
-    """Return the commands that the pilot may issue by name: `drive` steers, and anyone may call `all_stop`."""
+    """Return the commands that a pilot may issue by name; `drive` steers, and anyone may call `all_stop`."""
     return sorted(name for name, command in COMMANDS.items() if command.is_piloted)
 
 
 class Running:
-    """A live simulator, which is started here and ended by `stop`.
+    """A live simulator, from `start` to `stop`.
 
-    Its map grows from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
-    whether the true position may be shown. edition: a number that changes when a parameter has changed, and thus
-    `describe`: see `notice_changes`.
+    Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
+    whether the true position may be shown. edition: a number that changes when parameters change, and with them
+    `describe`; see `notice_changes`.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Running:
         self.table = table = served_table(live, wire=wire, origin=origin, truth=truth)
         over_modem = sim.link is not None and sim.link.modem.kind == "modem"
         self.carrier = None if sim.link is None else Carrier(live, table, only=SHOWN if over_modem else None)
-        self.maps = self.table.maps  # over a link, those made ashore
+        self.maps = self.table.maps  # over a link, those built ashore
         self.far = live if self.carrier is None else self.carrier.remote()  # the simulator as commanded by pilots
         if self.carrier is not None:
             table.channels, table.services = with_scans(self.carrier.channels), self.carrier.over(table.services)
@@ -75,10 +75,10 @@ class Running:
         self.recorder: Recorder | None = None
         self.edition = 0
         self._described = sim.parameters.scenario
-        self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of a view
+        self.snapshots: dict[str, Values] = {}  # the panel's values at the last snapshot of each view
 
     def start(self) -> None:
-        """Start stepping and growing the map."""
+        """Start stepping the simulator and building the map."""
         if not self.live.running:
             self.live.start()
         if self.carrier is not None:
@@ -90,7 +90,7 @@ class Running:
             self.live.every(1.0 / rate_hz, ping_map.read_changes, lambda message: None)
 
     def notice_changes(self) -> None:
-        """Start another edition if a parameter has changed since the last call."""
+        """Increment the edition if a parameter has changed since the last call."""
         scenario = self.live.simulator.parameters.scenario
         if scenario is not self._described:
             self._described = scenario
@@ -105,7 +105,7 @@ class Running:
         self.live.stop()
 
     def record(self, path: Path) -> None:
-        """Start recording everything except pictures and maps, which would differ in a replay from here.
+        """Start recording everything except pictures and maps, which would differ in a replay of this recording.
 
         Raises ValueError, OSError.
         """
@@ -119,7 +119,7 @@ class Running:
         self.recorder = Recorder(self.live, path, topics=kept, shared=self.table, feed=self.feed).start()
 
     def stop_recording(self) -> Path | None:
-        """Finish the recording; return its path, or None if there is none. Raises OSError."""
+        """Finish the recording; return its path, or None if nothing is being recorded. Raises OSError."""
         recorder, self.recorder = self.recorder, None
         if recorder is None:
             return None
@@ -127,7 +127,7 @@ class Running:
         return recorder.path
 
     def describe(self) -> Values:
-        """Return the answer of `/station/describe`, except the session."""
+        """Return the response of `/station/describe`, except the session."""
         sim = self.live.simulator
         scenario, optional = sim.parameters.scenario, {channel.name for channel in self.table.channels}
         return {
@@ -157,7 +157,7 @@ class Running:
         return {**said, **topics, **aboard, **self.arrivals.describe(view.name)}
 
     def _sonar_views(self) -> list[Values]:
-        """Return the pictures of imaging sonars: ordinary channels, at the pace of simulated time."""
+        """Return the views of imaging sonars: ordinary channels, paced by simulated time."""
         return [
             {
                 "name": source.topic(name), "title": title(source.topic(name)), "kind": SONAR_KINDS[type(sonar.model)],

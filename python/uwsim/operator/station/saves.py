@@ -1,4 +1,4 @@
-"""Sessions on disk: a folder with maps, the state to continue from, the scenario with its files, and the commands."""
+"""Saved sessions: a folder with maps, the state to continue from, the scenario with its files, and the commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STATE = "state"
 
 
 def save(running: Running, target: Path) -> None:
-    """Write a session, completely or not at all. Raises OSError, ValueError."""
+    """Write a session, either completely or not at all. Raises OSError, ValueError."""
     live = running.live
     state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
     commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
@@ -29,7 +29,7 @@ def save(running: Running, target: Path) -> None:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(content)
         for vehicle, ping_map in running.maps.items():
-            for suffix in ("bt", "ot"):  # one for other programs; one with all probabilities, to continue from
+            for suffix in ("bt", "ot"):  # .bt for other programs; .ot with all probabilities, to continue from
                 ping_map.write(folder / f"{vehicle}.{suffix}")
         folder.chmod(0o755)
         folder.rename(target)
@@ -39,13 +39,13 @@ def save(running: Running, target: Path) -> None:
 
 
 def saved_names(folder: Path) -> list[str]:
-    """Return the names of the sessions in a folder, the newest first."""
+    """Return the names of the sessions in a folder, newest first."""
     found = [path.parent for path in folder.glob(f"*/{STATE}") if (path.parent / SCENARIO).is_file()]
     return [path.name for path in sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)]
 
 
 def load_saved(folder: Path, threads: int | None) -> Simulator:
-    """Return the simulator of a session, in the state in which it was saved. Raises ValueError, OSError."""
+    """Return a session's simulator in its saved state. Raises ValueError, OSError."""
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
     contents = {name: path.read_bytes() for name, path in files.items() if name == SCENARIO or "/" in name}
     sim = Simulator(unpack(contents, folder), threads=threads)
@@ -54,7 +54,7 @@ def load_saved(folder: Path, threads: int | None) -> Simulator:
 
 
 def go_on_with_maps(running: Running, folder: Path) -> None:
-    """Continue a session's maps."""
+    """Load a session's maps, to be continued."""
     for vehicle, ping_map in running.maps.items():
         if (folder / f"{vehicle}.ot").is_file():
             ping_map.go_on_from(folder / f"{vehicle}.ot")

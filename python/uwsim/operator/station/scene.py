@@ -1,4 +1,4 @@
-"""The world for the page's 3D view: the bed as a grid of heights, obstacles, station and hulls as GLB."""
+"""The world for the page's 3D view: the bed as a grid of heights; obstacles, station and hulls as GLB."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from uwsim.scenario.build.terrain import Terrain, build_terrain
 from uwsim.simulator.simulator import Simulator
 
 T = TypeVar("T")
-GRID_MAX = 256  # points along an edge of the grid that is sent
+GRID_MAX = 256  # maximum number of points along an edge of the grid
 Mesh = tuple[NDArray[np.float64], NDArray[np.integer]]
 
 
 class Scene:
-    """Parts of a simulator's world, made on first request and cached. Methods may be called on any thread."""
+    """Parts of a simulator's world, generated on first request and cached. Methods may be called on any thread."""
 
     def __init__(self, sim: Simulator, sources: list[Source]) -> None:
         self._scenario = sim.scenario
@@ -33,7 +33,7 @@ class Scene:
         self._made: dict[str, Any] = {}
 
     def described(self) -> Values:
-        """Return `scene.json`. Positions are in odom, like everything else on the wire."""
+        """Return the content of `scene.json`. Positions are in odom, like everything else on the wire."""
         grid = self.grid()
         rows, columns = grid.heights_m.shape
         west_m, south_m = (float(value) for value in grid.origin_m + self._origin_m[:2])
@@ -57,11 +57,11 @@ class Scene:
         return self._once("grid", lambda: thinned(self._terrain()))
 
     def heights(self) -> bytes:
-        """Return `terrain.f32`."""
+        """Return the content of `terrain.f32`."""
         return np.asarray(self.grid().heights_m + self._origin_m[2], "<f4").tobytes()
 
     def mesh(self, number: int) -> bytes:
-        """Return an obstacle, or the station, as GLB. Raises ValueError if there is none of this number."""
+        """Return an obstacle or the station as GLB. Raises ValueError if there is no mesh with this number."""
         solids = self._solids()
         if not 0 <= number < len(solids):
             raise ValueError(f"mesh {number}: there are {len(solids)}")
@@ -69,7 +69,7 @@ class Scene:
         return self._once(f"mesh {number}", lambda: glb(make(), self._origin_m))
 
     def hull(self, name: str) -> bytes:
-        """Return a vehicle's hull as GLB, in body axes. Raises ValueError."""
+        """Return a vehicle's hull as GLB, in body axes. Raises ValueError for an unknown vehicle."""
         models = {source.name: source.entry.model for source in self._sources}
         if name not in models:
             raise ValueError(f"vehicle '{name[:40]}': there is none")
@@ -102,7 +102,7 @@ def thinned(terrain: Terrain) -> Terrain:
 
 
 def glb(mesh: Mesh, offset_m: NDArray[np.float64]) -> bytes:
-    """Return a mesh as a binary glTF without transforms: z is up as in the world, not as glTF has it."""
+    """Return a mesh as a binary glTF without transforms: z is up as in the world, unlike glTF's convention."""
     import trimesh
 
     vertices, triangles = mesh

@@ -1,4 +1,4 @@
-"""The station's answers to its page, by service; see `calls`."""
+"""Handlers of the station's services, which its page calls; see `calls`."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from uwsim.operator.station.saves import saved_names
 if TYPE_CHECKING:
     from uwsim.operator.station.hub import Station
 
-DEAD_S = 3.0  # without anything received from a pilot, not even an answer to a ping: others may take the controls
+DEAD_S = 3.0  # others may take the controls if a pilot sends nothing for this long, not even answers to pings
 
 
 class Services:
-    """Answers the station's calls."""
+    """Handles the station's service calls."""
 
     def __init__(self, station: Station) -> None:
         self._station = station
@@ -123,12 +123,12 @@ class Services:
 
 
 def _sent(running: Running) -> str:
-    """Return the answer to a command that has been passed to the link, if there is one."""
+    """Return the message for a command passed to the link, or "" if there is no link."""
     return "" if running.carrier is None else f"Sent over {running.carrier.modem}"
 
 
 def _said(call: Callable[[str, Values], Any]) -> Callable[[str, Values], Any]:
-    """Return a service that reports its errors in its answer."""
+    """Return a service that reports errors in its response."""
 
     def answer(caller: str, request: Values) -> Any:
         try:

@@ -1,4 +1,4 @@
-"""The station's HTTP content: the page's own files, previews of scenarios, the scene, maps and snapshots."""
+"""The station's HTTP content: the page's files, previews of scenarios, the scene, maps and snapshots."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ TYPES = {
     ".txt": "text/plain", ".json": "application/json", ".glb": "model/gltf-binary", ".tif": "image/tiff",
 }  # fmt: skip
 OTHER_BRIDGE = re.compile(r"wss?://[A-Za-z0-9.\-]{1,253}(:\d{1,5})?|wss?://\[[0-9A-Fa-f:]{2,39}\](:\d{1,5})?")
-WAITING_MAX = 40  # requests waiting for content that must be made
+WAITING_MAX = 40  # maximum number of requests waiting for generated content
 DATA = re.compile(r"/(scene|map|snapshot|preview)/")
 PREVIEW = re.compile(r"/preview/(.{1,1000})\.png")
 
 
 class File(NamedTuple):
-    """The content of a response. name: the file name with which a browser saves it, "" if it displays it."""
+    """The content of a response. name: file name for downloads; "" if the browser displays the content."""
 
     body: bytes
     type: str
@@ -40,9 +40,9 @@ class File(NamedTuple):
 
 
 class Site:
-    """Answers the server's HTTP requests; slow content is made on separate threads.
+    """Answers the server's HTTP requests; slow content is generated on separate threads.
 
-    may_load: whether a request may load more than the page's own files, for example because it has the token.
+    may_load: whether a request may load more than the page's own files, for example because it carries the token.
     """
 
     def __init__(self, station: Station, may_load: Callable[[Request], bool] = lambda request: True) -> None:
@@ -52,7 +52,7 @@ class Site:
         self._pool = ThreadPoolExecutor(2, thread_name_prefix="uwsim-site")
 
     async def __call__(self, request: Request) -> Response:
-        """Return the answer to a GET."""
+        """Return the response to a GET request."""
         path = unquote(urlsplit(request.path).path)
         if not DATA.match(path):
             return _page_file(request, path)
@@ -74,7 +74,10 @@ class Site:
         return _answer(request, HTTPStatus.OK, file, {"Cache-Control": "no-store"})
 
     def _made(self, path: str) -> File:
-        """Make the content for a path. Raises LookupError if there is none, ValueError if it cannot be made now."""
+        """Generate the content for a path.
+
+        Raises LookupError if there is none, ValueError if it is not available now.
+        """
         asked = PREVIEW.fullmatch(path)
         if asked is not None:
             return File(self._station.preview(asked[1]), TYPES[".png"])
@@ -119,7 +122,7 @@ def _page_file(request: Request, path: str) -> Response:
 
 @lru_cache(200)
 def _read(path: Path, changed_ns: int) -> tuple[File, str]:
-    """Return a file and its tag."""
+    """Return a file and its ETag."""
     body = path.read_bytes()
     kind = TYPES.get(path.suffix, "application/octet-stream")
     kind += "; charset=utf-8" if kind.startswith("text/") else ""
@@ -140,8 +143,8 @@ def _answer(request: Request, status: HTTPStatus, file: File, extra: dict[str, s
 
 
 def _safe(request: Request) -> dict[str, str]:
-    """Return the headers that keep everything on this server: no foreign scripts, pictures, sockets or frames."""
-    host = request.headers["Host"]  # known, or an address: the door has checked it
+    """Return headers that confine the page to this server: no foreign scripts, pictures, sockets or frames."""
+    host = request.headers["Host"]  # a known name or an address, as checked by the door
     sockets = [f"ws://{host}", f"wss://{host}"]
     other = parse_qs(urlsplit(request.path).query).get("rosbridge", [""])[0].rstrip("/")
     if OTHER_BRIDGE.fullmatch(other):
@@ -151,7 +154,7 @@ def _safe(request: Request) -> dict[str, str]:
         f"media-src 'self' blob:; worker-src 'self'; connect-src 'self' blob: {' '.join(sockets)}; "
         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
-    origin = request.headers.get("Origin")  # of a page admitted by the door, which may read what it loads
+    origin = request.headers.get("Origin")  # the origin of an admitted page, which may read what it loads
     return {
         "Content-Security-Policy": policy,
         "X-Content-Type-Options": "nosniff",

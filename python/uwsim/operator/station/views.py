@@ -1,4 +1,4 @@
-"""The pictures shown by the page: rendered at the wall clock's pace, and only while they are viewed."""
+"""Camera pictures shown by the page, rendered at a wall-clock rate, and only while they are viewed."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from uwsim.simulator.simulator import Simulator
 
 RATE_HZ, RATE_MAX_HZ = 10.0, 15.0
 SMALL_WIDTH, SMALL_PERIOD_S, SMALL_QUALITY = 240, 0.5, 70
-UNAWAITED_PERIOD_S = 0.5  # of pictures without a viewer, and of those in which nothing can have changed
-SMALL_PATIENCE_S = 1.0  # after which a small picture no longer waits for large ones
-POLL_S = 0.03  # between checks whether a due picture can be made
+UNAWAITED_PERIOD_S = 0.5  # extra delay of pictures that no viewer awaits, or in which nothing can have changed
+SMALL_PATIENCE_S = 1.0  # longest time that a small picture waits for large ones
+POLL_S = 0.03  # interval between checks whether a due picture can be rendered
 JPEG = "sensor_msgs/msg/CompressedImage"
 THREADS = max(1, (os.cpu_count() or 2) - 1)  # leaves a core for the steps
 
 
 @dataclass(frozen=True)
 class Size:
-    """How a view is rendered, and how often. width 0: the camera's own width, or as much of it as the rate allows."""
+    """How a view is rendered, and how often. width 0: the camera's own width, or less if the rate requires it."""
 
     rate_hz: float = RATE_HZ
     width: int = 0
@@ -40,7 +40,7 @@ class Size:
 
 @dataclass(eq=False)
 class Stream:
-    """One topic with pictures of a camera."""
+    """A topic with pictures from one camera."""
 
     topic: str
     camera: Camera
@@ -50,7 +50,7 @@ class Stream:
     begun_s: float = 0.0
     rendered: int = -1  # the simulator's version in the last picture
     job: Future[Any] | None = None
-    fit: Fit | None = field(init=False)  # of a stream that may be smaller than its camera
+    fit: Fit | None = field(init=False)  # for a stream that may be smaller than its camera
 
     _fitted: Camera | None = None
 
@@ -63,23 +63,23 @@ class Stream:
         if self.fit is not None:
             width = round(self.fit.share * width)
         if self._fitted is None or self._fitted.mount.width != width:
-            self._fitted = self.camera.resized(width)  # building its table of rays takes time
+            self._fitted = self.camera.resized(width)  # cached, since building its ray table takes time
         return self._fitted
 
     def show(self, camera: Camera, size: Size) -> None:
-        """Switch to pictures of another camera or size."""
+        """Switch to pictures from another camera or of another size."""
         self.camera, self.size, self._fitted = camera, size, None
         self.fit = None if size.width else Fit()
 
     @property
     def is_free(self) -> bool:
-        """Whether none of its pictures is being made."""
+        """Whether none of its pictures is being rendered."""
         return self.job is None or self.job.done()
 
 
 @dataclass(eq=False)
 class View:
-    """A camera as described to the page. kind: "camera", "station" or "chase". vehicle: "" for the station's."""
+    """A camera as described to the page. kind: "camera", "station" or "chase". vehicle: "" for station cameras."""
 
     name: str
     title: str
@@ -94,14 +94,14 @@ class View:
         self.call("view", "small")
 
     def call(self, large: str, small: str) -> None:
-        """Set the types of its topics."""
+        """Set the names of its topics, each followed by the view's name."""
         small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
         whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
         self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
         self.small = Stream(f"station/{small}/{self.name}", reduced, small_size, self.frame_id)
 
     def described(self) -> Values:
-        """Return its entry in `describe`."""
+        """Return the view's entry in `describe`."""
         mount = self.camera.mount
         return {
             "name": self.name, "title": self.title, "kind": self.kind, "vehicle": self.vehicle,
@@ -111,12 +111,10 @@ class View:
 
 
 class Views:
-    """The views of one simulator.
+    """The views of one simulator. Call `beat` at the times it returns, and after `stir`; it does not block.
 
-    `beat` must be called at the times that it returns, and after `stir`; it does not block.
-
-    over_link: whether pictures of vehicles' cameras come over a link; those made here then have other topics, and exist
-    only with the truth.
+    over_link: whether pictures from the vehicles' cameras are received over a link; those rendered here then have other
+    topics, and exist only if the truth may be shown.
     """
 
     def __init__(
@@ -131,7 +129,7 @@ class Views:
     ) -> None:
         self._live, self._node, self._stir = live, node, stir
         self._pictures = table.pictures
-        self._small_s = 0.0  # start of the last small picture
+        self._small_s = 0.0  # when the last small picture was started
         self.views = {view.name: view for view in _views(live.simulator, table)}
         self.aboard = {view.name for view in self.views.values() if over_link and view.vehicle}
         self._made = [view for view in self.views.values() if truth or view.name not in self.aboard]
@@ -143,7 +141,7 @@ class Views:
         return [GuestTopic(stream.topic, JPEG) for stream in self._streams()]
 
     def beat(self, now_s: float) -> float:
-        """Start the pictures that are due; return the time [s] until the next, unless `stir` is called."""
+        """Start the pictures that are due; return the time [s] until the next, unless `stir` is called earlier."""
         wanted = [stream for stream in self._streams() if self._node.is_wanted(stream.topic)]
         passing = [view for view in self._made if not is_cut_off(self._live.simulator, view.vehicle)]
         for view in passing:
@@ -153,7 +151,7 @@ class Views:
         return min((max(stream.due_s - now_s, POLL_S) for stream in wanted if stream.is_free), default=math.inf)
 
     def _begin_small(self, wanted: list[Stream], now_s: float) -> None:
-        """Start one small picture at a time, and only while no large one is being made."""
+        """Start one small picture at a time, normally only while no large one is being rendered."""
         due = [stream for stream in wanted if self._is_due(stream, now_s)]
         if not due or not all(view.small.is_free for view in self.views.values()):
             return
@@ -169,7 +167,7 @@ class Views:
         return is_fresh or now_s >= stream.due_s + UNAWAITED_PERIOD_S
 
     def set_size(self, request: Values) -> None:
-        """Change a view's large stream. Raises ValueError."""
+        """Change the size, rate or quality of a view's large stream. Raises ValueError."""
         view = self.view(request.get("name"))
         given = {name: request[name] for name in ("rate_hz", "width", "quality") if name in request}
         size = replace(view.large.size, **given)
@@ -180,13 +178,13 @@ class Views:
         view.large.show(view.camera.resized(int(size.width) or view.camera.mount.width), size)
 
     def renew(self) -> None:
-        """Account for changed camera lenses."""
+        """Apply changed camera lenses."""
         for view in self.views.values():
             for stream in (view.large, view.small):
                 stream.show(view.camera.resized(int(stream.size.width) or view.camera.mount.width), stream.size)
 
     def view(self, name: object) -> View:
-        """Return a view by its name. Raises ValueError."""
+        """Return a view by name. Raises ValueError."""
         if not isinstance(name, str) or name not in self.views:
             raise ValueError(f"view = {str(name)[:40]!r}: must be one of {', '.join(self.views)}")
         return self.views[name]
@@ -228,7 +226,7 @@ class Views:
 
 
 def _views(sim: Simulator, table: Table) -> Iterable[View]:
-    """Return the vehicles' cameras, followed by the external ones and the station's."""
+    """Return the vehicles' cameras, then their chase cameras, then the station's."""
     found = []
     for source in table.sources:
         for name, camera in source.of(sim).cameras.items():
@@ -243,7 +241,7 @@ def _views(sim: Simulator, table: Table) -> Iterable[View]:
 
 
 def title(name: str) -> str:
-    """Return a name in the form shown by the page."""
+    """Return a name as displayed by the page."""
     return " ".join(name.replace("_", " ").split("/")).capitalize()
 
 

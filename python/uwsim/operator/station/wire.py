@@ -1,7 +1,7 @@
-"""The fields of the station's requests and answers, as sent and received by its page; `calls` has the services.
+"""The fields of the station's requests and responses, as exchanged with its page; `calls` lists the services.
 
 docs/connections/station-wire.md explains the fields. The page's functions send no others; the server checks values
-where it reads them. Tests hold every answer to these types.
+where it reads them. Tests check every response against these types.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Message(BaseModel):
-    """A JSON object with exactly the named fields; one with a default may be missing."""
+    """A JSON object with exactly these fields; fields with a default are optional."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -21,18 +21,18 @@ class Nothing(Message):
     """A request without fields."""
 
 
-# Answers that several services give
+# Responses shared by several services
 
 
 class Done(Message):
-    """The answer of a service that did what was asked."""
+    """The response of a service that succeeded."""
 
     success: Literal[True]
     message: str
 
 
 class Refused(Message):
-    """The answer of a service that failed. errors: by the field of a choice."""
+    """The response of a service that failed. errors: by field of a choice."""
 
     success: Literal[False]
     message: str
@@ -42,7 +42,7 @@ class Refused(Message):
 
 
 class Commanded(Done):
-    """A command has taken effect, at a tick, or is sent over a link."""
+    """A command has taken effect at a tick, or has been sent over a link."""
 
     tick: int
 
@@ -51,7 +51,7 @@ class Commanded(Done):
 
 
 class Choice(Message):
-    """The choice on the start screen; a field that is missing or null keeps the scenario's value."""
+    """The choice on the start screen; a missing or null field keeps the scenario's value."""
 
     scenario: str | None = None
     vehicle: str | None = None
@@ -64,13 +64,13 @@ class Choice(Message):
 
 
 class ChoiceTaken(Done):
-    """A choice is possible, or runs."""
+    """A choice is valid, or has been started."""
 
     errors: dict[str, str]
 
 
 class Offered(Message):
-    """A thing to choose by its name."""
+    """An item that can be chosen by name."""
 
     name: str
     description: str
@@ -84,7 +84,7 @@ class OfferedVehicle(Message):
 
 
 class OfferedScenario(Offered):
-    """A scenario to choose."""
+    """A scenario that can be chosen."""
 
     seed: int
     mission_time_s: float
@@ -93,7 +93,7 @@ class OfferedScenario(Offered):
 
 
 class OfferedSonar(Message):
-    """A multibeam to choose: a number is one of the paper's models."""
+    """A multibeam that can be chosen; a number refers to one of the paper's models."""
 
     name: int | str
     title: str
@@ -102,7 +102,7 @@ class OfferedSonar(Message):
 
 
 class Catalog(Message):
-    """All that can be chosen. speeds: 0 is as fast as possible. saves: sessions to go on with."""
+    """All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued."""
 
     scenarios: list[OfferedScenario]
     vehicles: list[Offered]
@@ -113,11 +113,11 @@ class Catalog(Message):
     saves: list[str]
 
 
-# What runs
+# The running simulator
 
 
 class Tilt(Message):
-    """How far and how fast a sonar's head tilts."""
+    """The range and rate of a sonar head's tilt."""
 
     min_rad: float
     max_rad: float
@@ -135,7 +135,7 @@ class Multibeam(Message):
 
 
 class Motor(Message):
-    """A camera that turns: its limits."""
+    """A camera with a pan-tilt motor, and its limits."""
 
     camera: str
     pan_deg: list[float]
@@ -143,7 +143,7 @@ class Motor(Message):
 
 
 class VehicleDescription(Message):
-    """A vehicle: its topics, each null if there is none, and its parts."""
+    """A vehicle: its topics, null where there is none, and its parts."""
 
     name: str
     model: str
@@ -163,7 +163,7 @@ class VehicleDescription(Message):
 
 
 class ViewLink(Message):
-    """How pictures come over a link. period_s: null if there is no room for any."""
+    """How pictures are sent over a link. period_s: null if there is no capacity for pictures."""
 
     modem: str
     period_s: float | None
@@ -171,7 +171,7 @@ class ViewLink(Message):
 
 
 class ViewDescription(Message):
-    """A view: its topics, and the size of its pictures, 0 where they have their own."""
+    """A view: its topics and the size of its pictures; 0 if each picture has its own size."""
 
     name: str
     title: str
@@ -188,7 +188,7 @@ class ViewDescription(Message):
 
 
 class Warnings(Message):
-    """Distances of the panel's warnings."""
+    """The panel's warning distances."""
 
     range_m: float
     proximity_m: float
@@ -219,25 +219,25 @@ class Description(Message):
 
 
 class Join(Message):
-    """name: shown to the others."""
+    """name: shown to the other members."""
 
     name: str | None = None
 
 
 class Joined(Done):
-    """id: this connection's."""
+    """id: identifies this connection."""
 
     id: str
 
 
 class HandOver(Message):
-    """to: the id of another member; empty: no one."""
+    """to: the id of another member; empty releases the controls."""
 
     to: str | None = None
 
 
 class Drive(Message):
-    """Efforts in [-1, 1]; one that is missing is 0. stamp_ms: the page's clock when its keys were read."""
+    """Efforts in [-1, 1]; a missing one is 0. stamp_ms: the page's clock when its keys were read."""
 
     vehicle: str
     surge: float | None = None
@@ -250,20 +250,20 @@ class Drive(Message):
 
 
 class Driven(Commanded):
-    """age_s: by how much the command was late."""
+    """age_s: the delay of the command."""
 
     age_s: float
 
 
 class AllStop(Message):
-    """on: false releases it."""
+    """on: false releases all stop."""
 
     vehicle: str
     on: bool | None = None
 
 
 class Order(Message):
-    """name: of a command in the description's list. args: its arguments."""
+    """name: one of the commands listed in the description. args: its arguments."""
 
     name: str
     vehicle: str | None = None
@@ -271,7 +271,7 @@ class Order(Message):
 
 
 class SetView(Message):
-    """width: 0 for the camera's own."""
+    """width: 0 for the camera's own width."""
 
     name: str
     rate_hz: float | None = None
@@ -280,7 +280,7 @@ class SetView(Message):
 
 
 class Control(Message):
-    """action: of the description's controls. steps, speed, name: of those that need one."""
+    """action: one of the controls listed in the description. steps, speed, name: for those that need them."""
 
     action: str
     steps: float | None = None

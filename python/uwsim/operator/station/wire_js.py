@@ -1,6 +1,6 @@
-"""The page's part of the wire, `page/wire/messages.js`, from the tables: `python -m uwsim.operator.station.wire_js`.
+"""Generates the page's message module, `page/wire/messages.js`: `python -m uwsim.operator.station.wire_js`.
 
-It has a function for each service of the station, the types of what they return and of what topics carry, and the
+It contains a function for each service of the station, the types of responses and of topics' messages, and the
 commands.
 """
 
@@ -52,7 +52,7 @@ def _constants() -> str:
 
 
 def _literal(value: Any) -> str:
-    """Return a constant as prettier writes it."""
+    """Return a constant in prettier's format."""
     if isinstance(value, dict):
         return "{\n" + "".join(f"  {key}: {_literal(item)},\n" for key, item in value.items()) + "}"
     if isinstance(value, list):
@@ -61,7 +61,7 @@ def _literal(value: Any) -> str:
 
 
 def _function(call: Call) -> str:
-    """Return the function that calls a service: it sends the fields that the service knows, and no others."""
+    """Return the function that calls a service; it sends only fields that the service knows."""
     name = re.sub(r"_(\w)", lambda match: match[1].upper(), call.name)
     names = list(call.request.model_fields)
     given = f"{{ {', '.join(names)} }}" if names else ""
@@ -74,7 +74,7 @@ def _function(call: Call) -> str:
 
 
 def _typedefs() -> Iterator[str]:
-    """Give the types of all answers, each after those that it consists of."""
+    """Yield the types of all responses, each after the types that it uses."""
     done: dict[str, str] = {}
 
     def visit(found: Any) -> None:
@@ -96,7 +96,7 @@ def _typedefs() -> Iterator[str]:
 
 
 def _js(hint: Any) -> str:
-    """Return a Python type as JSDoc writes it."""
+    """Return a Python type in JSDoc notation."""
     origin, parts = get_origin(hint), get_args(hint)
     if origin is Literal:
         return " | ".join(_literal(part) for part in parts)
@@ -117,7 +117,7 @@ def _topic_type(name: str) -> str:
 
 
 def _ros(kind: Kind) -> str:
-    """Return a ROS type as the page has it: arrays of numbers are typed arrays."""
+    """Return a ROS type as represented in the page, where arrays of numbers are typed arrays."""
     base = "number" if NUMBER.fullmatch(kind.base) else {"string": "string", "bool": "boolean"}.get(kind.base, "object")
     if kind.length is None:
         return base

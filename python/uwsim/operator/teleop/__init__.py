@@ -1,4 +1,4 @@
-"""Teleoperation in the terminal: `uwsim teleop`. It needs the extra 'teleop'.
+"""Teleoperation in the terminal: `uwsim teleop`. Needs the extra 'teleop'.
 
-`connection` is a plain rosbridge client, `hands` turns keys and sticks into efforts, and the rest draws.
+`connection` is a plain rosbridge client, `hands` turns keys and sticks into efforts, and the other modules draw.
 """

@@ -1,4 +1,4 @@
-"""The pilot's screen: fan, tapes, panel and messages; it passes keys to the hands."""
+"""The pilot's screen: fan, tapes, panel and messages. It passes keys to the hands."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from uwsim.operator.teleop.terminal import KeyReleased, ReleaseDriver
 
 FRAME_S = 0.1
 PAD_S, LOOK_S = 0.02, 1.0
-SILENT_S = 1.0  # without telemetry, after which the pilot is warned
-LATE = 2.5  # over a slow modem, this many times the last interval
+SILENT_S = 1.0  # time without telemetry after which the pilot is warned
+LATE = 2.5  # over a slow modem, that time in multiples of the last interval
 QUIT_S = 3.0  # time limit for restoring the terminal
-INTERRUPTED = 130  # exit code, as of all commands
+INTERRUPTED = 130  # exit code, as for all commands
 
 
 class TeleopApp(App[None]):
-    """Draws a connection's readout, and passes keys and gamepads to its hands. title: of the vehicle."""
+    """Draws a connection's readout, and passes keys and gamepad input to its hands. name: the vehicle's name."""
 
     CSS = """
     Screen { layout: vertical; background: $background; }
@@ -81,7 +81,7 @@ class TeleopApp(App[None]):
         yield Static("w s a d q e b space: drive   x X: all stop, its end   - =: effort   ?: keys", id="keys")
 
     def on_mount(self) -> None:
-        """Start listening and drawing; end properly on signals."""
+        """Start listening and drawing; shut down cleanly on signals."""
         self.query_one("#log", RichLog).can_focus = False
         loop = asyncio.get_running_loop()
         for name in ("SIGTERM", "SIGHUP", "SIGINT"):
@@ -113,7 +113,7 @@ class TeleopApp(App[None]):
         except RuntimeError:  # the screen is gone
             return
 
-    # What the pilot does
+    # Input
 
     def on_key(self, event: events.Key) -> None:
         """Handle a key."""
@@ -122,16 +122,16 @@ class TeleopApp(App[None]):
             self.take(character)
 
     def on_key_released(self, message: KeyReleased) -> None:
-        """Record that the terminal reports releases, and that a key was released."""
+        """Record that the terminal reports releases, and that this key was released."""
         self.hands.tells_releases = True
         self.hands.let_go(message.character)
 
     def on_app_blur(self) -> None:
-        """Release everything when the terminal loses the keyboard, since releases would not be reported."""
+        """Release all keys when the terminal loses focus, since releases would no longer be reported."""
         self.hands.drop()
 
     def take(self, character: str) -> None:
-        """Perform the action of a character."""
+        """Perform the action assigned to a character."""
         if character in SWITCHES:
             self.connection.do(SWITCHES[character])
         elif character in SERVICES:
@@ -150,7 +150,7 @@ class TeleopApp(App[None]):
             self.hands.press(character)
 
     def _mark(self) -> None:
-        """Store the place: marking is a function of the published keyboard, not a command."""
+        """Store the current position: marking is a function of the published keyboard, not a command."""
         readout = self.connection.readout
         east, north, up = readout.position_m
         self.marks.append(
@@ -169,14 +169,14 @@ class TeleopApp(App[None]):
         for character in let_go:
             self.hands.let_go(character)
 
-    # What the pilot sees
+    # Display
 
     def draw(self) -> None:
         """Redraw everything."""
         self.hands.beat()
         readout = self.connection.readout
         if readout.all_stop and not self._was_stopped:
-            self.hands.drop()  # so that no held key moves the vehicle when all stop is released
+            self.hands.drop()  # so that a held key does not move the vehicle when all stop is released
         self._was_stopped = readout.all_stop
         heading, fan, depth = (self.query_one(name, Static) for name in ("#heading", "#fan", "#depth"))
         heading.update(heading_tape(readout.heading_deg, heading.size.width))

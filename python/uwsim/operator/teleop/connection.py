@@ -1,6 +1,6 @@
-"""The wire between the pilot's terminal and a vehicle: a plain rosbridge client of the published topics.
+"""The connection between the pilot's terminal and a vehicle: a plain rosbridge client for the published topics.
 
-One thread listens, another sends the present efforts, so that they end in time even if the screen hangs. They are sent
+One thread listens, another sends the current efforts, so that they end in time even if the screen hangs. They are sent
 repeatedly while the pilot has the helm, which shows the vehicle that the pilot is present.
 """
 
@@ -20,20 +20,20 @@ from uwsim.channels.key import POSE, Function, key_message
 from uwsim.operator.teleop.hands import ZERO, Hands
 from uwsim.operator.teleop.readout import PANELS, Readout, topics_to_hear
 
-PERIOD_S = 0.05  # at which the pilot's controls are polled
-STOP_AGAIN_S = 1.0  # until an unanswered all stop is requested again
-REPEAT_S = 0.2  # at which unchanged efforts are sent again
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # between attempts to connect
+PERIOD_S = 0.05  # interval at which the hands are polled
+STOP_AGAIN_S = 1.0  # interval at which an unanswered all stop is requested again
+REPEAT_S = 0.2  # interval at which unchanged efforts are sent again
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 5.0  # shortest and longest wait between attempts to connect
 ANSWER_S = 3.0  # time limit for a server to list its topics
 STOP_S = 2.0
-QUEUE = 2  # messages of a topic that may wait: a pilot needs the newest
+QUEUE = 2  # maximum number of queued messages per topic, since a pilot needs the newest
 
 
 class Connection:
     """Keeps a terminal connected to a rosbridge server.
 
-    vehicle: selects the topics if there are several. say: called, on any thread, with text for the pilot. Raises
-    ValueError for an invalid url.
+    vehicle: selects the topics if there are several vehicles. say: called with text for the pilot, on any thread.
+    Raises ValueError for an invalid url.
     """
 
     def __init__(
@@ -45,14 +45,14 @@ class Connection:
         self.readout = Readout()
         self.state = "connecting"
         self.heard_s = -float("inf")  # time of the last telemetry
-        self.interval_s = 0.0  # between the last two
+        self.interval_s = 0.0  # time between the last two
         self._vehicle = vehicle
         self._prefix = ""
         self._node: Node | None = None
         self._publish: Callable[[Any], None] = lambda message: None
-        self._sending = threading.Lock()  # guards the node, and what was last sent and requested
+        self._sending = threading.Lock()  # guards the node, and the last efforts and requests
         self._efforts, self._tilt, self._said_s = dict(ZERO), Function.TILT_HOLD, -float("inf")
-        # time of the last request for all stop, as long as it is not known to be set
+        # time of the last request for all stop, until it is known to be set
         self._stop_asked_s: float | None = None
         self._stopping = threading.Event()
         self._threads = [
@@ -66,7 +66,7 @@ class Connection:
             thread.start()
 
     def stop(self) -> None:
-        """Set the efforts to zero, send that to the vehicle, and disconnect. May be called twice, on any thread."""
+        """Set the efforts to zero, send them to the vehicle, and disconnect. May be called twice, on any thread."""
         self.hands.drop()
         with self._sending:
             if self._node is not None and self._any_effort_said():
@@ -74,18 +74,18 @@ class Connection:
             node, self._node = self._node, None
         self._stopping.set()
         if node is not None:
-            node.close()  # sent before, so it arrives before
+            node.close()  # after the zero efforts have been sent
         for thread in self._threads:
             if thread is not threading.current_thread() and thread.is_alive():
                 thread.join(STOP_S)
 
     @property
     def silence_s(self) -> float:
-        """Time since the last telemetry."""
+        """Time since the last telemetry message."""
         return time.monotonic() - self.heard_s
 
     def do(self, function: Function) -> None:
-        """Request a function of the published wire, such as the release."""
+        """Request a function of the published wire, such as release."""
         with self._sending:
             if self._node is None:
                 self.say("not connected")
@@ -93,7 +93,7 @@ class Connection:
                 self._say_efforts(self._efforts, function)
 
     def call(self, service: str) -> None:
-        """Call a service of the vehicle and show its answer."""
+        """Call a service of the vehicle and show its response."""
         with self._sending:
             if self._node is None:
                 self.say("not connected")
@@ -101,10 +101,13 @@ class Connection:
                 self._guarded(lambda node: node.call(f"/{self._prefix}{service}", self._tell_answer(service)))
 
     def all_stop(self, *, on: bool) -> None:
-        """Set or release all stop. Until a server has set it, it is requested again, even in later connections."""
+        """Set or release all stop.
+
+        The request to set it is repeated until a server has done so, across reconnections.
+        """
         with self._sending:
             if on and self._stop_asked_s is not None:
-                return  # the key repeats
+                return  # the key has repeated
             self._stop_asked_s = -math.inf if on else None
             if self._node is None:
                 self.say("not connected: all stop is sent as soon as it is" if on else "not connected")
@@ -122,7 +125,7 @@ class Connection:
             values = response.get("values")
             is_refused = isinstance(values, dict) and not values.get("success", True)
             if not (response.get("result") and is_refused):
-                with self._sending:  # it is set, or the server lacks this service, but then the efforts there are zero
+                with self._sending:  # it is set, or the server lacks the service, but efforts are zero anyway
                     self._stop_asked_s = None
             tell(response)
 
@@ -191,7 +194,7 @@ class Connection:
     def _offered(self, node: Node) -> set[str]:
         """Return the server's topics, or an empty set if it does not list them.
 
-        It is then assumed to have the published ones.
+        In that case it is assumed to have the published ones.
         """
         answers: list[dict[str, Any]] = []
         node.call("/rosapi/topics", answers.append)
@@ -249,7 +252,7 @@ class Connection:
         self._guarded(lambda node: self._publish(message))
 
     def _guarded(self, act: Callable[[Node], object]) -> None:
-        """Act with the node, unless its connection is just ending, which the listening thread reports."""
+        """Call `act` with the node, unless its connection is closing, which the listening thread reports."""
         try:
             if self._node is not None:
                 act(self._node)

@@ -1,4 +1,4 @@
-"""The sonar's fan as dots: the vehicle below in the middle, ahead is up, port is left."""
+"""The sonar's fan drawn as dots: the vehicle is at the bottom centre, ahead is up, port is left."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ ARC = 400  # number of dots in a ring
 
 
 def fan_scale_m(ranges_m: NDArray[np.float32]) -> float:
-    """Return the smallest scale that shows nine in ten of the echoes, the largest if there are none."""
+    """Return the smallest scale that shows nine in ten echoes, or the largest scale if there are no echoes."""
     echoes = ranges_m[np.isfinite(ranges_m)]
     far_m = float(np.quantile(echoes, 0.9)) if len(echoes) else math.inf
     return next((scale_m for scale_m in SCALES_M if scale_m >= far_m), SCALES_M[-1])
 
 
 def draw_fan(angles_rad: NDArray[np.float64], ranges_m: NDArray[np.float32], width: int, height: int) -> Text:
-    """Return the fan as `width` x `height` characters; ranges that are not finite have no echo."""
+    """Return the fan as `width` x `height` characters; ranges that are not finite are not echoes."""
     if width < 8 or height < 4:
         return Text()
     if not len(ranges_m):
         return Text("no sonar", "dim")
     scale_m, half = fan_scale_m(ranges_m), max(float(np.abs(angles_rad).max()), 0.1)
-    dots_across, dots_down = COLUMNS * width, ROWS * (height - 1)  # the last line has the scale
+    dots_across, dots_down = COLUMNS * width, ROWS * (height - 1)  # the last line shows the scale
     reach = min(dots_down - 1.0, (dots_across - 1) / 2 / math.sin(min(half, 0.5 * math.pi)))
     middle = (dots_across - 1) / 2
     canvas = Canvas(width, height - 1)

@@ -1,4 +1,4 @@
-"""Fly from the terminal until the pilot quits; the efforts are zero afterwards, whatever the reason."""
+"""Flies a vehicle from the terminal until the pilot quits; afterwards the efforts are zero in all cases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.operator.teleop.hands import Hands
 
 
 class _ToScreen(logging.Handler):
-    """Shows warnings on the pilot's screen, since on stderr they would corrupt it."""
+    """Shows warnings on the pilot's screen, since they would corrupt it if printed to stderr."""
 
     def __init__(self, app: TeleopApp) -> None:
         super().__init__(logging.WARNING)
@@ -25,9 +25,12 @@ class _ToScreen(logging.Handler):
 
 
 def fly(url: str, name: str, vehicle: str | None = None) -> tuple[list[str], int]:
-    """Show the pilot's screen until the pilot quits; return the marked places and the exit code. Raises ValueError."""
+    """Show the pilot's screen until the pilot quits; return the marked positions and the exit code.
+
+    Raises ValueError.
+    """
     connection = Connection(url, Hands(), vehicle)
-    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads keys and draws
+    for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads and draws
         if not stream.isatty():
             raise ValueError(
                 f"{each} is not a terminal: uwsim teleop needs one; without, see uwsim run and uwsim serve"

@@ -1,7 +1,7 @@
-"""Gamepads through SDL (pygame-ce, the extra 'gamepad'), with the sticks and buttons of the station's page.
+"""Gamepads through SDL (pygame-ce, the extra 'gamepad'), with the same sticks and buttons as the station's page.
 
-Sticks as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database maps every
-known pad to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
+Sticks as on most ROVs: the left one climbs and turns, the right one moves ahead and sideways. SDL's database maps all
+known gamepads to the same names (SDL_GameControllerAxis, SDL_GameControllerButton).
 """
 
 from __future__ import annotations
@@ -13,26 +13,26 @@ from typing import Any, Protocol
 from uwsim.operator.teleop.keys import ALL_STOP, LESS, MARK, MORE
 
 DEAD_ZONE = 0.12
-FULL = 32767  # of an SDL axis
+FULL = 32767  # full deflection of an SDL axis
 STICKS = (("yaw", -1.0), ("heave", -1.0), ("sway", -1.0), ("surge", -1.0))  # SDL: left x, left y, right x, right y
 BUTTONS = {
     0: ALL_STOP, 1: MARK, 2: "]", 3: "[", 6: "r", 9: LESS, 10: MORE, 11: ".", 12: ",", 13: ";", 14: "'",
 }  # fmt: skip
-"""SDL's numbers: a, b, x, y, start, left and right shoulder, cross up, down, left, right."""
+"""SDL's button numbers: a, b, x, y, start, left and right shoulder, D-pad up, down, left, right."""
 
 
 class Pad(Protocol):
     """An SDL game controller."""
 
     def get_axis(self, axis: int) -> int:
-        """Return an axis, -32768 to 32767."""
+        """Return the position of an axis, -32768 to 32767."""
 
     def get_button(self, button: int) -> bool:
         """Return whether a button is down."""
 
 
 def shaped(value: int) -> float:
-    """Return an axis in [-1, 1]: no drift at rest, fine near the middle, full at the end."""
+    """Map an axis to [-1, 1]: no drift at rest, fine control near the centre, full scale at the end."""
     size = min(abs(value) / FULL, 1.0)
     if size < DEAD_ZONE:
         return 0.0
@@ -41,12 +41,12 @@ def shaped(value: int) -> float:
 
 
 def stick_efforts(pad: Pad) -> dict[str, float]:
-    """Return the efforts of the sticks by axis."""
+    """Return the efforts commanded by the sticks, by axis."""
     return {axis: sign * shaped(pad.get_axis(k)) for k, (axis, sign) in enumerate(STICKS)}
 
 
 class Gamepads:
-    """The first gamepad that is plugged in. name: "" without one. is_possible: whether pygame-ce is installed."""
+    """The first connected gamepad. name: "" if there is none. is_possible: whether pygame-ce is installed."""
 
     def __init__(self) -> None:
         self.name = ""
@@ -54,20 +54,20 @@ class Gamepads:
         self._pad: Any = None
         self._pressed: set[int] = set()
         if self.is_possible:
-            os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # no window, only the pads
+            os.environ.setdefault("SDL_VIDEODRIVER", "dummy")  # no window, only gamepads
             os.environ.setdefault("SDL_JOYSTICK_ALLOW_BACKGROUND_EVENTS", "1")
             os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
             import pygame
             from pygame._sdl2 import controller
 
-            pygame.display.init()  # the pads need its event loop
+            pygame.display.init()  # gamepads need its event loop
             controller.init()
             self._pygame, self._controller = pygame, controller
 
     def look(self) -> None:
-        """Look for a pad if there is none, and check that the present one is still there.
+        """Look for a gamepad if there is none, and check that the current one is still connected.
 
-        To be called every second or so.
+        Call about once a second.
         """
         if not self.is_possible:
             return
@@ -81,14 +81,14 @@ class Gamepads:
                     return
 
     def poll(self) -> tuple[dict[str, float], list[str], list[str]]:
-        """Return the sticks' efforts, and the keys whose buttons have just been pressed and released."""
+        """Return the efforts of the sticks, and the keys whose buttons were just pressed and released."""
         if self._pad is None:
             return {}, [], []
         self._pygame.event.pump()
         return self.read(self._pad)
 
     def read(self, pad: Pad) -> tuple[dict[str, float], list[str], list[str]]:
-        """Like poll, for a given pad."""
+        """Like `poll`, but for the gamepad passed."""
         down = {button for button in BUTTONS if pad.get_button(button)}
         pressed, let_go = down - self._pressed, self._pressed - down
         self._pressed = down

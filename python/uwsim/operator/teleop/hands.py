@@ -1,8 +1,8 @@
-"""The pilot's hands: keys and sticks become efforts, which end by themselves.
+"""The pilot's hands: keys and sticks become efforts, which end without further input.
 
 A terminal reports that a key was typed, and again as it repeats, but not that it was released. So an effort holds for
-FIRST_HOLD_S after a key was first typed, within which a keyboard starts to repeat, and for REPEAT_HOLD_S after each
-repeat. Only the last of several held keys repeats: the others hold as long as it does. Terminals with the kitty
+FIRST_HOLD_S after a key is first typed, within which a keyboard starts to repeat, and for REPEAT_HOLD_S after each
+repeat. Of several held keys only the last one repeats; the others hold as long as it does. Terminals with the kitty
 keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released; there an effort
 holds until then.
 """
@@ -19,22 +19,22 @@ from uwsim.channels.key import Function
 from uwsim.operator.teleop.keys import ALL_STOP, DRIVING, LET_GO, TILTING
 
 FIRST_HOLD_S = 0.7  # keyboards wait 0.25 to 0.66 s before they repeat
-REPEAT_HOLD_S = 0.25  # and repeat at 10 Hz or more; the rest is a margin for slow networks
-STALL_S = 1.0  # without a beat, after which everything is released: the screen hangs, and it receives the releases
+REPEAT_HOLD_S = 0.25  # keyboards repeat at 10 Hz or more; the rest is a margin for slow networks
+STALL_S = 1.0  # time without a beat after which all keys are released, since a hung screen misses their releases
 SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class Hands:
-    """The pilot's present commands. May be read on any thread.
+    """The pilot's current commands. May be read on any thread.
 
-    has_helm: whether the pilot steers; the first driving key or stick takes the helm.
+    has_helm: whether the pilot is steering; the first driving key or stick movement takes the helm.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._lock = threading.Lock()
-        self._held: dict[str, float] = {}  # until when, by the clock
+        self._held: dict[str, float] = {}  # clock time until which each key holds
         self._sticks: dict[str, float] = {}
         self._share = SHARES.index(0.5)
         self._beaten_s = math.inf
@@ -43,19 +43,19 @@ class Hands:
 
     @property
     def share(self) -> float:
-        """The effort of a key as a share of full effort."""
+        """The effort of a key as a fraction of full effort."""
         return SHARES[self._share]
 
     def change_share(self, steps: int) -> None:
-        """Make keys and sticks stronger or weaker."""
+        """Make keys and sticks stronger or weaker by a number of steps."""
         self._share = min(max(self._share + steps, 0), len(SHARES) - 1)
 
     def beat(self) -> None:
-        """Report that the screen is alive. After the first beat, several a second are needed."""
+        """Signal that the screen is alive. After the first call, several calls per second are needed."""
         self._beaten_s = self._clock()
 
     def press(self, key: str) -> None:
-        """Record that a key was typed, or has repeated."""
+        """Record that a key was typed or has repeated."""
         with self._lock:
             if key == ALL_STOP:
                 self._drop()
@@ -88,7 +88,7 @@ class Hands:
             self.has_helm = self.has_helm or any(efforts.values())
 
     def drop(self) -> None:
-        """Release everything: each key must be pressed again."""
+        """Release all keys and sticks; each key must be pressed again."""
         with self._lock:
             self._drop()
 
@@ -97,7 +97,7 @@ class Hands:
         self._sticks = {}
 
     def efforts(self) -> dict[str, float]:
-        """Return the present efforts, in [-1, 1] by axis."""
+        """Return the current efforts, in [-1, 1] by axis."""
         with self._lock:
             self._forget(self._clock())
             efforts = dict(ZERO)
@@ -110,13 +110,13 @@ class Hands:
             return {axis: self.share * min(max(effort, -1.0), 1.0) for axis, effort in efforts.items()}
 
     def tilt(self) -> Function:
-        """Return the command for the sonar's head: tilt while its key is held, else hold."""
+        """Return the command for the sonar's head: tilt while a tilt key is held, otherwise hold."""
         with self._lock:
             self._forget(self._clock())
             return next((TILTING[key] for key in self._held if key in TILTING), Function.TILT_HOLD)
 
     def _forget(self, now_s: float) -> None:
-        """Forget the keys that no longer hold."""
+        """Remove keys that no longer hold."""
         if now_s - self._beaten_s > STALL_S:
             self._drop()
         self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}

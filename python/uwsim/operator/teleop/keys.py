@@ -1,4 +1,4 @@
-"""The published keyboard, plus a few keys: the action of each character."""
+"""The published keyboard plus a few additional keys: the action of each character."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ DRIVING: dict[str, tuple[str, float]] = {
     "j": ("roll", -1.0), "l": ("roll", 1.0),
     "q": ("yaw", 1.0), "e": ("yaw", -1.0),
 }  # fmt: skip
-"""Axis and direction of each driving key, in REP 103: positive pitch is nose down, positive yaw turns to port."""
+"""Axis and direction of each driving key, following REP 103: positive pitch is nose down, positive yaw turns to
+port."""
 TILTING = {",": Function.TILT_DOWN, ".": Function.TILT_UP}
 """Keys that tilt the sonar while they are held."""
 SWITCHES = {
@@ -23,7 +24,7 @@ SWITCHES = {
     "'": Function.DOWN_ON,
 }
 SERVICES = {"u": "undock", "y": "dock", "z": "override_failsafe"}
-"""Keys of services that this project's servers offer in addition to the published wire."""
+"""Keys for services that this project's servers offer in addition to the published wire."""
 ALL_STOP, END_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "X", "c", "m", "-", "=", "?"
 
 HELP_TEXT = """\

@@ -9,7 +9,7 @@ from rich.text import Text
 from uwsim.base.axes import AXES
 from uwsim.operator.teleop.readout import Readout
 
-BAR = 10  # characters for each side of an effort
+BAR = 10  # characters on each side of an effort's zero mark
 LIT, DARK = "bold yellow", "dim"
 
 
@@ -37,7 +37,7 @@ def figures(readout: Readout) -> Text:
 
 
 def effort_bars(asked: dict[str, float], obeyed: tuple[float, ...]) -> Text:
-    """Return a bar for each axis: the pilot's efforts, next to those that the vehicle reports."""
+    """Return a bar for each axis: the efforts of the hands, next to those reported by the vehicle."""
     text = Text(no_wrap=True)
     for k, axis in enumerate(AXES):
         effort = asked[axis]

@@ -1,4 +1,4 @@
-"""The pilot's information about the vehicle: the newest message of each of its topics."""
+"""The pilot's information about the vehicle: the latest message of each of its topics."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ from uwsim.channels.own_types import ALL_STOPPED
 from uwsim.mapping import ranging
 
 NAN = math.nan
-MODEL = 2  # the sonar's model, until modelTrigger arrives
-PUBLISHED_HFOV_DEG = 120.0  # until hFOV arrives
+MODEL = 2  # assumed sonar model until modelTrigger arrives
+PUBLISHED_HFOV_DEG = 120.0  # assumed until hFOV arrives
 
 
 @dataclass
 class Readout:
-    """The newest values; nan: unknown.
+    """The latest values; NaN if unknown.
 
-    heading_deg: of the compass, clockwise from north. position_m: from the server, in its odom frame. link: modem,
-    share that arrives, delay, and when the station last heard the vehicle; "" if the scenario has no link.
+    heading_deg: compass heading, clockwise from north. position_m: from the server, in its odom frame. link: modem,
+    fraction of packets that arrive, delay, and time since the station last received from the vehicle; "" if there is no
+    link.
     """
 
     position_m: tuple[float, float, float] = (NAN, NAN, NAN)
@@ -60,7 +61,7 @@ Take = Callable[[Readout, Any], None]
 
 
 def take_telemetry(readout: Readout, message: Any) -> None:
-    """Take this project's /telemetry."""
+    """Read a message of this project's /telemetry."""
     place = message.true_position if message.is_truth else message.position
     readout.position_m = tuple(float(value) for value in place)  # type: ignore[assignment]
     _take_attitude(readout, message.orientation)
@@ -75,7 +76,7 @@ def take_telemetry(readout: Readout, message: Any) -> None:
     readout.mission_s = message.mission_time
     readout.battery_percent = message.battery
     readout.tilt_deg = math.degrees(message.tilt)
-    if len(message.efforts):  # missing in a slow modem's panel
+    if len(message.efforts):  # absent from a slow modem's panel
         readout.efforts = tuple(float(value) for value in message.efforts)
     readout.lamps = tuple(bool(value) for value in message.lamps)
     readout.released = bool(message.released)
@@ -92,7 +93,7 @@ def take_telemetry(readout: Readout, message: Any) -> None:
 
 
 def take_state_data(readout: Readout, message: Any) -> None:
-    """Take the published panel: nine values, each followed by the letter a."""
+    """Read the published panel: nine values, each followed by the letter a."""
     values = [float(text) for text in message.data.split("a") if text]
     if len(values) != 9:
         raise ValueError(f"stateData: {len(values)} values: must be 9")
@@ -104,50 +105,50 @@ def take_state_data(readout: Readout, message: Any) -> None:
 
 
 def take_pose(readout: Readout, message: Any) -> None:
-    """Take the published propPos."""
+    """Read the published propPos."""
     place, turned = message.position, message.orientation
     readout.position_m = (place.x, place.y, place.z)
     _take_attitude(readout, (turned.x, turned.y, turned.z, turned.w))
 
 
 def take_scan_pose(readout: Readout, message: Any) -> None:
-    """Take the published scanPos: a rotation about +y, positive nose down."""
+    """Read the published scanPos: a rotation about +y, positive nose down."""
     turned = message.orientation
     readout.tilt_deg = -math.degrees(2.0 * math.atan2(turned.y, turned.w))
 
 
 def take_scan(readout: Readout, message: Any) -> None:
-    """Take a LaserScan."""
+    """Read a LaserScan."""
     readout.ranges_m = np.asarray(message.ranges, np.float32)
     readout.angles_rad = message.angle_min + message.angle_increment * np.arange(len(readout.ranges_m))
 
 
 def take_depths(readout: Readout, message: Any) -> None:
-    """Take the published depthArray."""
+    """Read the published depthArray."""
     readout.ranges_m = np.asarray(ranging.decode_depth_string(message.data, readout.model), np.float32)
     half = math.radians(0.5 * readout.hfov_deg)
     readout.angles_rad = np.linspace(-half, half, len(readout.ranges_m))
 
 
 def take_model(readout: Readout, message: Any) -> None:
-    """Take the published modelTrigger."""
+    """Read the published modelTrigger."""
     if int(message.data) not in ranging.MODELS:
         raise ValueError(f"modelTrigger = {message.data!r:.20}: must be 1 to 4")
     readout.model = int(message.data)
 
 
 def take_hfov(readout: Readout, message: Any) -> None:
-    """Take the published hFOV."""
+    """Read the published hFOV."""
     readout.hfov_deg = float(message.data)
 
 
 def take_proximity(readout: Readout, message: Any) -> None:
-    """Take the published proximitySensor."""
+    """Read the published proximitySensor."""
     readout.port_m = float(message.data)
 
 
 def take_link(readout: Readout, message: Any) -> None:
-    """Take this project's /link."""
+    """Read this project's /link."""
     is_down = message.fault_loss >= 1.0
     readout.link_fault = "LINK DOWN" if is_down else f"LINK LOSES {message.fault_loss:.0%}"
     if not message.fault_loss:
@@ -177,7 +178,7 @@ PUBLISHED: dict[str, tuple[str, Take]] = {
 
 
 def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]]:
-    """Return type and handler of each useful topic. offered: the server's topics; empty: it does not list them."""
+    """Return type and handler of each useful topic. offered: the server's topics; empty if it does not list them."""
     found: dict[str, tuple[str, Take]] = {}
     panel, sonar = prefix + "telemetry" in offered, prefix + "ping" in offered
     for name, topic in (STANDARD | PUBLISHED).items():
@@ -192,7 +193,7 @@ def topics_to_hear(offered: set[str], prefix: str) -> dict[str, tuple[str, Take]
 
 def _take_attitude(readout: Readout, xyzw: Any) -> None:
     x, y, z, w = (float(value) for value in xyzw)
-    if not 0.5 < x * x + y * y + z * z + w * w < 2.0:  # nan, or not a rotation
+    if not 0.5 < x * x + y * y + z * z + w * w < 2.0:  # NaN, or not a rotation
         readout.heading_deg = readout.roll_deg = readout.pitch_deg = NAN
         return
     yaw_deg, pitch_deg, roll_deg = Rotation.from_quat((x, y, z, w)).as_euler("ZYX", degrees=True)

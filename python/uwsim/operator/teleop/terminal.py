@@ -1,7 +1,7 @@
-"""Key releases, from terminals with the kitty keyboard protocol; textual itself only requests presses.
+"""Key releases from terminals with the kitty keyboard protocol; textual itself only requests presses.
 
-The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With its flag 2 a key's event states whether it was
-pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
+The protocol: https://sw.kovidgoyal.net/kitty/keyboard-protocol/. With its flag 2, a key event states whether the key
+was pressed (1), has repeated (2) or was released (3): `CSI code ; modifiers : event ; text u`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LET_GO = "3"
 
 
 class KeyReleased(Message):
-    """A key was released. character: which, without modifiers."""
+    """A key was released. character: the key's character without modifiers."""
 
     def __init__(self, character: str) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class KeyReleased(Message):
 
 
 class ReleaseParser(XTermParser):
-    """Reports releases by a callback, and presses and repeats like textual."""
+    """Reports releases through a callback, and presses and repeats like textual."""
 
     def __init__(self, released: Callable[[str], object]) -> None:
         super().__init__()
@@ -55,7 +55,7 @@ class ReleaseDriver(LinuxDriver):
     """Textual's driver for Linux and macOS, which also posts KeyReleased."""
 
     def start_application_mode(self) -> None:
-        """Request releases as well. A terminal without support ignores it."""
+        """Also request releases. Terminals without support ignore this."""
         super().start_application_mode()  # type: ignore[no-untyped-call]
         self.write(REPORT_EVENTS)
         self.flush()

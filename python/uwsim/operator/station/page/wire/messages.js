@@ -110,13 +110,13 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {number} fault_loss
  */
 
-/** Distances of the panel's warnings.
+/** The panel's warning distances.
  * @typedef {object} Warnings
  * @property {number} range_m
  * @property {number} proximity_m
  */
 
-/** How far and how fast a sonar's head tilts.
+/** The range and rate of a sonar head's tilt.
  * @typedef {object} Tilt
  * @property {number} min_rad
  * @property {number} max_rad
@@ -132,14 +132,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {number} fov_rad
  */
 
-/** A camera that turns: its limits.
+/** A camera with a pan-tilt motor, and its limits.
  * @typedef {object} Motor
  * @property {string} camera
  * @property {number[]} pan_deg
  * @property {number[]} tilt_deg
  */
 
-/** A vehicle: its topics, each null if there is none, and its parts.
+/** A vehicle: its topics, null where there is none, and its parts.
  * @typedef {object} VehicleDescription
  * @property {string} name
  * @property {string} model
@@ -158,14 +158,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {Motor[]} motors
  */
 
-/** How pictures come over a link. period_s: null if there is no room for any.
+/** How pictures are sent over a link. period_s: null if there is no capacity for pictures.
  * @typedef {object} ViewLink
  * @property {string} modem
  * @property {number | null} period_s
  * @property {boolean} large_only
  */
 
-/** A view: its topics, and the size of its pictures, 0 where they have their own.
+/** A view: its topics and the size of its pictures; 0 if each picture has its own size.
  * @typedef {object} ViewDescription
  * @property {string} name
  * @property {string} title
@@ -201,20 +201,20 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} commands
  */
 
-/** id: this connection's.
+/** id: identifies this connection.
  * @typedef {object} Joined
  * @property {true} success
  * @property {string} message
  * @property {string} id
  */
 
-/** The answer of a service that did what was asked.
+/** The response of a service that succeeded.
  * @typedef {object} Done
  * @property {true} success
  * @property {string} message
  */
 
-/** age_s: by how much the command was late.
+/** age_s: the delay of the command.
  * @typedef {object} Driven
  * @property {true} success
  * @property {string} message
@@ -222,7 +222,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {number} age_s
  */
 
-/** A command has taken effect, at a tick, or is sent over a link.
+/** A command has taken effect at a tick, or has been sent over a link.
  * @typedef {object} Commanded
  * @property {true} success
  * @property {string} message
@@ -235,7 +235,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string} model
  */
 
-/** A scenario to choose.
+/** A scenario that can be chosen.
  * @typedef {object} OfferedScenario
  * @property {string} name
  * @property {string} description
@@ -245,13 +245,13 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string | null} sonar
  */
 
-/** A thing to choose by its name.
+/** An item that can be chosen by name.
  * @typedef {object} Offered
  * @property {string} name
  * @property {string} description
  */
 
-/** A multibeam to choose: a number is one of the paper's models.
+/** A multibeam that can be chosen; a number refers to one of the paper's models.
  * @typedef {object} OfferedSonar
  * @property {number | string} name
  * @property {string} title
@@ -259,7 +259,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {'published' | 'instrument'} kind
  */
 
-/** The choice on the start screen; a field that is missing or null keeps the scenario's value.
+/** The choice on the start screen; a missing or null field keeps the scenario's value.
  * @typedef {object} Choice
  * @property {string | null} [scenario]
  * @property {string | null} [vehicle]
@@ -271,7 +271,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string | null} [saved]
  */
 
-/** All that can be chosen. speeds: 0 is as fast as possible. saves: sessions to go on with.
+/** All available choices. speeds: 0 is as fast as possible. saves: sessions that can be continued.
  * @typedef {object} Catalog
  * @property {OfferedScenario[]} scenarios
  * @property {Offered[]} vehicles
@@ -282,14 +282,14 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} saves
  */
 
-/** A choice is possible, or runs.
+/** A choice is valid, or has been started.
  * @typedef {object} ChoiceTaken
  * @property {true} success
  * @property {string} message
  * @property {Record<string, string>} errors
  */
 
-/** The answer of a service that failed. errors: by the field of a choice.
+/** The response of a service that failed. errors: by field of a choice.
  * @typedef {object} Refused
  * @property {false} success
  * @property {string} message
