@@ -57,7 +57,7 @@ class _Entry(NamedTuple):
 
 
 class Agenda:
-    """The agenda of one simulation. Any thread may add and remove items; the stepping thread does the rest."""
+    """The agenda of one simulation. Items may be added and removed on any thread; they act on the stepping thread."""
 
     def __init__(self, tick: Callable[[], int]) -> None:
         """tick: returns the simulation's current tick."""

@@ -1,4 +1,4 @@
-"""Atomic writing: after an interruption a file is either the old one or the new one, never half of one."""
+"""Atomic writing: after an interruption, a file has either its old or its new content, never part of it."""
 
 from __future__ import annotations
 

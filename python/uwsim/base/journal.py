@@ -9,7 +9,7 @@ from uwsim.base.agenda import Agenda, Due, Rank
 JUMPS = ("reset", "restore_state")
 """Commands that set the simulated time."""
 EFFORT = "set_effort"
-"""The command that steers in each control period."""
+"""The steering command that is issued in every control period."""
 
 
 @runtime_checkable
@@ -28,7 +28,7 @@ class Observer(Due, Protocol):
 
 
 class Journal:
-    """The log of commands. Without observers, a command only costs a check of an empty tuple."""
+    """Reports commands to observers. Without observers, a command costs only a check of an empty tuple."""
 
     def __init__(self, agenda: Agenda) -> None:
         """agenda: schedules the observers."""

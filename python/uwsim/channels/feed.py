@@ -85,7 +85,7 @@ class Readings(Protocol):
         """Return the reading for a sink that joins a latched channel late."""
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the simulated time [ns] to a sink once per period of it; return a function that ends this."""
+        """Report the simulated time [ns] to a sink once per simulated period; return a function that ends this."""
 
 
 class Feed:

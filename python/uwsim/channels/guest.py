@@ -56,7 +56,7 @@ class Node(Protocol):
 
 
 class Guest(Protocol):
-    """A participant in a graph with a name of its own."""
+    """A participant in a graph, with a name."""
 
     @property
     def name(self) -> str:

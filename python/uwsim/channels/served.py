@@ -1,4 +1,4 @@
-"""The channels that a server offers for a live simulator."""
+"""The table of channels that a server offers for a live simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uwsim compare`: several missions, over several seeds, in one table."""
+"""`uwsim compare`: compare several missions over several seeds in one table."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def compare(
 ) -> None:
     """Fly missions over seeds in the same water and compare them.
 
-    Area seen and its share, time, path, effort, battery, collisions, and the map's coverage and error.
+    Compares area seen and its share, time, path, effort, battery, collisions, and the map's coverage and error.
     """
     import ast
 

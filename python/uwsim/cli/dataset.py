@@ -93,8 +93,8 @@ def dataset(
     """Make a dataset of labelled pictures.
 
     Colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, poses (transforms.json), split into
-    training and validation. Poses are drawn in free water with something in view, or taken from a track. The bytes do
-    not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume makes the rest.
+    training and validation. Poses are random, in open water with a target in view, or taken from a track. The bytes do
+    not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders the rest.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.datasets import make_dataset

@@ -26,7 +26,7 @@ def decompose(
 ) -> None:
     """Cut a hull into convex pieces for collisions.
 
-    For `collision: pieces` in a vehicle's file. Takes from ten seconds to minutes; needs CoACD.
+    The pieces are for `collision: pieces` in a vehicle's file. Takes ten seconds to minutes; needs CoACD.
     """
     from uwsim.scenario import closed_mesh, load_mesh
     from uwsim.scenario.build.collision_pieces import decompose as decompose_mesh

@@ -1,4 +1,4 @@
-"""`uwsim doctor`: find out why two sides cannot see each other."""
+"""`uwsim doctor`: find out why ROS and the simulator do not see each other."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def doctor(
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
 ) -> int:
-    """Find what keeps ROS and the simulator apart.
+    """Find out why ROS and the simulator do not connect.
 
-    Domain, interface, multicast, versions, ports, missing packages. Exits with 1 if something is wrong.
+    Checks domain, interface, multicast, versions, ports and packages. Exits with 1 if something is wrong.
     """
     from rich.console import Console
     from rich.table import Table

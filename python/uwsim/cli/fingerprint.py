@@ -17,8 +17,8 @@ def fingerprint(
 ) -> None:
     """Fly for some seconds and print a hash of all results.
 
-    Poses, samples, pings in both modes, pictures and maps, and the properties of the machine that may matter. Two
-    machines that print the same last line for the same scenario and seed have the same results; if it differs, the
+    Hashes poses, samples, pings in both modes, pictures and maps; prints the properties of the machine that may matter.
+    Two machines that print the same last line for the same scenario and seed have the same results; if it differs, the
     lines before it show which results do. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes
     processors of different kinds agree.
     """

@@ -41,8 +41,8 @@ def fleet(
 ) -> None:
     """Survey an area in tiles, on many workers, and merge the maps.
 
-    Each tile is flown by a vehicle of its own, and the whole map is scored. A worker builds only its tile's part of the
-    terrain, so the area may be larger than one process could hold. The bytes of the map do not depend on the number of
+    Each tile is surveyed by a separate vehicle, and the whole map is scored. A worker builds only its tile's part of
+    the terrain, so the area may exceed the memory of one process. The bytes of the map do not depend on the number of
     workers or the order in which tiles are finished. Ctrl-C and kills lose only the tiles in progress: --resume flies
     the rest. Exits with 1 if a tile failed.
     """

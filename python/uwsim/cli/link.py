@@ -27,8 +27,8 @@ def link(
 ) -> None:
     """Test a link with a vehicle that leaves the station.
 
-    Its modem sends as much as it can. Draws delay, delivery and goodput against range and time, with the values of the
-    sonar equation for open water.
+    Its modem sends as much as it can. Draws delay, delivery and goodput against range and time, and the sonar
+    equation's prediction for open water.
     """
     from uwsim.figures.link_trial import draw_link_trial
     from uwsim.link.table import text_table

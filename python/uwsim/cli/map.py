@@ -65,8 +65,8 @@ def convert(
 ) -> None:
     """Convert a map or a cloud to another format.
 
-    A .tif holds the median depth and the count of each cell. A .bt holds no probabilities: in an .ot made from it, all
-    voxels are at the clamping limits.
+    A .tif contains the median depth and the count of each cell. A .bt contains no probabilities: in an .ot converted
+    from it, all voxels are at the clamping limits.
     """
     from uwsim.cli.map_convert import convert as convert_file
 
@@ -87,7 +87,7 @@ def from_recording(
         str | None, typer.Option(help="Vehicle whose pings to use. Default: the first with any.")
     ] = None,
 ) -> None:
-    """Make the map from a recording, with the same bytes as in the run."""
+    """Rebuild the map from a recording, byte for byte as in the run."""
     from uwsim.mapping.files.map_files import MAP_SUFFIXES
     from uwsim.recording.mcap_sink import SURVEY
     from uwsim.recording.reader import Recording
@@ -120,8 +120,8 @@ def merge(
 ) -> None:
     """Merge maps of one area, or of its parts.
 
-    The result does not depend on their order. Maps that are all .ot are merged by the sum of their log-odds. A .bt
-    holds no probabilities: if any is one, a voxel is occupied if any map has it occupied.
+    The result does not depend on their order. If all maps are .ot, their log-odds are added. A .bt contains no
+    probabilities: if any map is a .bt, a voxel is occupied if it is occupied in any map.
     """
     from uwsim.mapping.merge import merge_files
 
@@ -246,7 +246,7 @@ def slice_(
 ) -> None:
     """Draw a horizontal or vertical slice of a map.
 
-    It shows occupied, free and unknown voxels. Give one of --x, --y, --z.
+    It shows occupied, free and unknown voxels. Pass one of --x, --y, --z.
     """
     from uwsim.figures.map_slice import draw_map_slice
     from uwsim.mapping.files.map_files import open_map

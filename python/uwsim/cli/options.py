@@ -87,7 +87,7 @@ class WithoutEffectError(UsageError):
 
 
 def need(needed: str, **options: object) -> None:
-    """Raise WithoutEffectError for options that were passed without the one that they need.
+    """Raise WithoutEffectError for options that were passed without the option that they need.
 
     needed: the missing option, such as "--record". options: values by argument name; None, False and empty lists mean
     that an option was not passed.

@@ -59,9 +59,9 @@ def replay(
     """Repeat a recorded run and compare every message.
 
     The run is flown again with its scenario, seed and commands, and must give the same bytes. Exits with 1 at the first
-    difference, which it names, and for a damaged file; with 4 if all is equal up to the point where the recording was
-    cut off. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to ROS 2, ROS 1 and
-    Foxglove.
+    difference, which it names, and for a damaged file; with 4 if everything is equal up to the point where the
+    recording was cut off. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to ROS
+    2, ROS 1 and Foxglove.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer

@@ -107,8 +107,8 @@ def run(
 ) -> None:
     """Fly a mission from a Python file; log, map and report it.
 
-    Ctrl-C ends it early and keeps what there is. If it is killed, --resume flies it again as far as it was, without
-    its map, and then continues to the same results.
+    Ctrl-C ends it early and keeps the results so far. If it is killed, --resume repeats it up to the last saved point,
+    without its map, and then continues to the same results.
     """
     of_map = {
         "--voxel": voxel, "--engine": engine, "--verify-map": verify_map or None, "--map-memory": map_memory,

@@ -94,7 +94,7 @@ def check(
 ) -> None:
     """Check files, and describe their contents.
 
-    All mistakes of a file are listed at once. If there are none, its contents are built, to report what is where, how
+    All mistakes in a file are listed at once. If there are none, its contents are built, to report what is where, how
     each vehicle floats and steers, and what may be unintended. Exits with 0 without a mistake, with 1 if a file has
     one, or with --strict a warning, and with 2 for a wrong option.
     """

@@ -78,7 +78,7 @@ def serve(
 ) -> None:
     """Run a scenario in real time for rosbridge.
 
-    For roslibpy, roslibjs and others, without ROS. Ctrl-C ends it.
+    Clients such as roslibpy and roslibjs connect without ROS. Ctrl-C ends it.
     """
     from contextlib import ExitStack
 

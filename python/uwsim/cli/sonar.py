@@ -42,7 +42,7 @@ def sonar(
 ) -> None:
     """Draw the sonars' pictures from a pose.
 
-    A fan over the true bed, a profile, a sonar image and a side-scan waterfall.
+    Draws a fan over the true bed, a profile, a sonar image and a side-scan waterfall.
     """
     from uwsim.cli.draw_sonar import Request, run_sonar
 

@@ -62,8 +62,8 @@ def survey(
 ) -> None:
     """Fly the survey of a scenario, map what is seen, and report.
 
-    Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains; --resume continues to
-    the same map as without the interruption.
+    Ctrl-C ends it early and keeps the map so far. If it is killed, the last saved map remains, and --resume continues
+    to the same map as an uninterrupted run.
     """
     require_consistent(
         resume=resume, record=record, record_topic=record_topic, close_loops=close_loops, autosave=autosave,

@@ -51,7 +51,7 @@ def sweep(
 
     Varies parameters, faults, missions or seeds. Writes one table of all runs, a report of the important factors, and
     the worst runs with their recordings. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
-    run that fails is a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
+    run that fails becomes a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.sweeps import fly_again, run_sweep

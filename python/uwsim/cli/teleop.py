@@ -37,7 +37,7 @@ def teleop(
 ) -> None:
     """Fly a vehicle from the terminal with keys or a gamepad.
 
-    ? shows the keys; Ctrl-Q quits. However it ends, the efforts are zero afterwards.
+    ? shows the keys; Ctrl-Q quits. At the end, the efforts are always set to zero.
     """
     from uwsim.base.extras import need_extra
 

@@ -58,7 +58,7 @@ class Argument:
             raise ValueError(f"{path} = {value!r:.60}: must be {WORDS[self.type]}")
 
     def check_number(self, value: Any, path: str) -> None:
-        """Raise ValueError unless one value is a finite number within the bounds."""
+        """Raise ValueError unless a value is a finite number within the bounds."""
         given, unit = number(value, path, self.unit), f" {self.unit}" if self.unit else ""
         if not math.isfinite(given):
             raise ValueError(f"{path} = {given}{unit}: must be finite")
@@ -111,7 +111,7 @@ class Command:
         return (*vehicle, *self.arguments)
 
     def argument(self, name: str) -> Argument:
-        """Return the argument with a name."""
+        """Look up an argument by name."""
         return next(argument for argument in self.all_arguments if argument.name == name)
 
     def check(self, arguments: Mapping[str, Any]) -> None:
@@ -164,7 +164,7 @@ class Command:
 
 
 def item(items: Mapping[str, Any], name: Any, what: str) -> Any:
-    """Return the item with a name. Raises ValueError, listing the known names."""
+    """Look up an item by name. Raises ValueError, listing the known names."""
     if not isinstance(name, str) or name not in items:
         raise ValueError(f"{what} = {name!r}: must be one of {', '.join(items)}")
     return items[name]

@@ -167,7 +167,7 @@ COMMANDS: dict[str, Command] = {
 
 
 def command_named(name: str) -> Command:
-    """Return the command with a name. Raises ValueError, listing the known names."""
+    """Look up a command by name. Raises ValueError, listing the known names."""
     if name not in COMMANDS:
         raise ValueError(f"command = {name!r}: must be one of {', '.join(COMMANDS)}")
     return COMMANDS[name]

@@ -24,8 +24,8 @@ class Node:
     Messages are received in CBOR and sent in JSON, which all servers accept. In JSON, the infinite range of a beam
     without an echo becomes null, which readers decode as NaN, also meaning no echo. queue: the number of messages per
     topic that may wait; beyond that, the oldest are dropped. finish: called at the end. complain: called with errors
-    that the server reports. `advertise`d functions and `call` may be used on any thread. Raises OSError if the server
-    cannot be reached.
+    that the server reports. Functions returned by `advertise`, and `call`, may be used on any thread. Raises OSError if
+    the server cannot be reached.
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:

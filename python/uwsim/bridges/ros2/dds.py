@@ -144,7 +144,7 @@ class Participant:
 
     @property
     def guid(self) -> bytes:
-        """Its unique identifier in the domain, 16 bytes."""
+        """The participant's unique identifier in the domain, 16 bytes."""
         return bytes(self._participant.guid.bytes)
 
     @property
@@ -188,7 +188,7 @@ class RawWriter:
 
     @property
     def guid(self) -> bytes:
-        """Its unique identifier in the domain, 16 bytes."""
+        """The writer's unique identifier in the domain, 16 bytes."""
         return bytes(self._writer.guid.bytes)
 
     def write(self, cdr: memoryview) -> bool:
@@ -211,7 +211,7 @@ class RawReader:
 
     @property
     def guid(self) -> bytes:
-        """Its unique identifier in the domain, 16 bytes."""
+        """The reader's unique identifier in the domain, 16 bytes."""
         return bytes(self._reader.guid.bytes)
 
     def take(self, limit: int) -> list[bytes]:

@@ -21,7 +21,7 @@ Sink = Callable[[Sample], None]
 Reply = Callable[[bool, Any], None]
 """Answers a call: receives whether it succeeded, and its values or the reason for the failure."""
 Handler = Callable[[Any, Reply, str], None]
-"""Serves a call: receives its arguments, a function to call once with the answer, and the caller's name."""
+"""Serves a call: receives its arguments, a function to call once, now or later, with the answer, and the caller."""
 
 
 def plain_name(name: object, what: str = "topic") -> str:

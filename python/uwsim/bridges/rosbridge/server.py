@@ -47,8 +47,8 @@ class RosbridgeServer:
 
     live: the simulator that clients see; None: clients see only each other, or, with a feed, a recording. host, port:
     the address on which the server listens; port 0 chooses a free port, see `port`. ros: the ROS generation whose
-    spelling of times and headers is used for clients whose type names fit both ("sensor_msgs/LaserScan"). origins: web
-    pages that may connect, in addition to this machine's. token: a secret that clients must send:
+    spelling of times and headers is used for clients whose type names are valid in both ("sensor_msgs/LaserScan").
+    origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
     ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
     odom, see uwsim.channels.Table; channels and services, such as those of a shared Table, replace them. feed: shared
     with other sinks. guests: other peers in this process. site: serves HTTP on the same port, without a check of the

@@ -60,7 +60,7 @@ class Topics:
         self._graph.unadvertise(self._name, name)
 
     def publish(self, operation: Operation) -> None:
-        """Publish the object made from a message; a topic that has a type need not be advertised."""
+        """Publish a client's message; a topic with a known type need not be advertised first."""
         topic, made = self._graph.typed_topic(operation.get("topic")), operation["msg"]
         if topic.type != made.type:
             raise ValueError(f"topic '{topic.name}': its type has just changed from {made.type} to {topic.type}")

@@ -153,7 +153,7 @@ def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission:
             raise ValueError(f"{name}: is without effect along a track, whose poses are as they are")
     if along is not None:
         return read_track(along).spread(spec.n)
-    from uwsim.flight.fly import fly  # many imports that drawn poses do not need
+    from uwsim.flight.fly import fly  # many imports, which random poses do not need
 
     assert mission is not None
     name = studio.vehicle.name

@@ -1,4 +1,4 @@
-"""The split of frames into training and validation."""
+"""The split of a dataset's frames into training and validation."""
 
 from __future__ import annotations
 

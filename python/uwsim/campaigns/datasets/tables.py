@@ -1,4 +1,4 @@
-"""The files that cover all frames of a dataset: dataset.json, frames.jsonl, annotations, transforms.json."""
+"""Tables that cover all frames of a dataset: dataset.json, frames.jsonl, annotations, transforms.json."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from uwsim.scoring.polygon import inside_polygon
 from uwsim.simulator.simulator import Simulator
 
 MARGIN_M = 30.0
-"""Added to the sonar's range, for lanes that begin outside the tile."""
+"""A margin added to the sonar's range, for lanes that begin outside the tile."""
 START_Z_M, CLEAR_M = -1.5, 2.0
 """The z at which a vehicle is placed in the water, and the depth of water required below it."""
 

@@ -106,7 +106,7 @@ class ClusterWorkers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Disconnect from the cluster. A local one is shut down, at once if this process is being interrupted."""
+        """Disconnect from the cluster. Shut a local cluster down, immediately if this process is being interrupted."""
         if kind is None or issubclass(kind, Exception):
             self._closers.close()
             return
@@ -123,7 +123,7 @@ class ClusterWorkers:
                     os.kill(nanny.pid, signal.SIGKILL)
 
     def _alive(self) -> int:
-        """Return the current number of workers, without those being restarted."""
+        """Return the current number of workers, excluding any that are being restarted."""
         return max(1, int(sum(self._client.nthreads().values())))
 
     def _require_scheduler(self) -> None:

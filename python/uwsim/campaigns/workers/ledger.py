@@ -34,7 +34,7 @@ class Ledger:
         self._write({"plan": dict(plan)})
 
     def resume(self, plan: Mapping[str, Any]) -> None:
-        """Read the finished jobs and continue. Raises ValueError if the ledger has another plan, OSError."""
+        """Read the finished jobs and continue. Raises ValueError if the ledger belongs to another plan, OSError."""
         found = self.read()
         for key, value in plan.items():
             if found.get(key) != value:

@@ -1,4 +1,4 @@
-"""transforms.json for NeRF and Gaussian splatting programs: nerfstudio, instant-ngp."""
+"""transforms.json, read by NeRF and Gaussian splatting programs such as nerfstudio and instant-ngp."""
 
 from __future__ import annotations
 
