@@ -36,8 +36,8 @@ class _Late:
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns
         self._newest_ns = -1
-        self._begun: tuple[int, Future[Any]] | None = None  # begun at the latest ping
-        self._said: tuple[int, Future[Any]] | None = None  # to be published at the latest ping
+        self._begun: tuple[int, Future[Any]] | None = None  # the result begun at the latest ping, if any
+        self._said: tuple[int, Future[Any]] | None = None  # the result to publish at the latest ping
 
     def at_ping(self, stamp_ns: int, interval_ns: int, begin: Callable[[], Future[Any]]) -> None:
         """Register a ping; further calls for the same ping do nothing."""

@@ -13,7 +13,7 @@ from uwsim.instruments.cameras.effects import effects_on
 from uwsim.instruments.cameras.image_file import check_suffix, write_image
 from uwsim.simulator.simulator import Simulator
 
-LONGEST_WAIT_S = 36_000.0  # minutes of wall time
+LONGEST_WAIT_S = 36_000.0  # takes minutes of wall time
 
 
 @dataclass(frozen=True)

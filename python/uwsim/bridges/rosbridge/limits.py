@@ -53,7 +53,7 @@ class Limits:
     """Bytes from a client, limited in the same way."""
 
     work_share: float = 0.3
-    """Share of a core for all clients' frames together: Python runs one thread at a time, and steps need their turn."""
+    """The fraction of a core for all clients' frames: Python runs one thread at a time, and steps need time, too."""
 
     def cost_of(self, size: int) -> int:
         """Return the memory that a frame of a given size may take."""
