@@ -5,12 +5,12 @@ tests/python/base/test_agenda.py.
 
 | when           | rank       | what acts                                              | among themselves     |
 |----------------|------------|--------------------------------------------------------|----------------------|
-| T is reached   | `OBSERVER` | recorders, samplers, mappers, navigation: look         | as attached          |
-|                | `READING`  | `LiveSimulator.every`: a reading goes to its sink      | as subscribed        |
-|                | `DELIVERY` | a link: gives what has arrived, sends what is due      | arrivals first       |
-| the clock rests|            | commands: of a mission, a program, other threads       | as given             |
+| T is reached   | `OBSERVER` | recorders, samplers, mappers and navigation observe    | as attached          |
+|                | `READING`  | readings of `LiveSimulator.every` go to their sinks    | as subscribed        |
+|                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
+| the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
-|                | `FAILSAFE` | failsafes look and steer                               | as their vehicles    |
+|                | `FAILSAFE` | failsafes check and steer                              | as their vehicles    |
 |                |            | one native step to T + 1 (`Simulation::step_once`, C++)|                      |
 
 Hence observers never see a command issued at their own tick, failsafes see all of them, and nothing depends on how many

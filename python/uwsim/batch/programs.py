@@ -28,7 +28,7 @@ class Programs:
         self._off: dict[int, list[tuple[int, int]]] = {}
 
     def check(self, k: int, member: Member) -> None:
-        """Raise ValueError if a member cannot have its programs."""
+        """Raise ValueError if a member's programs are not possible."""
         if member.has_programs:
             self._new(k, member)
 

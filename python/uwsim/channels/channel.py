@@ -65,7 +65,7 @@ class Service:
     """A service.
 
     call: receives the request as a dict of plain values and returns the response; may wait for steps. Raises
-    ValueError, whose text is sent to the caller. is_vital: must not wait for calls of other services.
+    ValueError, whose text is sent to the caller. is_vital: whether it must not wait for calls of other services.
     """
 
     name: str

@@ -56,7 +56,7 @@ class Node(Protocol):
 
 
 class Guest(Protocol):
-    """A participant in a graph, with a name."""
+    """A participant in a graph, to which it connects through a Node."""
 
     @property
     def name(self) -> str:
