@@ -1,4 +1,4 @@
-"""A vertical prism that clips a scene: everything outside it is cut away."""
+"""A vertical prism that clips a scene: everything outside the prism is cut away."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class ClipPrism:
-    """A vertical prism over a convex polygon (k, 2), open at the top, with its floor at z = floor_m."""
+    """A vertical prism over a convex polygon corners_m (k, 2), open at the top, with its floor at z = floor_m."""
 
     corners_m: NDArray[np.float64]
     floor_m: float
@@ -18,9 +18,9 @@ class ClipPrism:
     def span(
         self, origins_m: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the ranges (n,) at which rays enter and leave the prism; entry > exit for rays that miss it.
+        """Return the ranges (n,) at which rays enter and leave the prism; entry > exit for rays that miss.
 
-        origins_m, directions: (n, 3); one of them may be (3,), shared by all rays.
+        origins_m, directions: (n, 3); either may be (3,), shared by all rays.
         """
         count = np.broadcast_shapes(origins_m.shape, directions.shape)[0]
         enter, leave = np.zeros(count), np.full(count, np.inf)

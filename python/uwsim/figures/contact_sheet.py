@@ -1,4 +1,4 @@
-"""A contact sheet: pictures of one size laid out in rows, with thin gaps.
+"""Contact sheet: pictures of the same size laid out in rows, with thin gaps.
 
 `uwsim camera` writes one; tools/assets/make_contact_sheet.py draws docs/guides/cameras.jpg with it.
 """
@@ -15,7 +15,7 @@ GAP = 4  # pixels between pictures
 
 
 def contact_sheet(rows: Sequence[Sequence[Image]]) -> Image:
-    """Return rows of pictures, (H, W, 3) uint8 of one size, as one picture on a white background."""
+    """Return rows of pictures, each (H, W, 3) uint8, as one picture on a white background."""
     height, width, _ = rows[0][0].shape
     columns = max(len(row) for row in rows)
     sheet = np.full((len(rows) * (height + GAP) - GAP, columns * (width + GAP) - GAP, 3), 255, np.uint8)

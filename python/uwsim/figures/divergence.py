@@ -1,4 +1,4 @@
-"""A figure of the difference between two runs over time, channel by channel."""
+"""Figure of the differences between two runs over time, channel by channel."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ CURVES_MAX = 8
 
 
 def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
-    """Draw the largest absolute difference of any number in each message, in its own unit, over simulated time.
+    """Draw the largest absolute difference of any value in each message, in that value's unit, over simulated time.
 
-    gaps: by channel, in drawing order, (time [s], difference above 0); at most CURVES_MAX. Raises
-    OSError.
+    gaps: (time [s], difference above 0) by channel, in drawing order; only the first CURVES_MAX channels are drawn.
+    Raises OSError.
     """
     figure = new_figure(9.6, 4.4)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

@@ -1,4 +1,4 @@
-"""Figures of a flight: the track over the true bed, depth and altitude, commands and battery, the estimate's error."""
+"""Figures of a flight: track over the true bed, depth and altitude, commands and battery, and the estimate's error."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def draw_track(
     estimates_world_m: Paths,
     closed_world_m: Paths,
 ) -> None:
-    """Draw tracks (n, 3) by vehicle over the true bed, estimated ones dashed and closed ones dotted. Raises OSError.
+    """Draw tracks (n, 3) by vehicle over the true bed, estimates dashed and loop-closed tracks dotted. Raises OSError.
 
-    world: None if unknown.
+    world: None if the bed is unknown.
     """
     every = np.concatenate([*tracks_world_m.values(), *estimates_world_m.values(), *closed_world_m.values()])[:, :2]
     low, high = every.min(axis=0), every.max(axis=0)
@@ -92,7 +92,7 @@ def draw_depth(
     bed_m: NDArray[np.float64],
     collided: NDArray[np.bool_],
 ) -> None:
-    """Draw height z and that of the bed below over time, (n,), with marks for contacts. Raises OSError."""
+    """Draw the vehicle's z and that of the bed below over time, (n,) each, and mark contacts. Raises OSError."""
     figure, axes = _over_time("Depth and altitude", "z [m], 0 is the surface", time_s, 2.5)
     minutes = time_s / 60.0
     lowest = float(np.nanmin(np.append(bed_m[np.isfinite(bed_m)], z_m)))
@@ -114,7 +114,7 @@ def draw_power(
     names: Sequence[str],
     battery_percent: NDArray[np.float64],
 ) -> None:
-    """Draw each command (n, thrusters or axes) over time, and the battery (n,). Raises OSError."""
+    """Draw each command (n, thrusters or axes) and the battery charge (n,) over time. Raises OSError."""
     figure, axes = _over_time("Commands and battery", "", time_s, max(1.6, 0.22 * len(names)))
     end = max(float(time_s[-1]), 1.0) / 60.0
     image = axes.imshow(
@@ -135,7 +135,7 @@ def draw_power(
 
 
 def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-    """Draw distances from the true position over time, (n,) [s] and (n,) [m] by name. Raises OSError."""
+    """Draw distances from the true position, times (n,) [s] and distances (n,) [m] by name. Raises OSError."""
     figure, axes = _over_time("Estimate against truth", "distance [m]", next(iter(errors.values()))[0], 2.2)
     for colour, (name, (time_s, error_m)) in zip(_colours(len(errors)), errors.items(), strict=True):
         axes.plot(time_s / 60.0, error_m, color=colour, linewidth=1.4, label=name)

@@ -1,4 +1,4 @@
-"""A figure of a map's growth: its area, and its distance from the true surface, over time."""
+"""Figure of a map's growth: its area and its distance from the true surface, over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages of HTML in the common style, with their pictures inside."""
+"""HTML pages in the common style, with embedded pictures."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ STYLE = Path(__file__).with_name("report_style.css")
 
 
 def filled_page(template: Path, **values: Any) -> str:
-    """Return a page from a template, in the common style."""
+    """Return a page rendered from a template, in the common style."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     style = Markup(STYLE.read_text(encoding="utf-8"))
     return environment.from_string(template.read_text(encoding="utf-8")).render(style=style, **values)
 
 
 def data_uri(path: Path) -> str:
-    """Return a PNG as a URI that holds it."""
+    """Return a PNG as a data URI."""
     return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -1,4 +1,4 @@
-"""A figure of a link's trial: delay, delivery and goodput against range and against time."""
+"""Figure of a link trial: delay, delivery and goodput, against range and against time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CURVE = "#2a6f97"
 
 
 def draw_link_trial(trial: Trial, path: Path) -> None:
-    """Draw the trial into a PNG. Raises OSError."""
+    """Draw a trial as a PNG. Raises OSError."""
     figure = new_figure(11.0, 9.6)
     axes = figure.subplots(3, 2, sharex="col")
     ranges_m = np.array([leg.range_m for leg in trial.legs])
@@ -56,7 +56,7 @@ def draw_link_trial(trial: Trial, path: Path) -> None:
 
 
 def _draw_open_water(trial: Trial, top: Axes, middle: Axes, reach_m: float) -> None:
-    """Draw the equations' values, up to one and a half times the largest range of the vehicle."""
+    """Draw the theoretical values, up to the range reach_m."""
     curve = trial.open_water
     near = curve.range_m <= reach_m
     top.plot(

@@ -1,4 +1,4 @@
-"""A figure of the occupied voxels of two maps from above, coloured by the maps that hold them."""
+"""Figure of the occupied voxels of two maps from above, coloured by the maps that contain them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from uwsim.figures.style import FAINT_INK, add_legend, label_axes, new_figure, s
 from uwsim.mapping.difference import MapDifference
 
 WIDTH_IN = 9.6
-BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue of Okabe and Ito's palette
+BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue from Okabe and Ito's palette
 
 
 def draw_map_difference(path: Path, found: MapDifference, names: tuple[str, str]) -> None:
-    """Draw the columns of voxels that have an occupied voxel in one map only, or in both. names: the maps' names.
+    """Draw the columns that have an occupied voxel in only one of the maps, or in both. names: the maps' names.
 
     Raises ValueError if neither map has an occupied voxel, OSError if the file cannot be written.
     """

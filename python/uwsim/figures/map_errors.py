@@ -1,4 +1,4 @@
-"""A figure of a map's errors: seabed depth from above, missed and false voxels, and the distribution of errors."""
+"""Figure of a map's errors: errors of seabed depth from above, missed and false voxels, and the error distribution."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from uwsim.scoring.s44 import CONFIDENCE, ORDERS
 from uwsim.scoring.seabed_comparison import SeabedComparison
 
 WIDTH_IN, CURVE_HEIGHT_IN, GAP_IN = 9.6, 3.0, 1.7
-ERRORS = matplotlib.colormaps["PuOr_r"]  # readable with red-green colour blindness
+ERRORS = matplotlib.colormaps["PuOr_r"]  # suitable for red-green colour blindness
 OBSTACLE, UNJUDGED = "#8f98a1", "#f1f4f6"
 MISSED_EDGE, FALSE_EDGE = "#c51b7d", "#00798c"
-LIMIT_VOXELS = 2.0  # colour range; rounding to half a voxel stays pale, so that larger errors stand out
+LIMIT_VOXELS = 2.0  # colour range, wide enough that rounding by half a voxel stays pale and larger errors stand out
 
 
 def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float64]) -> None:
-    """Draw the seabed's depth error by cell in the polygon (k, 2), and the share of cells within each absolute error.
+    """Draw each cell's error in seabed depth in the polygon (k, 2), and the share of cells within each absolute error.
 
     Raises OSError if the file cannot be written.
     """
@@ -87,7 +87,7 @@ def _draw_voxels(axes: Axes, score: MapScore) -> None:
 
 
 def _draw_curve(axes: Axes, seabed: SeabedComparison | None) -> None:
-    """Draw the share of cells within each absolute error, and the errors that S-44 allows at the median depth."""
+    """Draw the share of cells within each absolute error, and the errors that IHO S-44 allows at the median depth."""
     label_axes(
         axes, "Distribution of the seabed's errors", "absolute error of a cell's depth [m]", "share of the cells [%]"
     )

@@ -1,4 +1,4 @@
-"""A figure of the map from above: heights, the survey area, the path and missed voxels."""
+"""Figure of the map from above: heights, survey area, path and missed voxels."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def draw_map_from_above(
     occupied_centres_m: NDArray[np.floating],
     area_name: str = "area to survey",
 ) -> None:
-    """Draw the highest occupied voxel of each column, the polygon (k, 2), the path (n, 3) by ping, and missed voxels.
+    """Draw each column's highest occupied voxel, the polygon (k, 2), the path (n, 3) by ping, and missed voxels.
 
     Raises OSError if the file cannot be written.
     """
@@ -97,9 +97,9 @@ def draw_map_from_above(
 def top_heights(
     centres_m: NDArray[np.floating], resolution_m: float
 ) -> tuple[NDArray[np.float64], tuple[float, float, float, float]]:
-    """Return the highest centre in each column of voxels, and the west, east, south and north borders of the grid.
+    """Return the highest centre in each column of voxels, and the grid's west, east, south and north borders.
 
-    centres_m: (n, 3), n > 0. Heights: rows from south to north, columns from west to east, nan without a voxel.
+    centres_m: (n, 3), n > 0. Rows run from south to north, columns from west to east; empty columns are nan.
     """
     keys = voxel_keys(centres_m, resolution_m)
     first, last = keys.min(axis=0), keys.max(axis=0)
@@ -118,7 +118,7 @@ def _draw_heights(axes: Axes, centres_m: NDArray[np.floating], resolution_m: flo
     tops, extent = top_heights(centres_m, resolution_m)
     unknown = np.isnan(tops)
     nearest = distance_transform_edt(unknown, return_distances=False, return_indices=True)
-    smooth = np.pad(gaussian_filter(tops[tuple(nearest)], 1.0), 1, mode="edge")  # slopes need two neighbours
+    smooth = np.pad(gaussian_filter(tops[tuple(nearest)], 1.0), 1, mode="edge")  # slopes need a neighbour on each side
     colours = HEIGHTS(heights(tops[tuple(nearest)]))
     light = LightSource(azdeg=315, altdeg=50).hillshade(smooth, vert_exag=1.5, dx=resolution_m, dy=resolution_m)[
         1:-1, 1:-1
@@ -132,7 +132,7 @@ def _draw_path(axes: Axes, path_world_m: NDArray[np.float64]) -> None:
     xy = path_world_m[:, :2]
     if len(xy) > 1:
         axes.plot(xy[:, 0], xy[:, 1], color="#20242a", linewidth=2.6, alpha=0.55, solid_joinstyle="round")
-        step = 1 + len(xy) // MAX_LEGS  # pings per leg of one colour
+        step = 1 + len(xy) // MAX_LEGS  # pings per leg; each leg has one colour
         starts = np.arange(0, len(xy) - 1, step)
         legs = LineCollection(
             [xy[start : start + step + 1] for start in starts], cmap=PROGRESS, linewidths=1.4, capstyle="round"

@@ -1,4 +1,4 @@
-"""A 3D figure of a map in octovis's style: a cube for each occupied voxel, coloured by height. Needs no display."""
+"""3D figure of a map in the style of octovis, with a coloured cube for each occupied voxel; needs no display."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.voxel_keys import pack_keys, sorted_unique, unpack_keys, voxel_centres_m, voxel_keys
 
 MAX_CUBES = 3_000_000
-"""A map with more voxels is drawn with larger cubes."""
+"""Maximum number of cubes; a map with more voxels is drawn with larger cubes."""
 SUN_WORLD = np.array([-0.62, 0.21, 0.76]) / np.linalg.norm([-0.62, 0.21, 0.76])
 FOOT_PIXELS = 130
 MIN_WIDTH, MAX_WIDTH = 200, 8000
@@ -26,8 +26,8 @@ MIN_WIDTH, MAX_WIDTH = 200, 8000
 class Viewpoint:
     """The direction from which a map is drawn, and the picture's width.
 
-    azimuth_deg: direction from the map's centre to the eye, counter-clockwise from east. elevation_deg: of the eye
-    above the horizon. width: pixels.
+    azimuth_deg: direction from the map's centre to the eye, counter-clockwise from east. elevation_deg: angle of the
+    eye above the horizon. width: in pixels.
     """
 
     azimuth_deg: float = -118.0
@@ -44,10 +44,10 @@ class Viewpoint:
 
 
 def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: str) -> None:
-    """Write a PNG. Raises ValueError if no voxel is occupied, OSError if the file cannot be written."""
+    """Draw a map as a PNG. Raises ValueError if no voxel is occupied, OSError if the file cannot be written."""
     centres, edge_m = _cubes(occupancy)
     shift = occupancy.origin_world_m - np.floor(occupancy.origin_world_m / edge_m) * edge_m
-    on_grid = centres - shift  # the cubes are built at multiples of their edge
+    on_grid = centres - shift  # cubes must lie at multiples of their edge length
     heights = height_range(centres[:, 2])
     low, high = on_grid.min(axis=0) - edge_m / 2.0, on_grid.max(axis=0) + edge_m / 2.0
     azimuth_rad, elevation_rad = np.radians(viewpoint.azimuth_deg), np.radians(viewpoint.elevation_deg)
@@ -78,7 +78,7 @@ def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: s
 
 
 def _cubes(occupancy: OccupancyMap) -> tuple[NDArray[np.float64], float]:
-    """Return the centres (n, 3), world, and the edge of at most MAX_CUBES cubes, of 1, 8, 64, ... voxels each."""
+    """Return the world centres (n, 3) and the edge of at most MAX_CUBES cubes, each of 1, 8, 64, ... voxels."""
     centres = occupancy.occupied_voxels()
     if not len(centres):
         raise ValueError("the map has no occupied voxels: there is nothing to draw")

@@ -1,4 +1,4 @@
-"""A figure of a slice through a map: occupied, free and unknown voxels on a horizontal or vertical plane."""
+"""Figure of a slice through a map: occupied, free and unknown voxels in a horizontal or vertical plane."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from uwsim.figures.style import add_legend, label_axes, new_figure, save_figure
 from uwsim.mapping.slice import MapSlice
 
 WIDTH_IN = 9.6
-COLOURS = {1: "#1b2733", 0: "#9fd0e8", -1: "#f3efe6"}  # dark, mid and light: distinct in greyscale too
+COLOURS = {1: "#1b2733", 0: "#9fd0e8", -1: "#f3efe6"}  # dark, mid and light: also distinct in greyscale
 NAMES = {1: "occupied", 0: "free", -1: "unknown"}
 LABELS = {"x": "east [m]", "y": "north [m]", "z": "z [m], 0 is the water's surface"}
 
 
 def draw_map_slice(path: Path, cut: MapSlice) -> None:
-    """Draw a slice to scale, or stretched if it would be too slender. Raises OSError."""
+    """Draw a slice to scale, or stretched if it would otherwise be too slender. Raises OSError."""
     west, east, south, north = cut.extent_m
     ratio = (north - south) / (east - west)
     shown = float(np.clip(ratio, 0.22, 1.6))

@@ -1,4 +1,7 @@
-"""A perspective view of a box: pixel rays, and pixels of points. World ENU, metres; pixel (0, 0) is the upper left."""
+"""Perspective view of a box: rays of pixels and pixels of points.
+
+World is ENU in metres; pixel (0, 0) is upper left.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-VIEW_DISTANCE = 2.0  # from the box's centre, in diagonals of the box
+VIEW_DISTANCE = 2.0  # distance from the box's centre, in diagonals of the box
 MIN_ASPECT, MAX_ASPECT = 0.2, 2.0
 MIN_BOX_M = 1.0e-3
 
@@ -16,8 +19,8 @@ MIN_BOX_M = 1.0e-3
 class PinholeView:
     """A perspective view through a window in the plane at unit distance from the eye.
 
-    world_from_view: (3, 3), columns right, up, backward. window: left, right, bottom, top in that plane. width, height:
-    pixels.
+    world_from_view: (3, 3), with columns right, up, backward. window: left, right, bottom, top in that plane. width,
+    height: in pixels.
     """
 
     eye_world_m: NDArray[np.float64]
@@ -28,13 +31,13 @@ class PinholeView:
 
     @property
     def pixel_rad(self) -> float:
-        """The approximate angle of a pixel."""
+        """The approximate angle that a pixel subtends."""
         return (self.window[1] - self.window[0]) / self.width
 
     def rays(self, rows: NDArray[np.int64], scale: int) -> NDArray[np.float64]:
-        """Return unit directions (len(rows) * width * scale, 3) through all pixels of these rows.
+        """Return unit vectors (len(rows) * width * scale, 3) through all pixels of these rows.
 
-        scale: subdivides each pixel into scale x scale; rows are then counted in the finer image.
+        scale: each pixel is divided into scale x scale; rows are then those of the finer image.
         """
         x0, x1, y0, y1 = self.window
         x = x0 + (x1 - x0) * (np.arange(self.width * scale) + 0.5) / (self.width * scale)
@@ -45,7 +48,7 @@ class PinholeView:
         return np.asarray(directions.reshape(-1, 3), np.float64)
 
     def project(self, points_world_m: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return pixel coordinates (n, 2), column then row, of points (n, 3); nan behind the eye."""
+        """Return pixel coordinates (n, 2), column then row, of points (n, 3); nan for points behind the eye."""
         x0, x1, y0, y1 = self.window
         view = (np.asarray(points_world_m, np.float64) - self.eye_world_m) @ self.world_from_view
         plane = view[:, :2] / np.where(view[:, 2:] < 0.0, -view[:, 2:], np.nan)
@@ -58,11 +61,9 @@ def view_of_box(
 ) -> PinholeView:
     """Return a view of an axis-aligned box, `width` pixels wide and as high as needed.
 
-    The height is kept between MIN_ASPECT and MAX_ASPECT of the width, so the view of a thin box shows more than the
-    box.
-
-    azimuth_rad: direction from the box's centre to the eye, counter-clockwise from east. elevation_rad: of the eye
-    above the horizon, seen from the centre.
+    The height is kept between MIN_ASPECT and MAX_ASPECT times the width, so the view of a thin box shows more than the
+    box. azimuth_rad: direction from the box's centre to the eye, counter-clockwise from east. elevation_rad: angle of
+    the eye above the horizon, seen from the centre.
     """
     middle, half = (low_m + high_m) / 2.0, np.maximum((high_m - low_m) / 2.0, MIN_BOX_M / 2.0)
     low_m, high_m = middle - half, middle + half

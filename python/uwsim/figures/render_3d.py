@@ -1,4 +1,4 @@
-"""Rendering of 3D pictures of the true world and of voxel maps, without a display, by the sonar's ray casting."""
+"""Renders 3D pictures of the true world and of voxel maps with the sonar's ray casting; needs no display."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CUT_GROUND = np.array([0.47, 0.44, 0.42])
 
 HeightColours = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 Cast = Callable[[NDArray[np.float64], NDArray[np.float64]], _core.RayHits]
-"""Casts rays from origins (n, 3) or (1, 3) along directions (n, 3)."""
+"""A function that casts rays from origins (n, 3) or (1, 3) along directions (n, 3)."""
 
 
 def cast_at_world(rays: _core.RayScene) -> Cast:
@@ -36,16 +36,16 @@ def cast_at_world(rays: _core.RayScene) -> Cast:
 
 
 def cast_at_cubes(centres_world_m: NDArray[np.floating], edge_m: float) -> Cast:
-    """Return a function that casts rays at cubes with these centres (n, 3), at multiples of their edge."""
+    """Return a function that casts rays at cubes with these centres (n, 3), aligned to multiples of their edge."""
     return partial(_core.VoxelScene(centres_world_m, edge_m).cast, max_range_m=FAR_M)
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The content of a picture: a function that casts rays at it, and colours (n, 3) in [0, 1] for heights (n,).
+    """The content of a picture. cast: casts rays at it. colours: returns colours (n, 3) in [0, 1] for heights (n,).
 
-    prism: clips the world. height_at: height of the ground, to paint where the prism cuts it. voxel_m: size of the
-    voxels whose edges are drawn.
+    prism: clips the world. height_at: returns the ground's height, so that the prism's cuts through the ground can be
+    painted. voxel_m: size of the voxels, whose edges are drawn.
     """
 
     cast: Cast
@@ -73,10 +73,10 @@ def render(subject: Subject, view: PinholeView, sun_world: NDArray[np.float64]) 
 def _draw_rows(
     subject: Subject, view: PinholeView, rows: slice, sun_world: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the colours (rows, width, 3) and ranges (rows, width) of some rows, each pixel the mean of its rays.
+    """Return the colours (rows, width, 3) and ranges (rows, width) of some rows; a pixel is the mean of its rays.
 
-    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Those on its diagonal are cast first; if they agree, the
-    others are assumed to agree, too.
+    A pixel has SUPERSAMPLE x SUPERSAMPLE places for rays. Rays on its diagonal are cast first; if their colours agree,
+    the others are assumed to agree as well.
     """
     fine = SUPERSAMPLE
     count = rows.stop - rows.start
@@ -107,7 +107,7 @@ def _draw_rows(
 
 
 def _background(view: PinholeView, rows: slice) -> NDArray[np.float64]:
-    """Return the background's colours (rows, 3)."""
+    """Return the background's colour in each row, (rows, 3)."""
     up = 1.0 - (np.arange(rows.start, rows.stop)[:, None] + 0.5) / view.height
     return np.asarray(BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up))
 
@@ -115,7 +115,7 @@ def _background(view: PinholeView, rows: slice) -> NDArray[np.float64]:
 def _shade(
     subject: Subject, view: PinholeView, directions: NDArray[np.float64], sun_world: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return colours (n, 3) and ranges (n,), inf for rays that hit nothing."""
+    """Return the colours (n, 3) and ranges (n,) of rays; the range is inf if nothing is hit."""
     eye = view.eye_world_m
     colour, depth = np.zeros(directions.shape), np.full(len(directions), np.inf)
     enter, leave = _span(subject.prism, eye, directions)
@@ -157,7 +157,7 @@ def _span(
 
 
 def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points (n, 3) are sunlit: (n,) bool. Parts outside the prism cast no shadow."""
+    """Return which points (n, 3) are sunlit, (n,) bool. Parts outside the prism cast no shadow."""
     directions = np.broadcast_to(sun_world, points_m.shape)
     blocked_m = subject.cast(points_m, directions).ranges_m
     _, leave = _span(subject.prism, points_m, sun_world)
@@ -167,7 +167,7 @@ def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.
 def _edge_shade(
     points_m: NDArray[np.float64], normals: NDArray[np.float64], voxel_m: float, pixel_m: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return factors (n,) that darken the edges of cubes; lines fade out where a cube is only a few pixels wide."""
+    """Return factors (n,) that darken the edges of cubes; the lines fade out where cubes are only a few pixels wide."""
     grid = points_m / voxel_m
     to_line = np.abs(grid - np.round(grid)) * voxel_m
     to_line[np.arange(len(normals)), np.abs(normals).argmax(axis=1)] = np.inf

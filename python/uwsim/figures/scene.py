@@ -1,4 +1,4 @@
-"""A figure of a scenario: the bed from above and from the south, with obstacles, starts, station and survey."""
+"""Figure of a scenario: the bed from above and from the south, with obstacles, starts, station and survey."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WIDTH_IN = 8.0
 
 
 def draw_scene(path: Path, scenario: Scenario, world: _core.World) -> None:
-    """Draw the scene into a PNG. Raises OSError."""
+    """Draw a scenario's scene as a PNG. Raises OSError."""
     west, south, east, north = world.terrain_extent_m
     plan_in = WIDTH_IN * (north - south) / (east - west)
     plan_in = float(np.clip(plan_in, 3.0, 12.0))
@@ -43,7 +43,7 @@ Solids = list[tuple[str, NDArray[np.float64]]]
 
 
 def _solids(world: _core.World) -> Solids:
-    """Return the triangles (n, 3, 3) of each solid."""
+    """Return each solid's name and triangles (n, 3, 3)."""
     vertices, triangles, labels = world.surface_mesh(with_terrain=False)
     found = []
     for label in np.unique(labels):
@@ -105,7 +105,7 @@ def _label(axes: Axes, text: str, at: Sequence[float] | NDArray[np.float64], col
 
 
 def _draw_aside(axes: Axes, scenario: Scenario, world: _core.World, solids: Solids) -> None:
-    """Draw the deepest bed from west to east, and everything in the water."""
+    """Draw the deepest bed at each x from west to east, and everything in the water."""
     west, south, east, north = world.terrain_extent_m
     x, y = np.linspace(west, east, CELLS), np.linspace(south, north, CELLS)
     bed = world.height_at(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)).reshape(CELLS, CELLS)

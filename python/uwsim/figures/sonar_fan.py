@@ -1,4 +1,4 @@
-"""A figure of one multibeam ping: the fan from above and, along its middle beam, from the side."""
+"""Figure of a multibeam ping: the fan from above and, along its middle beam, from the side."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FanPing(Protocol):
 
     @property
     def ranges_m(self) -> NDArray[np.floating]:
-        """Ranges (beams,), inf for no echo."""
+        """Ranges (beams,); inf means no echo."""
 
     @property
     def angles_rad(self) -> NDArray[np.floating]:
@@ -49,7 +49,7 @@ class FanPing(Protocol):
 
 
 def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float) -> None:
-    """Draw a ping's beams, echoes and vehicle over the true terrain, from above and from the side."""
+    """Draw a ping's beams and echoes and the vehicle over the true terrain, from above and from the side."""
     ends_m, echo = beam_ends_m(ping, range_max_m)
     figure = new_figure(WIDTH_IN, WIDTH_IN)
     plan = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -61,7 +61,7 @@ def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float)
 
 
 def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return each beam's end in the world (beams, 3), at its echo or the maximum range, and whether it had an echo."""
+    """Return each beam's end in the world (beams, 3), at its echo or the maximum range, and whether it has an echo."""
     echo = np.isfinite(ping.ranges_m) & (ping.ranges_m <= range_max_m)
     lengths = np.where(echo, ping.ranges_m, range_max_m)
     flat = np.stack([np.cos(ping.angles_rad), np.sin(ping.angles_rad), np.zeros(len(lengths))], axis=1)
@@ -69,7 +69,10 @@ def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64],
 
 
 def _level_axes(ping: FanPing) -> NDArray[np.float64]:
-    """Return starboard and ahead as rows (2, 2) of east and north; ahead is the sonar's x axis seen from above."""
+    """Return the directions to starboard and ahead as rows (2, 2) of east and north.
+
+    Ahead is the sonar's x axis, seen from above.
+    """
     ahead = ping.world_from_sonar[:2, 0]
     length = float(np.linalg.norm(ahead))
     ahead = ahead / length if length > 1e-9 else np.array([1.0, 0.0])
@@ -84,7 +87,7 @@ def draw_plan(
     ends_m: NDArray[np.float64],
     echo: NDArray[np.bool_],
 ) -> float:
-    """Draw the fan from above, with ahead up. Return the height in inches that keeps its scales equal."""
+    """Draw the fan from above, with ahead up; return the height in inches that makes both scales equal."""
     origin, level = ping.world_from_sonar[:3, 3], _level_axes(ping)
     ends = (ends_m[:, :2] - origin[:2]) @ level.T
     low, high = np.minimum(ends.min(axis=0), 0.0), np.maximum(ends.max(axis=0), 0.0)
@@ -161,7 +164,7 @@ def draw_section(
 def _draw_beams(
     axes: Axes, start: NDArray[np.float64], ends: NDArray[np.float64], echo: NDArray[np.bool_], every: int
 ) -> None:
-    """Draw every `every`-th beam to its end (n, 2) from the start (2,), fainter without an echo."""
+    """Draw every `every`-th beam from the start (2,) to its end (n, 2), fainter if it has no echo."""
     shown = np.arange(0, len(ends), every)
     lines = np.stack([np.broadcast_to(start, ends[shown].shape), ends[shown]], axis=1)
     colours = [(1.0, 1.0, 1.0, 0.75) if has_echo else (1.0, 1.0, 1.0, 0.25) for has_echo in echo[shown]]

@@ -17,7 +17,8 @@ Levels = NDArray[np.float32]
 def write_grey_png(path: Path, level_db: Levels, limits_db: tuple[float, float]) -> None:
     """Write levels (rows, columns) as an 8-bit grey PNG, one pixel per cell, atomically. NaN is black.
 
-    limits_db: the levels of 0 and 255, see shown_range. Raises OSError; ValueError unless the limits increase.
+    limits_db: the levels shown as 0 and 255, see shown_range. Raises ValueError unless the limits increase, OSError if
+    the file cannot be written.
     """
     low, high = limits_db
     if not high > low:

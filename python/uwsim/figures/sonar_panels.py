@@ -1,4 +1,4 @@
-"""Drawings of imaging sonars into given axes, one function for each kind."""
+"""Draws the results of imaging sonars into axes, with one function per kind of sonar."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHOWN_BINS = 500
 
 
 def draw_image(axes: Axes, image: SonarImage) -> float:
-    """Draw a forward-looking picture with range rings and bearings. Return height over width of the drawing."""
+    """Draw a forward-looking picture with range rings and bearings; return the drawing's ratio of height to width."""
     pixels = fan_pixels(image)
     low, high = shown_range(image.level_db, image.noise_db[:, None])
     left, right, bottom, top = pixels.extent_m
@@ -71,7 +71,7 @@ def _draw_rings(axes: Axes, image: SonarImage) -> None:
 
 
 def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_ground: bool = False) -> None:
-    """Draw a side-scan's pings, spacing_m apart, the first at the bottom, port to the left."""
+    """Draw a side-scan sonar's pings, spacing_m apart, with the first at the bottom and port on the left."""
     shown = waterfall.over_ground() if over_ground else waterfall
     level_db = shown.picture_db()
     low, high = shown_range(waterfall.picture_db(), np.concatenate([waterfall.noise_db[::-1], waterfall.noise_db]))
@@ -95,8 +95,8 @@ def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_g
 def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], depth_m: float) -> None:
     """Draw a single beam's echoes in its plane of rotation, the detected ranges, and the true bed.
 
-    The head looks down with its y axis to port; angles increase evenly. bed_m: (n, 2), to starboard of the head and
-    above it. depth_m: the lower limit of the drawing below the head.
+    The head looks down with its y axis to port; angles increase evenly. bed_m: (n, 2), positions to starboard of the
+    head and above it. depth_m: how far the drawing extends below the head.
     """
     together = max(profiles.model.range_bins // SHOWN_BINS, 1)
     bins = profiles.model.range_bins // together
@@ -115,7 +115,7 @@ def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], de
     echo = np.isfinite(profiles.ranges_m)
     axes.scatter(found_x[echo], found_z[echo], s=9, color=ACCENT, linewidths=0, label=f"ranges found ({echo.sum()})")
     box = axes.get_position()
-    half_m = 0.53 * depth_m * box.width / box.height  # in a square figure: one scale for both axes
+    half_m = 0.53 * depth_m * box.width / box.height  # in a square figure, this gives both axes the same scale
     axes.set_xlim(-half_m, half_m)
     axes.set_ylim(-depth_m, 0.06 * depth_m)
     add_legend(axes, 2)

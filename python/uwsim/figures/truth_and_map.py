@@ -1,4 +1,4 @@
-"""A figure of truth and map side by side in 3D, with the same view, light and colours."""
+"""Figure of truth and map side by side in 3D, with the same view, light and colours."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _Row = tuple[PinholeView, NDArray[np.uint8], NDArray[np.uint8] | None]
 
 @dataclass(frozen=True, eq=False)
 class _Comparison:
-    """The truth, the map, and the colours of heights in both columns."""
+    """The truth, the map, and the colour scale of heights for both."""
 
     world: _core.World
     truth: _core.RayScene
@@ -56,7 +56,7 @@ class _Comparison:
 
 @dataclass(frozen=True, eq=False)
 class TruthAndMap:
-    """The rendered pictures of truth and map, ready to be laid out."""
+    """Rendered pictures of truth and map, ready for layout."""
 
     rows: list[_Row]
     map_name: str
@@ -72,8 +72,8 @@ def render_truth_and_map(
 ) -> TruthAndMap:
     """Render the polygon (k, 2) as a block cut from the world, and the map's voxels in the same view.
 
-    A second row shows both close up at the solid that stands highest in the map, if there is one. rays: the
-    world's. May run on a thread of its own, in parallel with other figures.
+    A second row shows a close-up of both at the solid that stands highest in the map, if there is one. rays: the ray
+    scene of the same world. May run on a separate thread, in parallel with other figures.
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
     occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
@@ -96,7 +96,7 @@ def draw_truth_and_map(path: Path, rendered: TruthAndMap, path_world_m: NDArray[
 def _compose(
     path: Path, rows: list[_Row], map_name: str, path_world_m: NDArray[np.float64], heights: Normalize
 ) -> None:
-    """Lay out the pictures pixel for pixel, two to a row, with the path on the first row and a colour bar below."""
+    """Lay out the pictures pixel by pixel, two per row, with the path on the first row and a colour bar below."""
     wide = 2 * PANEL_PIXELS + GAP_PIXELS
     high = sum(view.height + GAP_PIXELS for view, _, _ in rows)
     figure = new_figure(wide / PIXELS_PER_INCH, high / PIXELS_PER_INCH)
@@ -135,9 +135,9 @@ def _ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[
 def _detail_block(
     world: _core.World, occupied_centres_m: NDArray[np.floating], voxel_m: float
 ) -> NDArray[np.float64] | None:
-    """Return a rectangle (4, 2) about the solid that stands highest above its ground in the map; None without one.
+    """Return a rectangle (4, 2) around the solid that stands highest above the ground in the map, if there is one.
 
-    Solids higher than half the rectangle's length are left out: the picture could not show the ground around them.
+    Solids higher than half the rectangle's length are ignored, since the picture could not show the ground around them.
     """
     above_m = occupied_centres_m[:, 2] - world.height_at(np.asarray(occupied_centres_m[:, :2], np.float64))
     with np.errstate(invalid="ignore"):
@@ -157,7 +157,7 @@ def _detail_block(
 
 
 def _solids(world: _core.World) -> list[_core.RayScene]:
-    """Return a scene for each solid of the world."""
+    """Return a separate ray scene for each of the world's solids."""
     vertices, triangles, labels = world.surface_mesh(with_terrain=False)
     solids = []
     for label in np.unique(labels):
@@ -169,12 +169,12 @@ def _solids(world: _core.World) -> list[_core.RayScene]:
 
 
 def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevation_rad: float) -> _Row:
-    """Return the view and the pictures of truth and map over a convex polygon; None for an empty map."""
+    """Return the view and the pictures of truth and map over a convex polygon; None instead of an empty map's."""
     mapped = comparison.occupied_centres_m[inside_polygon(comparison.occupied_centres_m[:, :2], area_m)]
     ground = _ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)
     floor_m = float(levels.min()) - CUT_DEPTH_M
-    # The top is a percentile, so that a few voxels far above all others (a station) do not compress the rest.
+    # The top is a percentile, so that a few voxels far above all others, such as a station's, do not compress the rest.
     top_m = max(float(np.percentile(levels, 99.7)), float(ground.max(initial=floor_m)))
     low, high = np.append(area_m.min(axis=0), floor_m), np.append(area_m.max(axis=0), top_m)
     view = view_of_box(low, high, AZIMUTH_RAD, elevation_rad, PANEL_PIXELS)
