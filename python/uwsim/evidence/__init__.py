@@ -1,1 +1,1 @@
-"""Evidence for the results: validation, reproduced figures, checks of scenarios, fingerprints."""
+"""Evidence that results can be trusted: validation, reproduced figures, checks of scenarios, fingerprints."""

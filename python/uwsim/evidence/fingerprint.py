@@ -1,9 +1,9 @@
-"""One hash of everything that a short run produces, to compare machines: same in, same out.
+"""A hash of everything that a short run produces, to check that machines give the same results.
 
     print(fingerprint().whole)
 
-The scenario is flown twice, 10 s each: as it is, and in waves and gusts with the sonar in physics mode. Each kind of
-result has a hash of its own, so that a difference can be traced.
+The scenario is flown twice for 10 s: unchanged, and in waves and gusts with the sonar in physics mode. Each kind of
+result also has its own hash, so that a difference can be traced.
 """
 
 from __future__ import annotations
@@ -37,7 +37,10 @@ ROUGH_WATER: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """parts: a digest of each kind of result. machine: the build, CPU and C library, on which results may depend."""
+    """The fingerprint of a run.
+
+    parts: a digest of each kind of result. machine: properties on which results may depend.
+    """
 
     scenario: str
     seed: int
@@ -46,14 +49,17 @@ class Fingerprint:
 
     @property
     def whole(self) -> str:
-        """The digest of all parts."""
+        """The digest of all parts together."""
         return _digest("".join(f"{name}:{digest}\n" for name, digest in self.parts.items()).encode())
 
 
 def fingerprint(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Fingerprint:
-    """Fly, and digest poses, samples, pings in both modes, pictures and maps. Raises ScenarioError, ValueError."""
+    """Fly, and digest poses, samples, pings in both modes, pictures and maps.
+
+    Raises ScenarioError or ValueError if the scenario or an argument is invalid.
+    """
     checked = load(scenario).with_changes(seed=seed)
     digests: dict[str, Any] = {}
     for part, array in results(checked, threads=threads):
@@ -65,7 +71,10 @@ def fingerprint(
 def results(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the arrays to be hashed, each with the name of its part, in order. Raises ScenarioError, ValueError."""
+    """Yield the arrays to be hashed, in order, each with the name of its part.
+
+    Raises the same errors as `fingerprint`.
+    """
     checked = load(scenario).with_changes(seed=seed)
     yield from _flown(Simulator(checked, threads=threads), "")
     yield from _flown(Simulator(_rougher(checked), threads=threads), " in rough water")
@@ -86,7 +95,7 @@ def machine() -> dict[str, str]:
 
 
 def _rougher(scenario: Scenario) -> Scenario:
-    """Return the scenario in waves and gusts, its sonars in physics mode."""
+    """Return the scenario with waves and gusts added and its sonars in physics mode."""
     data = scenario.given()
     data["water"] = {**scenario.water.given(), **ROUGH_WATER}
     data["vehicles"] = [

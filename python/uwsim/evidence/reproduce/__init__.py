@@ -1,4 +1,4 @@
-"""Published results reproduced: each figure as a picture of our own, with its values."""
+"""Reproduces published results: each figure of the paper as a picture drawn by uwsim, with its values."""
 
 from uwsim.evidence.reproduce.paper import reproduce_paper
 

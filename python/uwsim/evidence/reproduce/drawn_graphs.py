@@ -1,4 +1,4 @@
-"""Transform tree and node map, drawn from data of the running system (Figs. 10 and 11)."""
+"""The transform tree and the node map, drawn from data of a running system (Figs. 10 and 11)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 
 Place = tuple[float, float]
 BEND = 0.22
-ASPECT = 12.0 / 4.6  # of the node map
+ASPECT = 12.0 / 4.6  # width over height of the node map
 BOX = {"boxstyle": "round,pad=0.45", "facecolor": "#eef4f8", "edgecolor": INK, "linewidth": 0.9}
 
 
 def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Path) -> Figure:
-    """Draw Fig. 10."""
+    """Draw Fig. 10, the transform tree."""
     figure = new_figure(12.0, 7.6)
     left, right = figure.add_axes((0.0, 0.0, 0.24, 1.0)), figure.add_axes((0.26, 0.0, 0.74, 1.0))
     _draw_tree(left, published, "the published nodes' /tf")
@@ -33,7 +33,7 @@ def transform_tree(published: Sequence[Link], standard: Sequence[Link], path: Pa
 
 
 def node_map(edges: Sequence[Edge], path: Path) -> Figure:
-    """Draw Fig. 11."""
+    """Draw Fig. 11, the node map."""
     figure = new_figure(12.0, 4.6)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _bare(axes, "Nodes and topics")
@@ -45,7 +45,7 @@ def node_map(edges: Sequence[Edge], path: Path) -> Figure:
     for (publisher, subscriber), topics in by_pair.items():
         start, end = places[publisher], places[subscriber]
         spanned = columns.index(end[0]) - columns.index(start[0])
-        bend = BEND * (spanned - 1) if start[1] == end[1] and spanned > 1 else 0.0  # round the nodes between
+        bend = BEND * (spanned - 1) if start[1] == end[1] and spanned > 1 else 0.0  # bends around the nodes in between
         _arrow(axes, start, end, bend, shrink=34)
         x, y = (0.5 * (a + b) for a, b in zip(start, end, strict=True))
         lift = 0.5 * bend * (end[0] - start[0]) * ASPECT
@@ -60,7 +60,7 @@ def node_map(edges: Sequence[Edge], path: Path) -> Figure:
 
 
 def _draw_tree(axes: Axes, links: Sequence[Link], title: str) -> None:
-    """Draw a tree from the top down, with its leaves side by side."""
+    """Draw a tree from top to bottom, with its leaves side by side."""
     _bare(axes, title)
     children: dict[str, list[Link]] = {}
     for link in links:
@@ -104,7 +104,7 @@ def _leaves(children: dict[str, list[Link]], frame: str) -> int:
 
 
 def _layered(pairs: Sequence[tuple[str, str]]) -> dict[str, Place]:
-    """Place nodes from left to right by the longest path from a source; nodes with many publishers are lower."""
+    """Place nodes from left to right by their longest path from a source; nodes at the same distance are stacked."""
     names = list(dict.fromkeys(name for pair in pairs for name in pair))
     level = dict.fromkeys(names, 0)
     for _ in names:

@@ -1,4 +1,4 @@
-"""A reproduced figure of the paper: its picture file, title and values."""
+"""Figure: a reproduced figure of the paper, with its title and values."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ PAPER = "Development of an Underwater Simulator using Unity3D and Robot Operatin
 class Figure:
     """One of the paper's figures.
 
-    number: in the paper. subject_known: whether the subject of the paper's figure with this number is known; the others
-    show, in its order, other things that it describes. columns, rows: the table behind the picture; values: single
-    ones.
+    number: its number in the paper. subject_known: whether the subject of the paper's figure with this number is known;
+    the other figures show further things that the paper describes, in its order. columns, rows: the table behind the
+    picture. values: single values.
     """
 
     number: int
@@ -27,5 +27,5 @@ class Figure:
 
     @property
     def name(self) -> str:
-        """The name of its files, without suffix."""
+        """The name of the figure's files, without suffix."""
         return f"fig{self.number:02d}"

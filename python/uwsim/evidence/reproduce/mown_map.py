@@ -1,4 +1,4 @@
-"""The published lawn-mower's flight, and the chain's map of its pings (Fig. 12)."""
+"""The flight of the published lawn-mower, and the map that the chain builds from its pings (Fig. 12)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LONGEST_S = 2000.0
 
 
 class Flight:
-    """The scenario `paper`, flown over its channels as by nodes, in step with a paused simulator."""
+    """A flight in the scenario `paper` over its channels, as nodes would fly it, stepping a paused simulator."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -35,7 +35,7 @@ class Flight:
         self.track_m: list[tuple[float, float, float]] = []
 
     def fly(self) -> list[Key]:
-        """Fly to the end; return the keys pressed. Raises RuntimeError if it takes too long."""
+        """Fly to the end; return the keys pressed. Raises RuntimeError if the flight takes too long."""
         mower, keys = published_mower(), []
         key = next(mower)
         while self._live.simulator.time_s < LONGEST_S:
@@ -76,7 +76,7 @@ class Flight:
 def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64]) -> None:
     figure = new_figure(9.0, 7.0)
     axes, limits = figure.add_axes((0.0, 0.0, 0.95, 1.0)), height_range(voxels_m[:, 2])
-    x, y, z = voxels_m[np.argsort(voxels_m[:, 2])].T  # the highest last
+    x, y, z = voxels_m[np.argsort(voxels_m[:, 2])].T  # the highest are drawn last
     axes.scatter(x, y, c=z, s=3, marker="s", linewidths=0, cmap=HEIGHTS, norm=limits)
     axes.plot(track_m[:, 0], track_m[:, 1], color=ACCENT, linewidth=1.0)
     axes.plot(*track_m[0, :2], "o", color=ACCENT)
@@ -87,7 +87,7 @@ def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64
 
 
 def mown_map(path: Path, map_file: Path) -> Figure:
-    """Draw Fig. 12."""
+    """Draw Fig. 12, the map, and write the map to map_file."""
     with LiveSimulator("paper", paused=True) as live:
         flight = Flight(live)
         keys = flight.fly()

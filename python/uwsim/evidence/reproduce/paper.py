@@ -1,4 +1,4 @@
-"""All figures in order, the table of their values, and a page with all of them."""
+"""Draws all figures, and writes a table of their values and a page that shows them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ TEMPLATE = Path(__file__).with_name("page.html.j2")
 
 
 def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None) -> list[Figure]:
-    """Make Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
+    """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
-    said: called with each finished file. Pictures and values are the same each time, except the rates in Fig. 10.
+    said: called with a line about each finished file. Pictures and values are the same in every run, except the rates
+    in Fig. 10.
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):
@@ -78,7 +79,7 @@ def _shown(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return JSON values; numbers that JSON does not have, such as a range without echo, become null."""
+    """Return JSON values; numbers that are not finite, such as a range without echo, become None."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

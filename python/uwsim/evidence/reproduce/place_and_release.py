@@ -19,7 +19,7 @@ RELEASE_S, SAMPLE_S = 60.0, 0.05
 
 
 def place(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 3."""
+    """Draw Fig. 3, the world from above."""
     along = np.arange(-HALF_M, HALF_M + SPACING_M, SPACING_M)
     x, y = np.meshgrid(along, along)
     heights = sim.world.height_at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(x.shape)
@@ -57,7 +57,7 @@ def place(sim: Simulator, path: Path) -> Figure:
 
 
 def release(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 6."""
+    """Draw Fig. 6, the release."""
     sim.reset()
     rov, rows = sim.rov, []
     rov.release()

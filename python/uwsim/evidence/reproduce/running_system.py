@@ -1,4 +1,4 @@
-"""A running system: the simulator on a rosbridge, the paper's chain as nodes, and a client's view of both."""
+"""A running system: the simulator behind rosbridge, the paper's chain as nodes, and a client's view of both."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from uwsim.live import LiveSimulator
 
 NODES_PROGRAM = "from uwsim.cli.main import main; main()"
 PATIENCE_S = 60.0
-LISTEN_S = 4.0  # simulated
+LISTEN_S = 4.0  # of simulated time
 SIMULATOR = "/uwsim"
-OWN_TOPICS = {  # which identify a client of a rosbridge, where clients have no names
+OWN_TOPICS = {  # topics that identify a client of rosbridge, where clients have no names
     "decodedDepth": "string_decoder", "scan": "scan_publisher", "laserPointCloud": "laser_to_cloud",
     "tf": "tf_broadcaster", INSERTED: "octomap",
 }  # fmt: skip
@@ -32,7 +32,7 @@ QUIET = ("clock", "rosout")
 
 @dataclass(frozen=True)
 class Link:
-    """A transform: its frames, and its rate per simulated second; 0 for one that is published once."""
+    """A transform: its frames, and its rate in simulated time; 0 if it is published only once."""
 
     parent: str
     child: str
@@ -41,7 +41,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Edge:
-    """A topic from one node to another."""
+    """A topic that one node publishes and another subscribes to."""
 
     publisher: str
     topic: str
@@ -49,7 +49,7 @@ class Edge:
 
 
 class Client:
-    """A rosbridge client for a few queries."""
+    """A minimal rosbridge client."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
@@ -60,7 +60,7 @@ class Client:
         self._connection.send(json.dumps({"op": op, **fields}))
 
     def ask(self, service: str, **args: Any) -> dict[str, Any]:
-        """Call a service and return its response; store messages that are published meanwhile."""
+        """Call a service and return its response; messages that arrive meanwhile are stored in `heard`."""
         self.say("call_service", service=service, args=args, id=service)
         deadline_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline_s:
@@ -74,7 +74,7 @@ class Client:
 
 @contextmanager
 def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
-    """Run `paper` and the five nodes; yield a client of theirs and one of a server with the standard topics."""
+    """Run `paper` and the five nodes; yield clients of their server and of a server with the standard topics."""
     with (
         LiveSimulator("paper", paused=True) as live,
         RosbridgeServer(live, wire="published", origin="published") as server,
@@ -97,14 +97,14 @@ def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
 
 
 def transforms(client: Client) -> list[Link]:
-    """Return the links in /tf and /tf_static while simulated time passes."""
+    """Let simulated time pass; return the transforms published on /tf and /tf_static."""
     client.heard.clear()
     for topic in ("/tf", "/tf_static"):
         client.say("subscribe", topic=topic, type="tf2_msgs/TFMessage", queue_length=1000)
     steps = round(LISTEN_S / 0.005)
     for _ in range(20):
         client.ask("/simulation/step", steps=steps // 20)
-        time.sleep(0.02)  # the nodes are other processes
+        time.sleep(0.02)  # lets the nodes, which are other processes, keep up
     counts: Counter[tuple[str, str]] = Counter()
     once: set[tuple[str, str]] = set()
     for operation in client.heard:
@@ -117,7 +117,7 @@ def transforms(client: Client) -> list[Link]:
 
 
 def connections(client: Client) -> list[Edge]:
-    """Return the connections reported by rosapi; clients have the names of the nodes whose topics they publish."""
+    """Return the connections reported by rosapi; a client is named after the node whose topics it publishes."""
     details = {name: client.ask("/rosapi/node_details", node=name) for name in client.ask("/rosapi/nodes")["nodes"]}
     names = {
         node: next((OWN_TOPICS[t.strip("/")] for t in found["publishing"] if t.strip("/") in OWN_TOPICS), node)

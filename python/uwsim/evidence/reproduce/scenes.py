@@ -23,13 +23,13 @@ OVER_THE_PIPELINE = (-30.0, -99.0, -37.5), 80.0
 
 
 def place(sim: Simulator, where: tuple[tuple[float, float, float], float]) -> None:
-    """Put the vehicle at a position (3,) [m] and a yaw [deg]."""
+    """Place the vehicle at a position (3,) [m] and a yaw [deg]."""
     position_m, yaw_deg = where
     sim.rov.place(position_m, Rotation.from_euler("z", yaw_deg, degrees=True).as_quat())
 
 
 def vehicle(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 1."""
+    """Draw Fig. 1, the vehicle."""
     place(sim, OVER_THE_PIPELINE)
     camera = sim.rov.cameras["chase"]
     frame = camera.capture()
@@ -41,7 +41,7 @@ def vehicle(sim: Simulator, path: Path) -> Figure:
 
 
 def scene(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 2."""
+    """Draw Fig. 2, the scene."""
     place(sim, BEFORE_THE_GATE)
     camera, water = sim.rov.cameras["front"], sim.optics.coefficients
     pair = [camera.capture(effects) for effects in ("on", "off")]

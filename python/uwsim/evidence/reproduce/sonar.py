@@ -1,4 +1,4 @@
-"""The sonar: depth image and ranges, the manufacturer's table, one ping (Figs. 7, 8 and 9)."""
+"""The sonar: depth image and ranges, the manufacturer's table, and a ping (Figs. 7, 8 and 9)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ IN_THE_BASIN = (20.0, -150.0, -20.0), 10.0
 
 
 def depth_image(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 7."""
+    """Draw Fig. 7, depth and ranges."""
     place(sim, IN_THE_BASIN)
     frame = sim.rov.cameras["front"].capture("off", geometry_only=True)
     ping = sim.rov.sonar.ping()
@@ -51,7 +51,7 @@ def depth_image(sim: Simulator, path: Path) -> Figure:
 
 
 def coverage(path: Path) -> Figure:
-    """Draw Fig. 8."""
+    """Draw Fig. 8, the coverage."""
     simulated: dict[Cell, float] = {cell: half_detected_m(cell) for cell in DEPTH_M}
     draw_table(simulated, path)
     rows = [
@@ -67,7 +67,7 @@ def coverage(path: Path) -> Figure:
 
 
 def ping(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 9."""
+    """Draw Fig. 9, a ping."""
     place(sim, IN_THE_BASIN)
     ping, model = sim.rov.sonar.ping(), sim.rov.sonar.model
     sonar_fan(path, sim.world, ping, model.range_max_m)

@@ -1,4 +1,4 @@
-"""Checks of scenario files: mistakes, a description of the scene, and likely oversights. `uwsim scenario check`."""
+"""Checks of scenario files: mistakes, likely oversights, and a description of the scene (`uwsim scenario check`)."""
 
 from uwsim.evidence.scenario_check.check import check_file
 from uwsim.evidence.scenario_check.parts import check_part

@@ -1,4 +1,4 @@
-"""check_file: all mistakes of a scenario's file at once; if it has none, its scene and likely oversights in it."""
+"""check_file: reports all mistakes in a scenario file or, if there are none, its scene and likely oversights."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ STAND_INS: dict[str, Any] = {
     "name": "unnamed",
     "vehicles": [{"name": "stand_in", "model": "rov", "start": {"position_m": [0, 0, 0]}}],
 }
-"""Stand-ins for values at fault that cannot be left out, so that the rest of the file can be checked."""
+"""Stand-ins for invalid values that cannot be left out, so that the rest of the file can be checked."""
 
 
 def check_file(source: str | Path) -> CheckReport:
-    """Return the report on a packaged scenario or a YAML file. Mistakes in it raise nothing."""
+    """Return the report on a packaged scenario or a YAML file. Mistakes in the file are reported, not raised."""
     try:
         path = find_yaml(source, "scenarios")
         document = read_yaml(path, shown_name(path))
@@ -61,7 +61,7 @@ def _survey_left_out(sim: Simulator) -> str | None:
 
 
 def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
-    """Return the mistakes of single values, then those of the rest in the world that it defines."""
+    """Return the mistakes in single values, then those found by building the world from the valid rest."""
     holding = what_holds(Scenario, document.values, document, folder)
     scenario = holding.model
     if scenario is None:
@@ -81,7 +81,7 @@ def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
 
 
 def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scenario:
-    """Return the scenario without the obstacles and vehicles from which something was left out."""
+    """Return the scenario without obstacles and vehicles that have invalid parts."""
     spoilt = {path[:2] for path in left.left_out}
     is_spoilt = {path[0] for path in left.left_out}
     kept: dict[str, Any] = {}
@@ -89,7 +89,7 @@ def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scena
     for kind in ("obstacles", "vehicles"):
         items = enumerate(getattr(scenario, kind))
         sound = [(left.in_file((kind, k))[1], item) for k, item in items if left.in_file((kind, k)) not in spoilt]
-        if kind not in left.values:  # stand-ins
+        if kind not in left.values:  # only stand-ins
             sound = []
         if "station" in is_spoilt and kind == "vehicles":
             sound = [(k, vehicle) for k, vehicle in sound if vehicle.start is not None]

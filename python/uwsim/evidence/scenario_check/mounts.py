@@ -1,4 +1,4 @@
-"""The mounts of a vehicle's instruments and actuators: their distance from its hull, and what their beams hit."""
+"""The mounts of a vehicle's parts: their distance from the hull, and whether the hull blocks their beams."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ Floats = NDArray[np.float64]
 AHEAD, DOWN = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
 DVL_BEAMS = 4
 SKIN_M = 1e-3
-"""A surface nearer to an instrument than this is the skin that the instrument sits in."""
+"""Surfaces closer to an instrument than this belong to the skin in which the instrument is mounted."""
 
 
 @dataclass(frozen=True)
 class Mount:
     """A part that is fixed to the hull.
 
-    key: in the model's file, such as "sensors"; name: empty for a single part. away_m: its distance from the hull's
-    bounding box; 0 inside. off_down_deg: of a DVL's axis from straight down on a level vehicle; None for others.
-    beams_in_hull: the share of its beams, or of its line of sight, that enters the hull from outside; 0 for
-    parts without beams, or within an open frame, whose members the beams may miss.
+    key: its key in the model's file, such as "sensors". name: its name there; empty for a single part. away_m: distance
+    from the hull's bounding box; 0 inside. off_down_deg: angle between a DVL's axis and straight down on a level
+    vehicle; None for other parts. beams_in_hull: share of its beams or lines of sight that enter the hull from outside;
+    0 for parts without beams, or within an open frame, whose members the beams may miss.
     """
 
     key: str
@@ -41,12 +41,12 @@ class Mount:
 
     @property
     def label(self) -> str:
-        """The place in the file, such as `sensors.dvl`."""
+        """The part's place in the file, such as `sensors.dvl`."""
         return f"{self.key}.{self.name}" if self.name else self.key
 
 
 def mounts(model: VehicleModel) -> tuple[Mount, ...]:
-    """Return all mounts of a model. Raises ScenarioError for a mesh that is not a valid hull."""
+    """Return all mounts of a model. Raises ScenarioError if its mesh is not a valid hull."""
     vertices, triangles = vehicle_hull(model)
     sides = ConvexHull(vertices).equations
     return tuple(_mount(vertices[triangles], sides, *each) for each in _mounted(model))
@@ -55,7 +55,7 @@ def mounts(model: VehicleModel) -> tuple[Mount, ...]:
 def _mount(
     corners_m: Floats, sides: Floats, key: str, name: str, position_m: ArrayLike, beams: Floats, is_dvl: bool
 ) -> Mount:
-    """Return one mount. corners_m: (m, 3, 3) of the hull; sides: (k, 4) planes round it, from ConvexHull."""
+    """Return one mount. corners_m: (m, 3, 3), the hull's triangles. sides: (k, 4), planes of its convex hull."""
     at = np.asarray(position_m, np.float64)
     outside = np.maximum(0.0, np.maximum(corners_m.min(axis=(0, 1)) - at, at - corners_m.max(axis=(0, 1))))
     is_within = bool(np.all(sides[:, :3] @ at + sides[:, 3] <= SKIN_M))
@@ -73,7 +73,7 @@ def _mount(
 
 
 def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats, bool]]:
-    """Yield key, name, position, directions of its beams (n, 3), body frame, and whether it is a DVL."""
+    """Yield each part's key, name, position, beam directions (n, 3) in the body frame, and whether it is a DVL."""
     blind = np.zeros((0, 3))
     for name, sensor in model.sensors.items():
         yield "sensors", name, sensor.position_m, _beams(sensor), sensor.kind == "dvl"
@@ -81,7 +81,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
         if camera.follows == "body":
             yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
     for name, sonar in model.imaging_sonars.items():
-        looks = sonar.kind != "side_scan"  # which has a transducer on either side
+        looks = sonar.kind != "side_scan"  # a side-scan has a transducer on either side
         ahead = _turned(sonar.yaw_pitch_roll_deg, AHEAD)
         yield "imaging_sonars", name, sonar.position_m, ahead if looks else blind, False
     if model.sonar is not None:
@@ -98,7 +98,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
 
 
 def _beams(sensor: SensorMount) -> Floats:
-    """Return the directions of a sensor's beams in the body frame: see cpp/uwsim/sensors/."""
+    """Return the directions (n, 3) of a sensor's beams in the body frame; see cpp/uwsim/sensors/."""
     if sensor.kind == "dvl":
         slant, first = (_angle_rad(sensor, key) for key in ("beam_slant_deg", "beam_azimuth_deg"))
         azimuths = first + np.radians(90.0) * np.arange(DVL_BEAMS)
@@ -110,7 +110,7 @@ def _beams(sensor: SensorMount) -> Floats:
             ]
         )
         return turned(of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg), down)
-    if sensor.kind == "altitude":  # stabilised: vertical in any mount
+    if sensor.kind == "altitude":  # stabilised: vertical however it is mounted
         return np.array([DOWN])
     if sensor.kind == "proximity":
         return _turned(sensor.yaw_pitch_roll_deg, AHEAD)
@@ -133,10 +133,10 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 
 
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
-    """Return whether a ray from outside a closed surface, triangles (m, 3, 3) winding outward, hits it.
+    """Return whether a ray from outside a closed surface of outward-winding triangles (m, 3, 3) hits the surface.
 
-    A ray from inside first hits a back face. Moeller and Trumbore 1997, "Fast, minimum storage ray-triangle
-    intersection".
+    A ray from inside first hits a back face, and gives False. Moeller and Trumbore 1997, "Fast, minimum storage
+    ray-triangle intersection".
     """
     a = corners_m[:, 0]
     ab, ac = corners_m[:, 1] - a, corners_m[:, 2] - a
@@ -152,4 +152,4 @@ def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
     if not hits.any():
         return False
     nearest = np.flatnonzero(hits)[np.argmin(distance[hits])]
-    return bool(determinant[nearest] > 0.0)  # the front
+    return bool(determinant[nearest] > 0.0)  # a front face

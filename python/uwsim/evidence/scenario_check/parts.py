@@ -1,4 +1,4 @@
-"""check_part: a check of a file that scenarios name, such as a vehicle's, by building it."""
+"""check_part: checks a file that scenarios refer to, such as a vehicle's, by building its contents."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ OPEN_WATER: dict[str, Any] = {
     "water": {"density_kg_m3": FRESH_KG_M3},
     "terrain": {"source": "noise", "size_m": [2000, 2000], "spacing_m": 50, "bed_depth_m": 500},
 }
-"""Water for the check of a vehicle's own file: deep, still and fresh."""
+"""Scenario values for checking a vehicle's file: deep, still, fresh water."""
 
 
 def check_part(source: str | Path, kind: str) -> CheckReport:
     """Return the report on a file of a kind in uwsim.scenario.schema.FILES, such as a vehicle's.
 
-    Its contents are built: for a vehicle the hull, the mass, the actuators and all instruments, in open water. Raises
-    ValueError for an unknown kind.
+    The contents are built: for a vehicle the hull, mass, actuators and all instruments, in open water. Raises
+    ValueError if the kind is unknown.
     """
     if kind not in FILES:
         raise ValueError(f"kind '{kind}': must be one of {', '.join(FILES)}{did_you_mean(kind, FILES)}")
@@ -58,7 +58,7 @@ def check_part(source: str | Path, kind: str) -> CheckReport:
         return _vehicle_report(document.name, path)
     try:
         BUILT[kind](holding.model)
-    except ValueError as error:  # a ScenarioError, too
+    except ValueError as error:  # including ScenarioError
         return CheckReport(document.name, (f"{document.name}: {error}",))
     return CheckReport(document.name, ())
 

@@ -1,4 +1,4 @@
-"""The result of a check: mistakes, warnings, and values of what was built."""
+"""The report of a check: mistakes, warnings, and properties of what was built."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from uwsim.simulator.simulator import Simulator
 
 @dataclass(frozen=True, eq=False)
 class CheckReport:
-    """mistakes, warnings: one line each. scene: None for a file with mistakes, or of another kind than a scenario.
+    """The result of checking a file.
 
-    vehicle: for a vehicle's file, in fresh water.
+    mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties of
+    a vehicle's file in fresh water, None for other files.
     """
 
     file: str

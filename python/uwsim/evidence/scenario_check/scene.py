@@ -1,4 +1,4 @@
-"""A scenario's scene in numbers: the bed, each obstacle on it, each vehicle at its start."""
+"""A scenario's scene in numbers: the bed, the obstacles on it, and the vehicles at their starts."""
 
 from __future__ import annotations
 
@@ -26,17 +26,20 @@ CONTRAST = 0.02
 """The smallest visible contrast: Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53:214."""
 
 STILL_M_S = 0.005
-"""A slower current has no relevant effect on a vehicle, and is shown as 0.00 m/s."""
+"""Speed below which a current has no relevant effect on a vehicle, and is shown as 0.00 m/s."""
 
 CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
-"""The current that is not exceeded during this share of the mission, at this number of times: tides and gusts vary."""
+"""A start's current is the speed not exceeded at this share of so many times: tides and gusts vary."""
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Bed:
-    """The terrain. extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: of its area."""
+    """The terrain.
+
+    extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: share of its area above water.
+    """
 
     extent_m: tuple[float, float, float, float]
     lowest_m: float
@@ -46,10 +49,11 @@ class Bed:
 
 @dataclass(frozen=True)
 class ObstacleScene:
-    """An obstacle. lowest_m, highest_m: z. clearance_m: of its lowest point above the bed below; negative: sunk in.
+    """An obstacle in the scene.
 
-    size_m: along x, y and z of the world. buried_share: share of its surface below the bed. above_water_share: of its
-    surface.
+    lowest_m, highest_m: z. clearance_m: smallest height of its points above the bed; negative if it is sunk in. size_m:
+    extent along x, y and z of the world. buried_share, above_water_share: shares of its surface below the bed and above
+    the water. beside_terrain: whether a part of it is outside the terrain.
     """
 
     name: str
@@ -67,11 +71,11 @@ class ObstacleScene:
 class VehicleScene:
     """A vehicle at its start.
 
-    altitude_m: of its hull's lowest point above the bed; beside_terrain: whether a part of the hull is outside it.
-    free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: of a sphere round its
-    hull. weight_n: in air. net_buoyancy_n: deep in still water; positive: it rises. lift_n: its largest thrust up and
-    down. current_m_s: at its start, see CURRENT_SHARE. holds_current: whether it can stay there in it. figures: of its
-    own file, in this water.
+    altitude_m: smallest height of its hull above the bed. beside_terrain: whether a part of the hull is outside the
+    terrain. free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: radius of a
+    sphere around its hull. weight_n: weight in air. net_buoyancy_n: deep in still water; positive if it rises. lift_n:
+    largest thrust down (negative) and up. current_m_s: current at its start, see CURRENT_SHARE. holds_current: whether
+    it can hold its position in that current. figures: properties of its model in this water.
     """
 
     name: str
@@ -93,7 +97,7 @@ class VehicleScene:
 
 @dataclass(frozen=True)
 class Scene:
-    """The whole scene. sight_m: the range at which cameras see a dark target, see CONTRAST.
+    """The whole scene. sight_m: the largest range at which cameras see a dark target, see CONTRAST.
 
     station_bed_m: z of the bed.
     """
@@ -108,13 +112,13 @@ class Scene:
     vehicles: tuple[VehicleScene, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values, with None for numbers that are not finite."""
+        """Return the scene as plain values, with None for numbers that are not finite."""
         values: dict[str, Any] = plain(asdict(self))
         return values
 
 
 def plain(value: Any) -> Any:
-    """Return plain values, for JSON, with None for numbers that are not finite."""
+    """Return values for JSON, with None for numbers that are not finite."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -146,7 +150,7 @@ def measured_scene(sim: Simulator) -> Scene:
 
 
 def sight_m(beam_attenuation: Floats) -> float:
-    """Return the distance at which contrast falls to CONTRAST, exp(-c r), in the clearest of the bands [1/m]."""
+    """Return the distance at which contrast, exp(-c r), falls to CONTRAST in the clearest band."""
     return float(-math.log(CONTRAST) / np.min(beam_attenuation))
 
 
@@ -208,7 +212,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
 
 
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
-    """Return the speed of the current there, without waves, whose orbital motion only moves a vehicle to and fro."""
+    """Return the speed of the current at a position, without waves, which only move a vehicle to and fro."""
     calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
     water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
     times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
@@ -228,7 +232,7 @@ def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Return whether the thrusters can drive the vehicle ahead at a speed through the water; in still water, true."""
+    """Return whether the thrusters can drive the vehicle ahead at a speed through the water, or the water is still."""
     if speed_m_s < STILL_M_S:
         return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -15,21 +15,24 @@ from uwsim.simulator.simulator import Simulator
 SIGHT_M = 3.0
 """Visibility below which a warning is given."""
 FLOATING_M = 0.3
-"""Height above the bed beyond which an obstacle gives a warning: it hangs in the water."""
+"""Height above the bed beyond which an obstacle gives a warning, since it hangs in the water."""
 BURIED, HIDDEN = 0.6, 0.999
-"""Shares of an obstacle's surface below the bed beyond which it gives a warning, or is invisible."""
+"""Shares of an obstacle's surface below the bed beyond which it gives a warning, and is invisible, respectively."""
 TRIM_SHARE = 0.004
 """Net buoyancy, as a share of a vehicle's weight, beyond which a warning is given."""
 RISING_SHARE = 0.03
 """Operators leave a vehicle slightly buoyant, up to this share."""
 FREE_M = 0.1
 LONG_TERRAINS, TALL_M, TINY_M = 1.5, 100.0, 0.05
-"""Limits beyond which an obstacle may be in another unit: longer than this many terrains (a wall round one is its
-diagonal), this high out of the water, or smaller than a fist."""
+"""Limits beyond which an obstacle may be in the wrong unit.
+
+LONG_TERRAINS: length relative to the terrain, where a wall around the terrain has its diagonal. TALL_M: height above
+the water. TINY_M: size, about that of a fist.
+"""
 
 
 def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
-    """Return one sentence for each, with the line in the file."""
+    """Return a sentence about each likely oversight, with its line in the file."""
     source = sim.scenario.source_file
     found: list[tuple[tuple[str | int, ...], str]] = []
     for index, obstacle in enumerate(scene.obstacles):

@@ -1,4 +1,4 @@
-"""Derived properties of a vehicle: size, mass, attitude at rest, stability, its mounts."""
+"""Derived properties of a vehicle: size, mass, attitude at rest, stability, and mounts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from uwsim.scenario.spec.vehicle import Trim, VehicleModel
 
 Floats = NDArray[np.float64]
 NO_LEVER_M = 1e-3
-"""Distance of the two centres below which righting moments are negligible: the vehicle has no attitude at rest."""
+"""Distance between the centres of mass and buoyancy below which righting moments are negligible."""
 UNDER_WAY_M_S = 1.5
 """The speed at which course stability is assessed, typical of AUVs."""
 SURGE, SWAY, YAW = 0, 1, 5
@@ -27,13 +27,13 @@ SURGE, SWAY, YAW = 0, 1, 5
 class VehicleFigures:
     """A vehicle with its ballast and trim, fully submerged in water of water_density_kg_m3.
 
-    size_m: of the hull's bounding box. righting_lever_m: from the centre of mass up to the centre of buoyancy in the
-    body frame, which is also the metacentric height of a submerged body; negative: it turns over. righting_nm_rad:
-    the moment per radian from rest. nose_down_deg, roll_to_starboard_deg: at rest, None without a righting moment.
-    gyration_m: radii of gyration about the body axes, without ballast and trim; hull_gyration_m: those of the hull
-    as a solid; reach_m: of the hull's farthest point from each axis. drives: axes with thrusters or fins.
-    course_growth_1_s: growth rate of a yaw disturbance without control, at UNDER_WAY_M_S; negative: it decays; None
-    if thrusters push it sideways.
+    size_m: size of the hull's bounding box. righting_lever_m: height of the centre of buoyancy above the centre of mass
+    in the body frame, which is also the metacentric height of a submerged body; negative if the vehicle turns over.
+    righting_nm_rad: righting moment per radian from rest. nose_down_deg, roll_to_starboard_deg: attitude at rest, None
+    without a righting moment. gyration_m: radii of gyration about the body axes, without ballast and trim.
+    hull_gyration_m: the same for the hull as a solid. reach_m: distance of the hull's farthest point from each axis.
+    drives: axes with thrusters or fins. course_growth_1_s: growth rate of a yaw disturbance without control at
+    UNDER_WAY_M_S, negative if it decays; None if thrusters can push the vehicle sideways.
     """
 
     size_m: tuple[float, float, float]
@@ -59,7 +59,10 @@ class VehicleFigures:
 def vehicle_figures(
     model: VehicleModel, control: _core.ControlModel, density_kg_m3: float, trim: Trim | None
 ) -> VehicleFigures:
-    """Return a vehicle's properties. control: its model in that water; trim: instead of the model's. ScenarioError."""
+    """Return a vehicle's properties. control: its control model in that water. trim: replaces the model's trim.
+
+    Raises ScenarioError if the vehicle cannot be built.
+    """
     body = rigid_body(model, density_kg_m3)
     weights = trim_weights(model, body, trim or model.trim, density_kg_m3)
     mass_kg, centre_m, _ = mass_with_ballast(model, body, weights)
@@ -90,10 +93,12 @@ def vehicle_figures(
 
 
 def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:
-    """Return pitch (nose down) and roll (to starboard) at which the centre of buoyancy is right above that of mass.
+    """Return pitch (nose down) and roll (to starboard) of a submerged body at rest.
 
-    lever_m: (3,) from the centre of mass to that of buoyancy, body frame. There buoyancy and weight have no moment,
-    whatever their size, and a body that is turned away from it turns back.
+    At rest the centre of buoyancy is directly above the centre of mass.
+
+    lever_m: (3,), from the centre of mass to the centre of buoyancy, body frame. At this attitude buoyancy and weight
+    have no moment, whatever their magnitudes, and a body turned away from it returns to it.
     """
     length_m = float(np.linalg.norm(lever_m))
     if length_m < NO_LEVER_M:
@@ -103,7 +108,7 @@ def rest_attitude_deg(lever_m: Floats) -> tuple[float | None, float | None]:
 
 
 def course_growth_1_s(model: VehicleModel, control: _core.ControlModel, density_kg_m3: float) -> float:
-    """Return the largest growth rate of sway and yaw, linear about a straight course with fins held amidships.
+    """Return the largest growth rate of sway and yaw, linearised about a straight course with fins held amidships.
 
     M nu' = f(nu), with Munk's moment in f and the lift of fins, -1/2 rho U C_La A n (n . v), at each fin: Fossen 2021,
     "Handbook of Marine Craft Hydrodynamics and Motion Control", sec. 6.5; the fin's slope is FinParameters.lift_slope.
@@ -123,7 +128,7 @@ def course_growth_1_s(model: VehicleModel, control: _core.ControlModel, density_
 
 
 def _lift(fin: _core.FinParameters, velocity: Floats, density_kg_m3: float) -> Floats:
-    """Return force and moment (6,) of a fin amidships in flow at a small angle from ahead."""
+    """Return the force and moment (6,) of a fin held amidships, in flow at a small angle to straight ahead."""
     at = np.asarray(fin.position_body_m)
     across = np.cross((1.0, 0.0, 0.0), np.asarray(fin.span_body))
     sideways_m_s = float(across @ (velocity[:3] + np.cross(velocity[3:], at)))
@@ -132,7 +137,7 @@ def _lift(fin: _core.FinParameters, velocity: Floats, density_kg_m3: float) -> F
 
 
 def _solid_inertia(model: VehicleModel, density_kg_m3: float) -> Floats:
-    """Return the moments of inertia of the hull as a solid of the model's mass, about its own centre."""
+    """Return the moments of inertia of the hull as a solid with the model's mass, about its own centre."""
     return rigid_body(model.model_copy(update={"inertia_kg_m2": None}), density_kg_m3).inertia_kg_m2
 
 

@@ -1,4 +1,4 @@
-"""Likely oversights in a valid vehicle file: it hangs upside down, a propeller is far away."""
+"""Likely oversights in a valid vehicle file, such as a vehicle that hangs upside down or a propeller far away."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ OFF_DOWN_DEG = 60.0
 """Angle of a DVL from straight down beyond which a warning is given: two of its beams are then above the horizon."""
 BLOCKED_SHARE = 0.5
 GYRATION_SHARES = (0.3, 3.0)
-"""Limits of the radii of gyration over those of the hull as a solid: no distribution of parts explains others."""
+"""Limits of a radius of gyration relative to that of the hull as a solid; no distribution of parts explains others."""
 GROWTH_1_S = 0.05
-"""Growth rate of a yaw disturbance beyond which a warning is given: slower ones take a helmsman 20 s to notice."""
+"""Growth rate of a yaw disturbance beyond which a warning is given; a helmsman needs 20 s to notice a slower one."""
 EXTREME_SHARE = 0.2
-"""Net buoyancy over weight, in fresh and in sea water, beyond which trimming cannot help."""
+"""Ratio of net buoyancy to weight, in fresh and in sea water, beyond which trimming cannot help."""
 FRESH_KG_M3, SEA_KG_M3 = 1000.0, 1026.0
 
 Found = tuple[tuple[str | int, ...], str]
 
 
 def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield keys of the vehicle's file with a sentence for each."""
+    """Yield keys in the vehicle's file, with a sentence about each likely oversight."""
     yield from _of_attitude(figures)
     yield from _of_inertia(figures)
     yield from _of_steering(figures)
@@ -38,7 +38,7 @@ def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
 
 
 def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield warnings about the buoyancy in any water, for a file that names no water."""
+    """Yield warnings about the buoyancy in any water, since a vehicle's file does not name its water."""
     density = figures.density_kg_m3
     if density > SEA_KG_M3 / (1.0 - EXTREME_SHARE):
         yield (), f"its mean density is {density:.0f} kg/m3: it sinks like a stone in any water"

@@ -1,7 +1,7 @@
-"""Measurement of a vehicle's actuator wrench from its motion.
+"""Measures the wrench of a vehicle's actuators from its motion.
 
-Two simulators, one with the actuators and one without, make one step from the same state. The difference of their
-velocities times the published mass is the actuators' impulse.
+Two simulators, with and without the actuators, make one step from the same state. The difference between their
+velocities, times the published mass matrix, is the actuators' impulse.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from uwsim.scenario.spec.control import Control
 from uwsim.simulator.simulator import Simulator
 
 STEP_S = 0.0005
-SETTLED = 16  # time constants until the thrust has settled
+SETTLED = 16  # number of time constants after which the thrust has settled
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 STILL = (0.0,) * 6
 WRENCH_TOLERANCE = 1e-3
@@ -61,7 +61,7 @@ class Probe:
         at_m: Sequence[float] = START_M,
         attitude_xyzw: Sequence[float] = LEVEL,
     ) -> Array:
-        """Return the actuators' wrench (6,): M times the difference of accelerations, plus half that of resistances."""
+        """Return the actuators' wrench (6,): M times the difference in acceleration, plus half that in resistance."""
         after = []
         for sim in (self._driven, self._bare):
             sim.rov.place(at_m, attitude_xyzw, velocity)
@@ -72,7 +72,7 @@ class Probe:
 
 
 def _resistance(body: Coefficients, nu: Array) -> Array:
-    """Return the Coriolis and centripetal terms plus the damping (6,), as published."""
+    """Return the published Coriolis, centripetal and damping terms, (6,)."""
     momentum = body.mass @ nu
     p, v, w = momentum[:3], nu[:3], nu[3:]
     damping = (np.asarray(body.linear_damping) + np.asarray(body.quadratic_damping) * np.abs(nu)) * nu
@@ -80,7 +80,7 @@ def _resistance(body: Coefficients, nu: Array) -> Array:
 
 
 def wrench_checks(group: str, name: str, expected: Array, got: Array) -> Iterator[Check]:
-    """Compare force and moment of wrenches (..., 6), each relative to its largest magnitude, at least 0.1."""
+    """Compare the forces and moments of wrenches (..., 6), each relative to its largest magnitude, but at least 0.1."""
     for what, part, unit in (("force", slice(0, 3), "N"), ("moment", slice(3, 6), "N m")):
         want, found = expected[..., part], got[..., part]
         scale = max(float(np.linalg.norm(want, axis=-1).max()), 0.1)

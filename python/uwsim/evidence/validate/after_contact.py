@@ -1,4 +1,4 @@
-"""Navigation after contacts: soon after the vehicle is free, the filter's errors match its covariance again.
+"""Navigation after contacts: soon after the vehicle is free again, the filter's errors match its covariance.
 
 A collision exceeds the accelerometer's range, and a hull that overlaps the ground is moved and rotated by the
 contact solver without any instrument measuring it. The measure is the NEES of estimation.py, RECOVERY_S after the
@@ -17,18 +17,18 @@ from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
 PLACE_WORLD_M = (-30.0, -40.0)
-CONTACTS = {  # height of the hull's centre above the bed, half of its own being 0.3 m; velocity [m/s]
+CONTACTS = {  # height of the hull's centre above the bed, where the hull is 0.6 m high; velocity [m/s]
     "thrown onto the bed at 2 m/s": (1.0, (0.0, 0.0, -2.0)),
     "skidding on the bed from 1.8 m/s": (0.6, (1.5, 0.0, -1.0)),
     "placed halfway in the bed": (0.05, (0.0, 0.0, 0.0)),
 }
-BEYOND = {"placed halfway in the bed": 2.0}  # times the bound: unmeasured motion is not fully recovered
+BEYOND = {"placed halfway in the bed": 2.0}  # factors on the bound: unmeasured motion is not fully recovered
 PRESSED_S, LIFTED_S, RECOVERY_S = 5.0, 10.0, 20.0
 PRESSING, LIFTING = (0.6, 0.0, -0.5, 0.0, 0.0, 0.2), (-0.2, 0.0, 0.5, 0.0, 0.0, 0.0)
 
 
 def after_contact(sim: Simulator, seed: int, height_m: float, velocity_m_s: tuple[float, float, float]) -> float:
-    """Let the vehicle touch the bed, and lift it; return the NEES RECOVERY_S later."""
+    """Let the vehicle touch the bed and lift off; return the NEES RECOVERY_S after that."""
     bed_m = float(sim.world.height_at(np.array([PLACE_WORLD_M]))[0])
     navigator, _ = start_navigation(sim, seed, (*PLACE_WORLD_M, bed_m + height_m), velocity_m_s)
     sim.rov.set_effort(*PRESSING)
@@ -42,7 +42,7 @@ def after_contact(sim: Simulator, seed: int, height_m: float, velocity_m_s: tupl
 
 
 def contact_checks(sim: Simulator, seeds: int) -> list[Check]:
-    """Fly each contact with all seeds; compare the mean NEES with its upper 97.5 % bound, or BEYOND times that."""
+    """Fly each contact with all seeds; compare the mean NEES with its upper 97.5 % bound, times BEYOND if listed."""
     most = float(chi2.ppf(0.975, seeds * ERRORS) / seeds)
     return [
         at_most(

@@ -1,6 +1,6 @@
 """The camera suite: pictures against the laws of light in water, the sonar's rays and OpenCV's projection.
 
-Each law is measured in pictures of a small world: a grey wall, a level plate, a lamp, the sky through the surface.
+Each law is measured in pictures of a small world: a grey wall, a level plate, a lamp, or the sky through the surface.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BANDS = ("red", "green", "blue")
 TYPES = ("I", "III", "5C")
 NIGHT_DEG = -6.0
 SIDE = 33
-"""Width and height of the small pictures [pixels]: odd, so that one pixel looks straight ahead."""
+"""Width and height of the small pictures [pixels]; odd, so that one pixel looks straight ahead."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,13 @@ class Light:
 
     @property
     def optics(self) -> _core.Optics:
-        """The native optics: no wind, no particles."""
+        """The native optics, without wind and particles."""
         return _core.Optics(self.water, float(np.radians(self.sun_deg)), 0.7, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class View:
-    """A scene and a camera in it: position (3,), yaw, pitch (down is positive) and roll; focal length in pixels."""
+    """A scene and a camera in it. Pitch is positive down; the focal length and the side are in pixels."""
 
     scene: _core.CameraScene
     position_m: Sequence[float]
@@ -54,7 +54,7 @@ class View:
     side: int = SIDE
 
     def picture(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> _core.Picture:
-        """Return its picture, with radiance."""
+        """Return the camera's picture, with radiance."""
         centre = 0.5 * (self.side - 1)
         lens = _core.Lens(self.side, self.side, self.focal, self.focal, centre, centre)
         turn = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat()
@@ -93,7 +93,7 @@ def wall_at(range_m: float, depth_m: float = 6.0) -> View:
 
 
 def wall_against_range() -> list[Check]:
-    """Check L(r) = L0 exp(-c r) + B (1 - exp(-c r)), c = a + b: L0 of the wall, B the backscatter of open water."""
+    """Check L(r) = L0 exp(-c r) + B (1 - exp(-c r)), c = a + b, with the wall's L0 and open water's backscatter B."""
     checks = []
     ranges = np.array([0.5, 1.0, 2.0, 4.0, 8.0, 16.0])
     for jerlov in TYPES:
@@ -134,7 +134,7 @@ def sunlight_against_depth() -> list[Check]:
 
 
 def lamp_against_distance() -> list[Check]:
-    """Check that a lamp beside the camera lights a wall by I cos / d^2 exp(-c d), with exp(-c r) back to the camera."""
+    """Check that a lamp beside the camera lights a wall with I cos / d^2 exp(-c d), and exp(-c r) on the way back."""
     flux_lm, half, soft, aside = 20_000.0, 0.6, 0.5, 0.2
     light = Light("III", NIGHT_DEG)
     c = np.asarray(light.water.absorption) + np.asarray(light.water.scattering)
@@ -156,7 +156,7 @@ def lamp_against_distance() -> list[Check]:
 
 
 def refraction_at_the_surface() -> list[Check]:
-    """Check Snell's law for the sun's beam and for the edge of the window in which the sky appears from below."""
+    """Check Snell's law for the sun's rays and for the edge of the window in which the sky appears from below."""
     checks = []
     for sun_deg in (15.0, 45.0, 75.0):
         optics = Light("I", sun_deg).optics
@@ -191,7 +191,7 @@ def lake_depths() -> list[Check]:
     both = np.isfinite(ranges) & np.isfinite(got)
     missed = int(np.count_nonzero(np.isfinite(ranges) != np.isfinite(got)))
     error = (got[both] - ranges[both]) / np.maximum(ranges[both], 1.0)
-    # A pixel on an outline may hit either side of it.
+    # A pixel on an outline may hit either side of the outline.
     error = np.sort(np.abs(error))[: int(0.995 * both.sum())]
     return [
         along("depth against the sonar's rays", f"{both.sum()} rays", np.zeros(len(error)), error, 1.0, 1e-5),
@@ -200,12 +200,12 @@ def lake_depths() -> list[Check]:
 
 
 CHECKERS = (9, 6)
-"""Inner corners along each side."""
+"""Number of inner corners along each side."""
 SQUARE_M = 0.05
 
 
 def checkerboard_scene(distance_m: float) -> tuple[_core.CameraScene, Floats]:
-    """Return a scene with a tilted checkerboard ahead, and the board's inner corners (n, 3), world."""
+    """Return a scene with a tilted checkerboard ahead, and the board's inner corners (n, 3) in the world."""
     columns, rows = CHECKERS[0] + 3, CHECKERS[1] + 3
     texels = 12  # interpolation blurs an edge over one texel, about three pixels, as corner finders expect
     tiles = np.add.outer(np.arange(rows), np.arange(columns)) % 2
@@ -238,7 +238,7 @@ def checkerboard_corners() -> list[Check]:
     picture = scene.render(
         _core.Camera("check", lens), light, (0, 0, -3), (0, 0, 0, 1), 0.0, 0, ["distortion"], keep_radiance=True
     )
-    # Linear light: the transfer curve would widen white edges and so shift the corners that are found.
+    # Linear light, since the transfer curve would widen white edges and so shift the corners found.
     linear = np.asarray(picture.radiance)[..., 1]
     grey = np.clip(linear / linear.max() * 250, 0, 255).astype(np.uint8)
     found, pixels = cv2.findChessboardCorners(grey, CHECKERS)

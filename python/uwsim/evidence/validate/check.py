@@ -1,4 +1,4 @@
-"""One comparison of a validation: the expected value, the simulator's, the error and its tolerance."""
+"""Check: a comparison of an expected value with the simulator's value, with its error and tolerance."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def within(group: str, name: str, expected: float, got: float, scale: float, tol
 def along(
     group: str, name: str, expected: ArrayLike, got: ArrayLike, scale: float, tolerance: float, unit: str = ""
 ) -> Check:
-    """Compare two curves; the error is their largest difference relative to `scale`, with the values there."""
+    """Compare two curves at the point where they differ most; the error is relative to `scale`."""
     reference, found = np.asarray(expected, np.float64), np.asarray(got, np.float64)
     distance = np.abs(found - reference) / scale
     worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))
@@ -48,5 +48,5 @@ def along(
 
 
 def at_most(group: str, name: str, limit: float, got: float, unit: str = "") -> Check:
-    """Compare a value with its limit; the error is its share of the limit."""
+    """Compare a value with its limit; the error is the ratio of the value to the limit."""
     return Check(group, f"{name} at most", limit, got, got / limit, 1.0, unit)

@@ -1,4 +1,4 @@
-"""A validation's checks as a printed table: expected, got, error and tolerance."""
+"""Prints a validation's checks as a table: expected, got, error and tolerance."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uwsim.evidence.validate.check import Check
 
 
 def print_checks(checks: list[Check], title: str, console: Console | None = None) -> None:
-    """Print the table and the number of misses."""
+    """Print the checks as a table, and the number of misses."""
     table = Table(title=title, title_justify="left")
     table.add_column("what")
     table.add_column("figure", overflow="fold")

@@ -1,4 +1,4 @@
-"""Laws of contact with the bed: the impulse with the full mass matrix, energy that never increases, and rest."""
+"""Laws of contact with the bed: the impulse for the full mass matrix, energy that never increases, and rest."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def contact_laws() -> list[Check]:
 
 
 def impulses() -> list[Check]:
-    """Check the impulse of a face, an edge or a corner: J = (1 + e) v / (n^T M^-1 n), M of body and water."""
+    """Check the impulse on a face, an edge and a corner: J = (1 + e) v / (n^T M^-1 n), M including added mass."""
     checks = []
     for name, pitch, roll in (("face", 0.0, 0.0), ("edge", 0.3, 0.0), ("corner", 0.3, 0.25)):
         for restitution in (0.0, 0.5):
@@ -37,7 +37,7 @@ def impulses() -> list[Check]:
 
 
 def energy() -> list[Check]:
-    """Check that a tumbling body never gains energy on the bed; its added mass in heave is ten times its mass."""
+    """Check that a tumbling body, whose added mass in heave is ten times its mass, never gains energy on the bed."""
     body = _body(density_kg_m3=1500.0, added_mass=(300.0, 3000.0, 8600.0, 100.0, 250.0, 400.0))
     sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), restitution=0.5)
     weight_n = (body.mass_kg - 1000.0 * body.volume_m3) * GRAVITY_M_S2
@@ -54,7 +54,7 @@ def energy() -> list[Check]:
         now = energy_j()
         grown, least = max(grown, now - least), min(least, now)
     if not sim.rov.collisions:
-        grown = np.inf  # no contact, so nothing was tested
+        grown = np.inf  # there was no contact, so nothing was tested
     return [within(GROUP, "energy gained over 10 s of striking", 0.0, grown, start, 1e-4, "J")]
 
 
@@ -94,7 +94,7 @@ def _damped(body: Coefficients) -> Coefficients:
 
 
 def _impulse(pitch_rad: float, roll_rad: float, restitution: float) -> tuple[float, float]:
-    """Return expected and got for a box that moves straight down and strikes with its lowest point."""
+    """Return the expected and the simulated impulse of a box that moves down and strikes with its lowest point."""
     body = _body(density_kg_m3=1000.0, added_mass=ADDED_MASS)
     sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), friction=0.0, restitution=restitution)
     turn = Rotation.from_euler("yx", [pitch_rad, roll_rad])

@@ -1,4 +1,4 @@
-"""The control loops of the packaged vehicles: step responses, and flights in gusts, against limits."""
+"""The control suite: step responses of the packaged vehicles, and flights in gusts, against limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
 
 
 def run(out: Path | None) -> list[Check]:
-    """Return the checks of all vehicles; draw their step responses into the folder `out`."""
+    """Return the suite's checks; draw the step responses of all vehicles into the folder `out`."""
     checks = []
     for name in VEHICLES:
         responses = step_responses(name, load_vehicle(name))
@@ -33,7 +33,7 @@ def run(out: Path | None) -> list[Check]:
 
 
 def response_checks(response: StepResponse) -> list[Check]:
-    """Compare one step's rise, overshoot, settling and steady error with their limits."""
+    """Compare the rise, overshoot, settling and steady error of a step response with their limits."""
     step, unit = response.step, response.step.unit
     name = f"{step.name} {step.size:.3g} {unit}"
     return [

@@ -1,4 +1,4 @@
-"""The dynamics suite: closed forms, contact, thrusters and fins, and the published vehicles."""
+"""The dynamics suite: closed forms, contact, thrusters, fins, and the published vehicles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.evidence.validate.vehicles import vehicle_checks
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; draw each vehicle's decay and turning curves into the folder `out`."""
+    """Return the suite's checks; draw each vehicle's decay and turning curves into the folder `out`."""
     checks = [*closed_forms(), *contact_laws(), *thruster_checks(), *fin_checks()]
     for name in PUBLISHED:
         found, curves = vehicle_checks(name)

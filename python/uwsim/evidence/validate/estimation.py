@@ -1,7 +1,7 @@
-"""Navigation: the filter's errors against its covariance, and its drift without DVL and USBL against a closed form.
+"""The estimation suite: the filter's errors against its covariance, and its drift without DVL and USBL.
 
 Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has the
-mean n (here 9 errors: position, velocity, attitude), and N x its average is chi-square distributed with N n degrees of
+mean n (here n = 9: position, velocity, attitude), and N times its average is chi-square distributed with N n degrees of
 freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", ch. 5.4).
 
 Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): the position error
@@ -35,7 +35,7 @@ LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 
 
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
-    """Return all checks; draw the curves into the folder `out`. seeds: number of flights; by default SEEDS."""
+    """Return the suite's checks; draw its curves into the folder `out`. seeds: number of flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
     nees = np.array([list(flownnees_of(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
@@ -55,7 +55,7 @@ def start_navigation(
     start_world_m: tuple[float, float, float] = START_WORLD_M,
     velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Navigator, np.random.Generator]:
-    """Begin a flight, heading east, whose navigation starts with errors drawn from its own covariance."""
+    """Begin a flight heading east, whose navigation starts with errors drawn from its initial covariance."""
     sim.reset(seed=seed)
     sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
     draws = np.random.default_rng(seed)
@@ -67,7 +67,7 @@ def start_navigation(
 
 
 def errors(sim: Simulator, navigator: Navigator) -> Array:
-    """Return the errors (9,): position and velocity, world axes; attitude, body axes."""
+    """Return the errors (9,): position and velocity in world axes, attitude in body axes."""
     pose, true = navigator.pose, sim.rov.pose
     turn, true_turn = pose.world_from_body[:3, :3], true.world_from_body[:3, :3]
     velocity = true_turn @ sim.rov.velocity.linear_body_m_s - turn @ navigator.velocity.linear_body_m_s
@@ -76,7 +76,7 @@ def errors(sim: Simulator, navigator: Navigator) -> Array:
 
 
 def flownnees_of(sim: Simulator, seed: int) -> Iterator[list[float]]:
-    """Fly about; yield the NEES of all errors, and of each of PARTS, at intervals."""
+    """Fly with random efforts; yield the NEES of all errors and of each of PARTS, at intervals."""
     navigator, draws = start_navigation(sim, seed)
     for leg in range(LEGS):
         sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
@@ -87,12 +87,12 @@ def flownnees_of(sim: Simulator, seed: int) -> Iterator[list[float]]:
 
 
 def nees_of(error: Array, covariance: Array, part: slice) -> float:
-    """Return the normalised estimation error squared of some errors."""
+    """Return the normalised estimation error squared of a part of the errors."""
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
 def consistency_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks of NEES, (flights, looks, 1 + PARTS). how: the way in which they were flown."""
+    """Return the checks of NEES values, (flights, times, 1 + PARTS). how: describes the flights."""
     flights, looks = nees.shape[:2]
     group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
     mean = nees.mean(axis=0)
@@ -108,9 +108,9 @@ def consistency_checks(nees: Array, how: str = "") -> list[Check]:
 
 
 def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
-    """Hover, then lose DVL and USBL.
+    """Hover, then switch off DVL and USBL.
 
-    Returns the filter's final covariance of the horizontal position, the closed form's, and the error, (2,).
+    Return the final covariance of the horizontal position, by the filter and by the closed form, and its error (2,).
     """
     navigator, draws = start_navigation(sim, seed)
     for _ in range(round(DROP_OUT_AFTER_S / LEG_S) - 3):
@@ -125,7 +125,7 @@ def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
 
 
 def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
-    """Return the covariance (2, 2) of the horizontal position after t s on the IMU alone, at constant attitude."""
+    """Return the covariance (2, 2) of the horizontal position after t s with only the IMU, at constant attitude."""
     turn, gravity = navigator.pose.world_from_body[:3, :3], sim.world.water.gravity_m_s2
     imu = sim.rov.sensors["imu"].spec.noise
     force = turn @ _cross(turn.T @ [0.0, 0.0, gravity])

@@ -1,4 +1,4 @@
-"""REMUS 100's fins and hull lift, each alone and in a turn under propulsion, against published values and laws.
+"""Checks REMUS 100's fins and hull lift, each alone and in a turn under propulsion, against published values and laws.
 
 The values are repeated here independently of the YAML file, and the law (Beard and McLain 2012, Small Unmanned
 Aircraft, ch. 4) independently of the core. The turn is integrated by SciPy.
@@ -21,8 +21,8 @@ from uwsim.evidence.validate.reference_solution import GRAVITY_M_S2, Array, cros
 from uwsim.scenario import VehicleModel, load_vehicle
 
 # Tail fins: Prestero 2001. Hull, vertical and lateral: Fossen's remus100.py, area 0.7 L D, aspect ratio D^2 / S,
-# efficiency 0.7. Our own values, with reasons in the YAML file: positions, profile drag, stall (2 degrees wide), rate,
-# the tail's efficiency.
+# efficiency 0.7. Values chosen for uwsim, for the reasons given in the YAML file: positions, profile drag, stall (2
+# degrees wide), rate, the tail's efficiency.
 FINS = ("port", "starboard", "top", "bottom")
 _SPAN = np.array([(0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0), (0, 0, 1)], np.float64)
 _PLACE = np.array([(-0.73, 0, 0)] * 4 + [(-0.24, 0, 0)] * 2) + 0.1 * _SPAN * np.array([[1]] * 4 + [[0]] * 2)
@@ -35,7 +35,7 @@ _MOST_DEG, _RATE_DEG_S = 15.0, 90.0
 
 
 def fins_wrench(velocity: Array, angles_rad: Mapping[str, float]) -> Array:
-    """Return the wrench (6,) of REMUS 100's fins and hull: lift and drag of each in the flow at its position."""
+    """Return the wrench (6,) of REMUS 100's fins and hull: the lift and drag of each in the flow at its position."""
     there = velocity[:3] + _PLACE @ cross_matrix(velocity[3:]).T
     ahead, across = there[:, 0], np.einsum("ni,ni->n", there, _ACROSS)
     speed2 = ahead**2 + across**2
@@ -57,7 +57,7 @@ _PLACE_CROSS = np.array([cross_matrix(place) for place in _PLACE])
 
 
 def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag."""
+    """Check the drag without deflection, each fin's lift at 10 degrees and in stall, and the hull's lift and drag."""
     probe, ahead = Probe(name, model), np.array([2.0, 0, 0, 0, 0, 0])
     cases: list[tuple[str, Array, dict[str, float]]] = [("fins centred", ahead, {})]
     cases += [(f"{fin} at 10 deg", ahead, {fin: 10.0}) for fin in FINS]
@@ -75,7 +75,7 @@ def fin_wrenches(name: str = "remus100", model: VehicleModel | None = None) -> I
 
 
 def fin_travel(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check that at full effort the fins turn at their rate to their limit, and in the sense of port or nose down."""
+    """Check that at full effort the fins turn to their limit at their rate, in the direction for port or nose down."""
     probe = Probe(name, model)
     for effort, sides in (("yaw", {"top": -1, "bottom": 1}), ("pitch", {"port": -1, "starboard": 1})):
         probe.rov.set_effort(**{effort: 1.0})
@@ -93,7 +93,7 @@ PATH_TOLERANCE, STEADY_TOLERANCE = 4e-3, 1e-3
 
 @lru_cache(maxsize=1)
 def _turn() -> tuple[Array, Array]:
-    """Return positions (n, 3) and velocities (n, 6) of REMUS 100 from rest under TURN_SURGE and TURN_YAW."""
+    """Return the positions (n, 3) and velocities (n, 6) of REMUS 100 from rest under TURN_SURGE and TURN_YAW."""
     body, mount = REMUS_100, MOUNTS["remus100"]["propeller"]
     mass, inverse = body.mass, np.linalg.inv(body.mass)
     weight_n = body.mass_kg * GRAVITY_M_S2

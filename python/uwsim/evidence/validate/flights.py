@@ -1,4 +1,4 @@
-"""Motions flown by the simulator in deep still water, for comparison with reference solutions."""
+"""Simulated motions in deep, still water, for comparison with reference solutions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SAMPLE_S = 0.05
 
 
 def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Simulator:
-    """Return a simulator with one free vehicle in still water of one density, far from the surface and the flat bed."""
+    """Return a simulator with a free vehicle in still water of uniform density, far from surface and bed."""
     return Simulator(
         Scenario.model_validate(
             {

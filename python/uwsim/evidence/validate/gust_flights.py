@@ -1,4 +1,4 @@
-"""Flights of the BlueROV2 Heavy in a gusting current: station keeping, and a path at speed."""
+"""Flights of the BlueROV2 Heavy in a gusty current: station keeping, and a path at speed."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from uwsim.scenario import Scenario, VehicleModel
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
-MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # eastward; of the horizontal gusts' vector; assumed
+MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # mean eastward, horizontal gusts; assumed
 SETTLE_S, HOLD_S = 20.0, 120.0
-START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # within the DVL's range of the bed
+START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # the bed is within the DVL's range
 SPEED_M_S, LEG_M = 1.0, 56.0
-LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the path counts from CORNER_M behind each corner on
-ALIGN_S = 60.0  # of station keeping before the path, in which the filter estimates its biases
+LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the first CORNER_M after each corner do not count
+ALIGN_S = 60.0  # station keeping before the path, during which the filter estimates its biases
 TOP_SPEED_AFTER_S = 20.0
-LEGS = 3  # at 45 degrees to the mean current, to either side in turn
+LEGS = 3  # legs at 45 degrees to the mean current, alternately to either side
 SEEDS = (1, 2, 3, 4, 5, 6)
 NEAR_START_M = (20.0, 10.0, 0.0)
-ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # of the zigzag: the USBL's error across its line of sight grows with range
-WAYS = {  # position of the station, and time of station keeping before the path
+ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # above the zigzag: the USBL's cross-range error grows with range
+WAYS = {  # position of the station, and duration of station keeping before the path
     "from rest, station at the start": (NEAR_START_M, 0.0),
     "after a minute, station at the start": (NEAR_START_M, ALIGN_S),
     "from rest, station above the middle": (ABOVE_MIDDLE_M, 0.0),
@@ -35,9 +35,9 @@ WAYS = {  # position of the station, and time of station keeping before the path
 
 
 def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEAR_START_M) -> Simulator:
-    """Return a simulator with one free vehicle near a flat bed, in an eastward current with gusts.
+    """Return a simulator with a free vehicle near a flat bed, in an eastward current with gusts.
 
-    station_m: (3,), of the station, which has the USBL's transceiver.
+    station_m: (3,), position of the station, which has the USBL's transceiver.
     """
     each_m_s = RMS_M_S / math.sqrt(2.0)
     gusts = {
@@ -61,7 +61,7 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
 
 
 def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Array:
-    """Keep station, facing along the mean current; return the true distance to the target after SETTLE_S, (n,) [m]."""
+    """Keep station, facing along the mean current; return the true distances to the target after SETTLE_S, (n,) [m]."""
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
     away = []
     for _ in range(round(for_s / PERIOD_S)):
@@ -74,7 +74,7 @@ def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTL
 def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
-    The parts within CORNER_M behind a corner are excluded.
+    The parts within CORNER_M after a corner are excluded.
     """
     corners = _corners()
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
@@ -104,12 +104,12 @@ def _corners() -> Array:
 
 
 def rms(values: Array) -> float:
-    """Return the root of the mean square."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def top_speed_m_s(model: VehicleModel) -> float:
-    """Return the vehicle's speed ahead through still water with full thrust."""
+    """Return the vehicle's speed ahead through still water at full thrust."""
     sim = deep_water(model)
     controller = Controller(sim.rov, PERIOD_S)
     for _ in range(round(TOP_SPEED_AFTER_S / PERIOD_S)):
@@ -137,7 +137,10 @@ def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) ->
 
 
 class _GustFlights:
-    """The flights of one seed. kept_m: distance to the target; across_m: of the path; speed_m_s: the smallest mean."""
+    """Results of one seed's flights.
+
+    kept_m, across_m: RMS distance to the target and to each path. speed_m_s: slowest mean.
+    """
 
     def __init__(self, model: VehicleModel, seed: int) -> None:
         kept = gusty_water(model, seed)

@@ -1,4 +1,4 @@
-"""The imaging suite: the packaged imaging sonars over a flat bed, against the sonar equation and plain geometry.
+"""The imaging suite: the packaged imaging sonars over a flat bed, against the sonar equation and geometry.
 
 Expected values are computed here from published formulas, independently of the code under test.
 """
@@ -25,13 +25,13 @@ BED_DB, BOX_DB = -30.0, -15.0  # arbitrary, but different
 SILENCE_DB = -200.0
 AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # sampling errors of the packaged models
 HAMMING = 0.46  # taper of the vertical patterns' windows
-EDGE_SHARE = 0.04  # share of the aperture's angles, excluded at both ends of the main lobe
+EDGE_SHARE = 0.04  # share of the main lobe's angles that is excluded at both of its ends
 EVEN_APERTURE_RAD = np.radians(170.0)
 
 
 @dataclass(frozen=True)
 class Basin:
-    """A flat bed with boxes: an uwsim.instruments.sonars.imaging.Place."""
+    """A flat bed with boxes, usable as a uwsim.instruments.sonars.imaging.Place."""
 
     world: _core.World
     scene: _core.RayScene
@@ -42,7 +42,7 @@ class Basin:
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; draw the bed's level over range into the folder `out`."""
+    """Return the suite's checks; draw the bed's level over range into the folder `out`."""
     curves = [bed_level_ahead(ForwardLooking()), bed_level_aside(SideScan())]
     if out is not None:
         draw_levels(curves, out / "imaging_bed_level.png")
@@ -55,7 +55,7 @@ def run(out: Path | None = None) -> list[Check]:
 
 @dataclass(frozen=True)
 class Level:
-    """Received level of a flat bed by range, expected and simulated [dB re 1 uPa]."""
+    """The level received from a flat bed by range, expected and simulated [dB re 1 uPa]."""
 
     name: str
     ranges_m: Array
@@ -64,7 +64,7 @@ class Level:
 
 
 def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Basin:
-    """Return a flat bed with boxes (centre, size)."""
+    """Return a flat bed with boxes, each given by centre and size."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
     for k, (middle_m, size_m) in enumerate(boxes):
@@ -107,7 +107,7 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
 def bed_level_ahead(model: ForwardLooking, believed: ForwardLooking | None = None) -> Level:
     """Return the level in the central beam of a forward-looking sonar.
 
-    believed: the model that the expected levels assume, by default the same.
+    believed: the model assumed for the expected levels, by default the same.
     """
     tilt_rad = np.radians(12.0)
     quiet = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, beams=model.beams | 1)
@@ -129,7 +129,7 @@ def bed_level_ahead(model: ForwardLooking, believed: ForwardLooking | None = Non
 
 def bed_level_aside(model: SideScan, believed: SideScan | None = None) -> Level:
     """Return the level in the port beam of a side-scan sonar."""
-    planes = 15  # enough to integrate the pattern along the track
+    planes = 15  # sufficient to integrate the pattern along the track
     quiet = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, planes=planes)
     waterfall = imaging.look_aside(basin(), [imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))], quiet)
     believed = believed or model
@@ -144,7 +144,7 @@ def bed_level_aside(model: SideScan, believed: SideScan | None = None) -> Level:
 
 
 def gain_checks() -> list[Check]:
-    """Check that time-varied gain makes a flat bed uniform; without it two frequencies differ by absorption."""
+    """Check that time-varied gain makes a flat bed uniform; without gain, two frequencies differ by absorption."""
     even = ForwardLooking(looks=0, noise_level_db=SILENCE_DB, vertical_width_rad=float(EVEN_APERTURE_RAD), beams=3,
                           field_of_view_rad=0.05, rays_per_column=3000)  # fmt: skip
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))
@@ -169,7 +169,7 @@ def gain_checks() -> list[Check]:
 
 
 def geometry_checks() -> list[Check]:
-    """Check the end of a box's shadow, the position of a small target, and the altitude of a side-scan."""
+    """Check the end of a box's shadow, the position of a small target, and a side-scan sonar's altitude."""
     top, back = 1.5, 15.0
     sim = basin(((back - 0.5, 0.0, BED_M + top / 2), (1.0, 10.0, top)))
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=0.2)
@@ -198,7 +198,7 @@ def geometry_checks() -> list[Check]:
 
 
 def speckle_checks() -> list[Check]:
-    """Check that noise alone has a Rayleigh amplitude, and a power that is a gamma variate of the number of looks."""
+    """Check that pure noise has a Rayleigh amplitude, and a gamma-distributed power that depends on the looks."""
     checks = []
     deep = imaging.pose_matrix((0, 0, BED_M / 2), pitch_rad=-1.2)
     for looks in (1, 4):
@@ -215,7 +215,7 @@ def speckle_checks() -> list[Check]:
 
 
 def profile_checks() -> list[Check]:
-    """Check that the pencil beam measures a flat bed at height over cosine, averaged over pings to reduce speckle."""
+    """Check that the pencil beam measures a flat bed at height / cosine, averaged over pings to reduce speckle."""
     checks = []
     down = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2)
     model = SingleBeam()

@@ -1,6 +1,6 @@
 """The link suite: travel times, levels and errors against closed forms; queues and access against theory.
 
-The water is uniform or of a constant gradient, without a bed. Networks are run under random load (`network_trial`).
+The water is uniform or has a constant gradient, without a bed. Networks run under random load (`network_trial`).
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from uwsim.evidence.validate.check import Check, relative, within
 from uwsim.scenario.build.link import modem_spec
 from uwsim.scenario.spec.modem import load_modem
 
-SLOPE_1_S = 0.02  # of the speed of sound, faster with depth
+SLOPE_1_S = 0.02  # gradient of the speed of sound, which increases with depth
 SURFACE_M_S = 1480.0
 PACKET_BYTES = 60
-SERVICE_S = 0.512  # of such a packet with 4 bytes of header, at 1000 bit/s
+SERVICE_S = 0.512  # transmission time of such a packet with a 4-byte header, at 1000 bit/s
 TRIAL_S = 40_000.0
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; no curves are drawn."""
+    """Return the suite's checks; it draws no curves."""
     return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *delivery_checks()]
 
 
 def path_checks() -> list[Check]:
-    """Check travel times: straight and mirrored paths, arcs in a gradient, the edge of a shadow zone."""
+    """Check travel times on straight and mirrored paths and on arcs in a gradient, and the edge of a shadow zone."""
     group, even = "travel time", _core.SoundSpeedProfile.even(1500.0)
     checks = []
     for ray in _core.eigenrays(even, 12.0, 30.0, 400.0, 45.0):
@@ -79,7 +79,7 @@ def level_checks() -> list[Check]:
 
 
 def error_checks() -> list[Check]:
-    """Check bit errors against values of the textbooks' curves."""
+    """Check bit error rates against values from textbook curves."""
     psk, fsk = _core.Modulation.PSK, _core.Modulation.FSK
     group = "bit error"
     return [
@@ -109,7 +109,7 @@ def network_checks() -> list[Check]:
     cable.kind = _core.LinkKind.CABLE
     for rho in (0.2, 0.5, 0.8):
         counts = _core.network_trial(cable, 2, rho / SERVICE_S, TRIAL_S, PACKET_BYTES, delay_s=0.0)
-        load = counts.given * SERVICE_S / TRIAL_S  # as drawn
+        load = counts.given * SERVICE_S / TRIAL_S  # the load actually drawn
         wait_s = counts.delay_s / counts.delivered - SERVICE_S
         expected = 0.5 * load / (1.0 - load) * SERVICE_S
         checks.append(relative("M/D/1 wait", f"rho = {rho:g}", expected, wait_s, 0.05, "s"))
@@ -121,7 +121,7 @@ def delivery_checks() -> list[Check]:
     spec = _open_spec()
     heard_in, nothing = _core.LinkWater(spec, _even_water()), _core.RayScene(_core.World())
     bits = 8.0 * (spec.modem.packet_bytes + spec.modem.header_bytes)
-    # For half of the packets: 1 - (1 - Pb)^n = 1/2, Pb = 1 / (2 + gamma) for FSK in Rayleigh fading.
+    # Half of the packets are lost if 1 - (1 - Pb)^n = 1/2, with Pb = 1 / (2 + gamma) for FSK in Rayleigh fading.
     gamma = 1.0 / -math.expm1(-math.log(2.0) / bits) - 2.0
     snr_db = 10.0 * math.log10(gamma * spec.modem.bit_rate_bit_s / spec.modem.bandwidth_hz) - spec.modem.coding_gain_db
     allowed_db = spec.modem.source_level_db - _noise_db(spec) - snr_db
@@ -138,7 +138,7 @@ def delivery_checks() -> list[Check]:
 
 
 def _noise_db(spec: _core.LinkSpec) -> float:
-    """Return the sea's noise and the receiver's in the modem's band [dB re 1 uPa]."""
+    """Return the total noise of sea and receiver in the modem's band [dB re 1 uPa]."""
     ambient_db = _core.ambient_noise_db_hz(spec.modem.frequency_hz, spec.wind_m_s, spec.shipping)
     density = 10.0 ** (0.1 * ambient_db) + 10.0 ** (0.1 * spec.modem.receiver_noise_db_hz)
     return 10.0 * math.log10(density * spec.modem.bandwidth_hz)
@@ -160,7 +160,7 @@ def _open_spec() -> _core.LinkSpec:
 
 
 def _even_water() -> _core.Water:
-    """Return an ocean of one temperature; its speed of sound grows with depth alone."""
+    """Return an ocean of uniform temperature, in which the speed of sound increases only through depth."""
     water = _core.Water()
     water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10.0
     water.salinity_psu = 35.0

@@ -1,4 +1,4 @@
-"""Propellers and their mounts as printed in their sources, independent of the YAML files that the simulator reads.
+"""Propellers and mounts as printed in their sources, independent of the YAML files that the simulator reads.
 
 The law of thrust (Fossen 2011, Handbook, sec. 9.1) is repeated here independently of the core.
 """
@@ -29,13 +29,13 @@ class Propeller:
     torque_per_thrust_m: float
 
     def thrust_n(self, still_n: float, inflow_m_s: float, density_kg_m3: float) -> float:
-        """Return the thrust at an inflow along the axis, given the still-water thrust."""
+        """Return the thrust at an inflow along the axis, from the still-water thrust."""
         slope = self.diameter_m / self.zero_thrust_advance * np.sqrt(density_kg_m3 * self.bollard * abs(still_n))
         return float(still_n - slope * inflow_m_s)
 
 
 # Blue Robotics, September 2019: (us, N) at 16 V. Lag: slowest pole of von Benzon et al. 2022. K_T: 51.5 N at 3533 rpm.
-# Our own values, with reasons in the YAML file: zero-thrust J, torque.
+# Values chosen for uwsim, for the reasons given in the YAML file: zero-thrust J, torque.
 T200_PWM_N = (
     (1100, -39.9), (1200, -26.6), (1300, -14.1), (1400, -4.71), (1472, 0.0),
     (1528, 0.0), (1600, 5.88), (1700, 17.85), (1800, 33.5), (1900, 51.5),
@@ -43,7 +43,7 @@ T200_PWM_N = (
 T200 = Propeller(tuple(((us - 1500) / 400, n) for us, n in T200_PWM_N), 0.076, 0.076, 0.445, 0.976, 0.0153)
 
 # Fossen's remus100.py: (1 - t) rho D^4 K_T0 n|n| with t = 0.1, D = 0.14 m, K_T0 = 0.4566, 1525 rpm, T_n = 1 s; the
-# inflow in the wake is 0.944 of the speed. K_T falls linearly, through 0.1798 at J = 0.6632, to zero at J = 1.0942.
+# inflow in the wake is 0.944 times the speed. K_T falls linearly, through 0.1798 at J = 0.6632, to zero at J = 1.0942.
 # Torque per thrust: D K_Q0 / ((1 - t) K_T0) with K_Q0 = 0.07, rounded.
 _REMUS_FULL_N = 0.9 * 1026 * 0.14**4 * 0.4566 * (1525 / 60) ** 2
 REMUS_PROPELLER = Propeller(
@@ -67,14 +67,14 @@ class Mount:
         return np.asarray(self.axis, np.float64) / np.linalg.norm(self.axis)
 
     def wrench(self, thrust_n: float) -> Array:
-        """Return the force, and the moment about the origin with the propeller's torque: (6,)."""
+        """Return the force, and the moment about the origin including the propeller's torque: (6,)."""
         force = thrust_n * self.unit
         return np.concatenate(
             [force, np.cross(self.position_m, force) - self.spin * self.propeller.torque_per_thrust_m * force]
         )
 
     def inflow_m_s(self, velocity: Sequence[float] | Array) -> float:
-        """Return the hub's speed along the axis, for a velocity (6,) of the body."""
+        """Return the hub's speed along the axis if the body moves with velocity (6,)."""
         return float(self.unit @ (np.asarray(velocity[:3]) + np.cross(velocity[3:], self.position_m)))
 
 

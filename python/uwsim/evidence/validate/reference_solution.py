@@ -1,7 +1,7 @@
-"""An independent integration of the published equations of a rigid body in fluid, by SciPy.
+"""Integrates the published equations of a rigid body in a fluid with SciPy, independently of the simulator.
 
-It uses no part of the simulator. Kirchhoff's equations in momentum form (Lamb 1932, Hydrodynamics, art. 124;
-Fossen 2011, ch. 6), in body axes at the body's origin; P and L are the momenta of body and fluid together:
+The equations are Kirchhoff's in momentum form (Lamb 1932, Hydrodynamics, art. 124; Fossen 2011, ch. 6), in body axes at
+the body's origin; P and L are the momenta of body and fluid together:
 
     P' = P x w + F        L' = L x w + P x v + T        (P, L) = (M_RB + M_A) (v, w)        R' = R [w]x
 
@@ -54,7 +54,7 @@ class Coefficients:
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """A motion sampled at times_s (n,): positions_m (n, 3), attitudes (n, 3, 3) world from body, velocities (n, 6)."""
+    """A motion at times_s (n,): positions_m (n, 3), attitudes (n, 3, 3), world from body, and velocities (n, 6)."""
 
     times_s: Array
     positions_m: Array
@@ -106,5 +106,5 @@ def integrate(
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """Return the cross product of two vectors, much faster than np.cross, which handles all shapes."""
+    """Return the cross product of two vectors, much faster than np.cross, which handles arbitrary shapes."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

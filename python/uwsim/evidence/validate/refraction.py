@@ -1,4 +1,4 @@
-"""Bent rays against closed forms: Snell's circle, and the "smile" of a flat bed sounded with the wrong profile."""
+"""Checks bent rays against closed forms: Snell's circle, and a flat bed's "smile" under a wrong profile."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DIPS_RAD = np.radians([20.0, 30.0, 45.0, 60.0, 80.0])
 
 
 def circle(dip_rad: float) -> tuple[float, float]:
-    """Return the horizontal distance and the one-way time from the surface to the bed, by Snell's circle."""
+    """Return the horizontal distance and the one-way travel time from the surface to the bed, by Snell's circle."""
     bed_m_s = SURFACE_M_S + GRADIENT_1_S * BED_M
     arrival_rad = math.acos(math.cos(dip_rad) * bed_m_s / SURFACE_M_S)
     across_m = SURFACE_M_S / (GRADIENT_1_S * math.cos(dip_rad)) * (math.sin(dip_rad) - math.sin(arrival_rad))
@@ -31,7 +31,7 @@ def refraction_checks() -> list[Check]:
 
 
 def path_checks() -> list[Check]:
-    """Check that soundings with the true profile lie on the bed, at the distance of Snell's circle."""
+    """Check that soundings with the true profile lie on the bed, at the distance given by Snell's circle."""
     levels = [0.0, BED_M + 10]
     profile = _core.SoundSpeedProfile(levels, [SURFACE_M_S + GRADIENT_1_S * depth for depth in levels])
     directions = np.stack([np.cos(DIPS_RAD), 0 * DIPS_RAD, -np.sin(DIPS_RAD)], axis=1)
@@ -60,7 +60,7 @@ def smile_checks() -> list[Check]:
 
 
 def bent_ping() -> tuple[_core.PhysicsPing, _core.AcousticMultibeam]:
-    """Return one ping straight down from the surface, 120 degrees wide, almost without noise, and its sonar."""
+    """Return a ping straight down from the surface, 120 degrees wide and almost without noise, and its sonar."""
     fan = _core.MultibeamModel(
         name="refraction", beams=121, field_of_view_rad=math.radians(120), range_max_m=400.0, frequency_hz=400e3
     )

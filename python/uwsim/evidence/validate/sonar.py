@@ -1,7 +1,8 @@
-"""The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against its formula.
+"""The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against the formula.
 
-Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. Flat rock, one receiver.
-Each instrument has one set of values per frequency, none for single cells of the table. Refraction: closed forms.
+Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, with
+one receiver. Each instrument has one set of values per frequency; no values are fitted to single cells of the table.
+Refraction is checked against closed forms.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ from uwsim.evidence.validate.sonar_table import COVERAGE_M, DEPTH_M, WATERS, Cel
 
 TABLE_TOLERANCE = 0.1
 INSTRUMENT_TOLERANCE = 0.05
-SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, where vertical and outer beams differ by 1 dB
-BEYOND = 1.15  # times the depth of the widest swath: beyond it, weak outer beams limit the swath, not the fan
+SWATH_TOLERANCE = 0.08  # 0.2 dB at 700 kHz, at which vertical and outer beams differ by 1 dB
+BEYOND = 1.15  # factor on the depth of the widest swath, beyond which weak outer beams limit the swath, not the fan
 TOWARDS_DEEPEST = 1 / 3  # largest share of the way to the maximum depth, near which 0.06 dB are 8 % of the swath
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return all checks; draw depths, coverages, detection rates and the refraction's smile into the folder `out`."""
+    """Return the suite's checks; draw depths, coverages, detection rates and the smile into the folder `out`."""
     simulated = {cell: half_detected_m(cell) for cell in DEPTH_M}
     if out is not None:
         draw_table(simulated, out / "sonar_depths.png")
@@ -54,7 +55,7 @@ def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
 
 
 def swath_checks() -> list[Check]:
-    """Check physics mode's swath, where it detects half of the beams, against the formula, one depth per frequency."""
+    """Check the swath in which physics mode detects half of the beams by the formula, at one depth per frequency."""
     checks = []
     for cell in (cell for cell in DEPTH_M if cell.array == "em2040-04" and cell.water == "ocean"):
         widest_m = cell.coverage().depth_m

@@ -11,13 +11,13 @@ from scipy.optimize import bisect, minimize
 from uwsim import _core
 from uwsim.evidence.validate.sonar_table import WATERS, Cell, acoustics
 
-PLACES, APART_M = 256, 15.0  # pings at different positions: speckle repeats at one position
+PLACES, APART_M = 256, 15.0  # pings at different positions, since speckle repeats at the same position
 SWATH_PLACES, SWATH_APART_M = 1024, 5.0
 LOOKING_DOWN_XYZW = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 
 
 def detection_rate(cell: Cell, depths_m: list[float]) -> list[float]:
-    """Return the detection rate straight down at each depth, as packaged but without false detections."""
+    """Return the packaged sonar's detection rate straight down at each depth, without false detections."""
     sonar = _sonar(cell, beams=2, fan_rad=math.radians(0.2))
     return [float(_rates(sonar, depth_m, PLACES, APART_M).mean()) for depth_m in depths_m]
 
@@ -31,16 +31,17 @@ def half_detected_m(cell: Cell) -> float:
 
 
 def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
-    """Return the width of the swath at a depth: up to the beams with a detection rate of one half."""
+    """Return the width of the swath at a depth, between the beams with a detection rate of one half."""
     sonar = _sonar(cell, cell.fan.beams, 2 * cell.half_fan_rad)
     rates = _rates(sonar, depth_m, SWATH_PLACES, SWATH_APART_M)
     return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
 
 
 def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
-    """Return the tangent at which a logistic curve over its square, fitted to the rates of all beams, is one half.
+    """Return the tangent at which a logistic curve in its square, fitted to the rates of all beams, is one half.
 
-    A fit, because the rate may fall slowly, which makes single crossings of one half random. At most that of the fan.
+    The curve is fitted because the rate may fall slowly, so that single crossings of one half are random. The tangent
+    is at most that of the fan's outermost beam.
     """
     outermost = float(tangents.max())
     squares = (tangents / outermost) ** 2
@@ -80,7 +81,7 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
 
 
 def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> NDArray[np.float64]:
-    """Return the detection rate of each beam, from positions along the normal of the fan."""
+    """Return the detection rate of each beam, over positions along the normal of the fan."""
     scene = _core.RayScene(flat_world(depth_m))
     along_m = apart_m * (np.arange(places) - places / 2)
     pings = [sonar.ping(scene, (x, 0.0, 0.0), LOOKING_DOWN_XYZW, tick=tick) for tick, x in enumerate(along_m)]

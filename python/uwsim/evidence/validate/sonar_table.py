@@ -1,9 +1,9 @@
-"""The manufacturer's table of an EM 2040, and the sonar equation's values with the parameters of the instrument's file.
+"""The manufacturer's table of an EM 2040, and the sonar equation's values for the parameters in the instrument's file.
 
 Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses along its path exceeds the detector's
 threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
-depth. The depths are those of the seed paper's Fig. 8. Of its coverages (one receiver), those at 600 and 700 kHz are
-known; at 200 to 400 kHz the coverage is computed, without a value to compare with.
+depth. The depths are from Fig. 8 of the paper. Of its coverages (one receiver), those at 600 and 700 kHz are known; at
+200 to 400 kHz the coverage is computed, but there is no value for comparison.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DEEPEST_M = 4000.0
 
 @dataclass(frozen=True)
 class ColdWater:
-    """Assumed water of the table."""
+    """Water assumed for the table."""
 
     text: str
     salinity_psu: float
@@ -64,7 +64,7 @@ class Swath:
 
 @dataclass(frozen=True)
 class Cell:
-    """An instrument at one frequency in one water."""
+    """A cell of the table: an instrument at one frequency in one kind of water."""
 
     array: str
     frequency_khz: int
@@ -72,7 +72,7 @@ class Cell:
 
     @property
     def fan(self) -> _core.MultibeamModel:
-        """The fan, as packaged."""
+        """The fan of the packaged instrument."""
         return _packaged_fan(self.array, self.frequency_khz)
 
     @property
@@ -81,7 +81,7 @@ class Cell:
         return 0.5 * self.fan.field_of_view_rad
 
     def margin_db(self, depth_m: float, angle_rad: float = 0.0) -> float:
-        """Return the excess of the echo of a beam, at an angle from straight down, over the detector's threshold."""
+        """Return by how much a beam's echo, at an angle from straight down, exceeds the detector's threshold."""
         figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
         absorption_db_m = 1e-3 * _mean_absorption_db_km(self.frequency_khz, self.water, depth_m)
         snr_db, _, needed_db = _core.bottom_echo(
@@ -140,7 +140,7 @@ def _cells(rows: dict[tuple[str, str], tuple[float, ...]], khz: tuple[int, ...])
     }
 
 
-# The seed paper's Fig. 8: rock, BS = -30 dB, NL = 45 dB, PR enabled.
+# Fig. 8 of the paper: rock, BS = -30 dB, NL = 45 dB, PR enabled.
 DEPTH_M = _cells(
     {
         ("em2040-04", "ocean"): (635.0, 480.0, 315.0, 95.0, 55.0),
@@ -168,5 +168,5 @@ def _packaged_fan(array: str, frequency_khz: int) -> _core.MultibeamModel:
 
 @lru_cache(maxsize=32)
 def acoustics(array: str, frequency_khz: int) -> _core.AcousticSpec:
-    """Return the parameters of the packaged model."""
+    """Return the packaged instrument's acoustic parameters."""
     return acoustic_spec(load_sonar(array), frequency_khz)

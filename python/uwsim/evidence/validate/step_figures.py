@@ -1,4 +1,4 @@
-"""Figures of step responses: one panel for each step, with its rise, overshoot, settling and steady error."""
+"""Figures of step responses: one panel per step, with rise, overshoot, settling and steady error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COLUMNS = 3
 
 
 def draw_steps(responses: list[StepResponse], path: Path) -> None:
-    """Draw all steps of one vehicle."""
+    """Draw all step responses of a vehicle."""
     rows = -(-len(responses) // COLUMNS)
     size = (4.0 * COLUMNS, 2.6 * rows)
     figure, panels = plt.subplots(rows, COLUMNS, figsize=size, layout="constrained", dpi=120, squeeze=False)

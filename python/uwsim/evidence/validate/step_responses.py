@@ -1,4 +1,4 @@
-"""Step responses of a vehicle's control loops, flown by the simulator in deep still water."""
+"""Measures step responses of a vehicle's control loops in deep, still water."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from uwsim.simulator.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 PERIOD_S, DURATION_S, STEADY_S, SETTLE_S = 0.05, 30.0, 5.0, 20.0
-CRUISE_M_S = 1.5  # some 3 knots, at which such AUVs cruise
+CRUISE_M_S = 1.5  # about 3 knots, at which such AUVs cruise
 SETTLED = 0.05  # share of the step
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step of one quantity. needs: the axis that must have actuators. command, read: set and read the quantity.
+    """A step in one quantity. needs: the axis that must have actuators. command, read: set and read the quantity.
 
-    under_way_m_s: the speed ahead at which it begins, after SETTLE_S at that speed; 0: from rest.
+    under_way_m_s: speed ahead at which the step begins, after SETTLE_S at that speed; 0 to begin from rest.
     """
 
     name: str
@@ -88,7 +88,7 @@ STEPS = (
 
 
 def _ahead(c: Controller, heading_rad: float = 0.0, z_m: float | None = None, pitch_rad: float = 0.0) -> None:
-    """Continue at the cruising speed."""
+    """Continue at cruising speed."""
     velocity_m_s = (CRUISE_M_S * math.cos(heading_rad), CRUISE_M_S * math.sin(heading_rad))
     c.steer(heading_rad, velocity_m_s, z_m, pitch_rad=pitch_rad)
 
@@ -136,7 +136,7 @@ STEPS_UNDER_WAY = (
 
 @dataclass(frozen=True, eq=False)
 class StepResponse:
-    """The response to a step: values in shares of the step, (n,), at times_s (n,)."""
+    """The response to a step: values (n,), as shares of the step, at times_s (n,)."""
 
     vehicle: str
     step: Step
@@ -145,12 +145,12 @@ class StepResponse:
 
     @property
     def rise_s(self) -> float:
-        """Time from 10 to 90 % of the step; inf if it is not reached."""
+        """Time from 10 to 90 % of the step; inf if these are not reached."""
         return self._first(0.9) - self._first(0.1)
 
     @property
     def overshoot(self) -> float:
-        """Largest excess beyond the step, as a share of it."""
+        """Largest excess beyond the step, as a share of the step."""
         return max(0.0, float(self.values.max()) - 1.0)
 
     @property
@@ -172,7 +172,7 @@ class StepResponse:
 
 
 def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
-    """Return the responses to all steps that the actuators can drive; those under way without vertical thrust."""
+    """Return the responses to all steps that the actuators can drive, under way if there is no vertical thrust."""
     sim = deep_water(model)
     driven = dict(zip(AXES, sim.rov.control.model.driven, strict=True))
     return [_fly(name, sim, step) for step in (STEPS if driven["heave"] else STEPS_UNDER_WAY) if driven[step.needs]]
@@ -181,7 +181,7 @@ def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
 def _fly(name: str, sim: Simulator, step: Step) -> StepResponse:
     rov = sim.rov
     rov.set_effort()
-    sim.advance(2.0)  # thrusters come to rest
+    sim.advance(2.0)  # until the thrusters have stopped
     rov.place(START_M, velocity_body=step.under_way_m_s * np.eye(6)[0])
     controller = Controller(rov, PERIOD_S)
     for _ in range(round(SETTLE_S / PERIOD_S) if step.under_way_m_s else 0):

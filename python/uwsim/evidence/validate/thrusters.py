@@ -1,4 +1,4 @@
-"""The thrusters of the packaged vehicles, each alone, against their published values and law."""
+"""Checks the thrusters of the packaged vehicles, each alone, against their published values and law."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HEIGHT_TOLERANCE = 5e-3
 
 
 def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check the table's points, zero in the dead band, and half the neighbours' thrust halfway between."""
+    """Check the table's points, zero thrust in the dead band, and half the thrust halfway to the points beside it."""
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T
     middles = 0.5 * (commands[1:] + commands[:-1])
@@ -44,13 +44,13 @@ def thruster_wrenches(name: str, model: VehicleModel | None = None) -> Iterator[
             expected.append(mount.wrench(thrust_n))
             got.append(probe.wrench())
         yield from wrench_checks(name, thruster, np.array(expected), np.array(got))
-        # r x F has no part along the axis.
+        # r x F has no component along the axis.
         torque, found = (float(wrenches[0][3:] @ mount.unit) for wrenches in (expected, got))
         yield relative(name, f"{thruster}: reaction torque", torque, found, WRENCH_TOLERANCE, "N m")
 
 
 def thruster_heights(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check a thruster's position along its own axis, which causes no moment, by where it leaves the water."""
+    """Check a thruster's position along its axis, which affects no moment, by where it leaves the water."""
     probe = Probe(name, model)
     for thruster, mount in MOUNTS[name].items():
         upright = abs(mount.unit[2]) == 1
@@ -76,7 +76,7 @@ def thruster_lag(name: str, model: VehicleModel | None = None) -> Iterator[Check
     probe.run(mount.propeller.time_constant_s - STEP_S)
     steps = [
         float(probe.wrench()[:3] @ mount.unit) / full_n for _ in range(2)
-    ]  # means over the step before and the step after that time
+    ]  # means over the steps before and after that time
     yield relative(name, f"{thruster}: share of thrust after a time constant", 1 - np.exp(-1), 0.5 * sum(steps), 1e-3)
 
 
@@ -97,7 +97,7 @@ def driven_terminal_speed(name: str = "bluerov2_heavy", model: VehicleModel | No
     """Check that BlueROV2 Heavy's thrust, minus the loss to inflow, equals its drag at terminal speed ahead and up.
 
     The horizontal thrusters push at 45 degrees. Full effort ahead is 39.9 N from each front thruster and 51.5 N from
-    each rear one; efforts below 0.87 of it are shared evenly. The vertical thrusters give 51.5 N each.
+    each rear thruster; efforts up to 0.87 of that are shared evenly. The vertical thrusters give 51.5 N each.
     """
     body, used = BLUEROV2_HEAVY, model or load_vehicle(name)
     slanted, ahead_n = np.sqrt(0.5), 0.5 * (39.9 + 51.5)
@@ -118,7 +118,7 @@ def driven_terminal_speed(name: str = "bluerov2_heavy", model: VehicleModel | No
 
 
 def thruster_checks() -> list[Check]:
-    """Return all checks; the two standard BlueROV2 have the T200, which is checked on the heavy one."""
+    """Return all checks; the standard BlueROV2 vehicles have the T200 thruster, which is checked on BlueROV2 Heavy."""
     checks = [c for name in MOUNTS for law in (thruster_wrenches, thruster_heights) for c in law(name)]
     for name in ("bluerov2_heavy", "remus100"):
         checks += [c for law in (thrust_tables, thruster_lag, advance_loss) for c in law(name)]

@@ -1,4 +1,4 @@
-"""Navigation of a vehicle that turns about all its axes: the filter's errors match its covariance.
+"""Navigation of a vehicle that turns about all axes: the filter's errors match its covariance.
 
 A BlueROV2 without control hardly rights itself, so small torques make it roll, pitch and tumble, even upside down: then
 its DVL sees no bottom, and depth, compass, USBL and the IMU continue. The measure is the NEES of estimation.py.
@@ -18,7 +18,7 @@ from uwsim.scenario.read.assets import assets_folder
 from uwsim.simulator.simulator import Simulator
 
 Array = NDArray[np.float64]
-TURNS = {  # shares of the full torque about each body axis, smallest and largest, to either side
+TURNS = {  # smallest and largest shares of the full torque about each body axis, in either direction
     "rolling": ((0.03, 0.0, 0.0), (0.12, 0.01, 0.05)),
     "pitching": ((0.0, 0.03, 0.0), (0.01, 0.12, 0.05)),
     "tumbling": ((0.02, 0.02, 0.02), (0.08, 0.08, 0.1)),
@@ -28,7 +28,7 @@ LEGS, LEG_S, LEGS_PER_LOOK = 16, 2.5, 2
 
 
 def turning_vehicle() -> Scenario:
-    """Return the lake with a free BlueROV2, trimmed neutral."""
+    """Return the lake with a free BlueROV2 that is trimmed to neutral buoyancy."""
     lake = load("lake")
     plain = {key: getattr(lake, key) for key in type(lake).model_fields}
     vehicle = {
@@ -41,7 +41,7 @@ def turning_vehicle() -> Scenario:
 
 
 def turning_flight(sim: Simulator, seed: int, turn: str) -> Iterator[list[float]]:
-    """Fly about while turning; yield the NEES of all errors, and of each of PARTS, at intervals."""
+    """Fly with random efforts while turning; yield the NEES of all errors and of each of PARTS, at intervals."""
     navigator, draws = start_navigation(sim, seed)
     least, most = np.array(TURNS[turn])
     side = np.where(draws.random(3) < 0.5, -1.0, 1.0)

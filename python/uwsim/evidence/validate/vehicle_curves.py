@@ -1,4 +1,4 @@
-"""Figures of decay and turning curves: flown and published."""
+"""Figures of decay and turning curves, simulated and published."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def draw_decays(curves: list[Curve], path: Path) -> None:
 
 
 def draw_turning(curve: Curve, path: Path) -> None:
-    """Draw the path from above."""
+    """Draw the path of the turning circle from above."""
     figure, panel = plt.subplots(figsize=(6, 6), layout="constrained", dpi=120)
     panel.plot(*curve.published.positions_m[:, :2].T, lw=4, alpha=0.35, label="published")
     panel.plot(*curve.flown.positions_m[:, :2].T, lw=1.2, label="flown")

@@ -1,7 +1,7 @@
-"""The packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
+"""Checks the packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
 
-Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % is
-a miss. Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
+Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % makes a check miss.
+Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from uwsim.simulator.simulator import Simulator
 
 UNITS = ("m/s",) * 3 + ("rad/s",) * 3
 FAST = (1.0, 0.7, 0.5, 1.0, 1.0, 1.0)
-SLOWEST, SLOW = 0.01, 0.3  # limits of the slow starting speeds, at which linear damping matters
+SLOWEST, SLOW = 0.01, 0.3  # limits of the slow initial speeds, at which linear damping matters
 DECAY_S, FALL_S, TURN_S = 6.0, 60.0, 40.0
-PUSH_M_S2, PUSH_S = 0.01, 0.05  # weak and short, so that drag is less than 1e-4 of the force
+PUSH_M_S2, PUSH_S = 0.01, 0.05  # so weak and short that drag is less than 1e-4 of the force
 DECAY_TOLERANCE, TURN_TOLERANCE, TERMINAL_TOLERANCE, MASS_TOLERANCE = 1e-4, 1e-4, 1e-3, 2e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A manoeuvre, as flown and as published."""
+    """A manoeuvre as simulated and according to the published equations."""
 
     vehicle: str
     name: str
@@ -39,7 +39,10 @@ class Curve:
 
 
 def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
-    """Return all checks of one packaged vehicle, and its curves. model: replaces it, to show that checks can miss."""
+    """Return all checks of a packaged vehicle, and its curves.
+
+    model: replaces the vehicle, to show that checks can miss.
+    """
     body = PUBLISHED[name]
     used = model or load_vehicle(name)
     sim = deep_water(_with_body_forces(used, (0.0,) * 6), density_kg_m3=body.water_density_kg_m3)
@@ -51,7 +54,7 @@ def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[C
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
-    """Return starting velocities along each axis: fast, and slow enough that linear damping equals the quadratic."""
+    """Return initial velocities along each axis: fast, and so slow that linear damping equals quadratic damping."""
     starts = []
     for axis, name in enumerate(AXES):
         linear, quadratic = body.linear_damping[axis], body.quadratic_damping[axis]
@@ -75,13 +78,13 @@ def _decays(name: str, sim: Simulator) -> list[Curve]:
 
 
 def _free_fall(name: str, sim: Simulator) -> Curve:
-    """Return the motion from rest, level, under the weight in water."""
+    """Return the motion from rest, level, under only the weight in water."""
     still = (0.0,) * 6
     return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
 
 
 def _decay_check(curve: Curve) -> Check:
-    """Compare the largest error of the six velocities, relative to the reference's largest linear or angular speed."""
+    """Compare the largest error in the six velocities, relative to the reference's largest linear or angular speed."""
     expected, got = curve.published.velocities, curve.flown.velocities
     linear = max(float(np.abs(expected[:, :3]).max()), 1e-6)
     angular = max(float(np.abs(expected[:, 3:]).max()), 1e-6)
@@ -119,10 +122,10 @@ def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> Vehicle
 
 
 def _mass_check(name: str, model: VehicleModel) -> Check:
-    """Compare the mass: a known force over the acceleration that it causes, minus the published added mass.
+    """Compare the mass: a known force divided by the acceleration that it causes, minus the published added mass.
 
-    A centre of mass below the force's line makes the body pitch and appear slightly lighter. A vehicle that is
-    trimmed neutral has no mass in its file: it follows from the volume and the water's density.
+    A centre of mass below the line of the force makes the body pitch and appear slightly lighter. A vehicle that is
+    trimmed to neutral has no mass in its file; its mass follows from the volume and the water's density.
     """
     body = PUBLISHED[name]
     force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
@@ -151,7 +154,7 @@ def _turning(name: str, model: VehicleModel) -> Curve:
 
 
 def _turning_checks(curve: Curve) -> list[Check]:
-    """Compare the path, relative to the circle's diameter."""
+    """Compare the path of the turning circle, relative to its diameter."""
     expected = curve.published.positions_m
     diameter = max(float(np.ptp(expected[:, 0])), float(np.ptp(expected[:, 1])))
     return [
@@ -169,7 +172,7 @@ def _turning_checks(curve: Curve) -> list[Check]:
 
 
 def _terminal_check(fall: Curve) -> list[Check]:
-    """Compare the speed of falling or rising at which damping equals the weight in water; no check if neutral."""
+    """Compare the terminal speed, at which damping equals the weight in water; no check for a neutral vehicle."""
     body = PUBLISHED[fall.vehicle]
     weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2
     if abs(weight_n) < 1e-3:
