@@ -37,7 +37,7 @@ def flown_area_m(path_world_m: Array) -> Array | None:
     angles = np.radians(np.arange(0.0, 360.0, 22.5))
     ring = AREA_MARGIN_M * np.column_stack([np.cos(angles), np.sin(angles)])
     places = np.unique(path_world_m[:, :2].round(2), axis=0)
-    with suppress(QhullError, ValueError):  # fewer than three positions, or collinear ones
+    with suppress(QhullError, ValueError):  # fewer than three positions, or all collinear
         places = places[ConvexHull(places).vertices]
     around = (places[:, None] + ring).reshape(-1, 2)
     return np.asarray(around[ConvexHull(around).vertices], np.float64)

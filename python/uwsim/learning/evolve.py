@@ -48,8 +48,7 @@ def evolve(
     """Return the mean of the last generation's distribution. Episodes have the seeds from first_seed on.
 
     start: the mean of the first candidates; by default all weights are zero. spread: their standard deviation, for a
-    weight times the usual size of its input. told: called after each generation. Raises MissingExtraError if cma is not
-    installed.
+    weight times the usual size of its input. Raises MissingExtraError if cma is not installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma

@@ -104,7 +104,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
         if self.autoreset_mode == AutoresetMode.DISABLED and anew.any():
             members = ", ".join(map(str, np.flatnonzero(anew)[:5].tolist()))
             raise ValueError(f"step: members {members} have ended: reset(options={{'reset_mask': mask}}) them first")
-        outcome = self.episodes.step(actions, anew if anew.any() else None)  # any(anew) only in NEXT_STEP
+        outcome = self.episodes.step(actions, anew if anew.any() else None)  # only happens in NEXT_STEP
         observation, terminated, truncated = outcome.observation, outcome.terminated, outcome.truncated
         info = told(outcome.figures, ~anew)
         self._ended = terminated | truncated

@@ -44,7 +44,7 @@ class LiveSimulator:
     Commands from all threads form one queue in order of arrival; they take effect between two steps, or immediately
     while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` gives the same bytes.
     If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip after longer
-    ones; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the reason, and
+    delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the reason, and
     `reset` continues.
 
     The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,

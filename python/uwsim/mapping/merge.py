@@ -13,7 +13,7 @@ from uwsim.mapping.occupancy_map import OccupancyMap
 WIDE = (1e-300, 1.0 - 1e-16)
 """Clamping limits of the intermediate sum, log-odds -690 to 36.7: ten maps at OctoMap's limit, 3.5, add up to less."""
 OCCUPIED_WINS = (0.4999999, 1.0 - 1e-12)
-"""Clamping limits with which one occupied voxel (27.6) outweighs any number of free ones (-4e-7)."""
+"""Clamping limits with which one occupied voxel (27.6) outweighs any number of free voxels (-4e-7)."""
 
 
 def merge_files(sources: Sequence[Path], target: Path) -> int:

@@ -29,7 +29,7 @@ STILL_M_S = 0.005
 """Speed below which a current has no relevant effect on a vehicle, and is shown as 0.00 m/s."""
 
 CURRENT_SHARE, CURRENT_TIMES = 0.9, 97
-"""A start's current is the speed not exceeded at this share of so many times: tides and gusts vary."""
+"""The current at a start: the speed not exceeded for this share of the mission, sampled at this many times."""
 
 Floats = NDArray[np.float64]
 
