@@ -183,7 +183,7 @@ def filter_range(points_m: ArrayLike, min_m: float, max_m: float) -> NDArray[np.
 
 
 def remove_box(points_m: ArrayLike, box_min_m: ArrayLike, box_max_m: ArrayLike) -> NDArray[np.float32]:
-    """Return the points (n, 3) outside an axis-aligned box, including its faces: a self filter in the body frame.
+    """Return the points (n, 3) outside a closed, axis-aligned box: a self filter in the body frame.
 
     box_min_m, box_max_m: (3,), opposite corners.
     """
