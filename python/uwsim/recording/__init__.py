@@ -1,4 +1,4 @@
-"""Recordings: a run's messages and commands in one file, from which it can be repeated, compared and plotted."""
+"""Recordings: a run's messages and commands in a single file, from which it can be replayed, compared and plotted."""
 
 from __future__ import annotations
 
@@ -12,5 +12,5 @@ __all__ = ["Command", "Recorded", "Recorder", "Recording", "open"]
 
 
 def open(path: str | Path) -> Recording:  # noqa: A001  # recording.open("run.mcap")
-    """Open a recording, including one of a run that was killed. Raises ValueError, OSError."""
+    """Open a recording, including that of a run that was killed. Raises ValueError, OSError."""
     return Recording(path)

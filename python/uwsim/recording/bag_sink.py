@@ -1,4 +1,4 @@
-"""A recording as a bag of ROS 1, for Debian's rosbag: messages in ROS 1's bytes, written by `rosbags`."""
+"""A recording as a ROS 1 bag for Debian's rosbag: messages in ROS 1's serialization, written by `rosbags`."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from uwsim.channels.messages import to_bytes
 
 
 class BagSink:
-    """One .bag file. It has no attachments, and no index until it is closed: `rosbag reindex` repairs that."""
+    """A .bag file. It has no attachments, and no index until it is closed; `rosbag reindex` can add one."""
 
     def __init__(self, path: Path) -> None:
         """Create the file. Raises OSError if it exists or cannot be written."""
         if path.exists():
             raise FileExistsError(17, "File exists")
         self._writer = Writer(path)
-        self._writer.set_compression(Writer.CompressionFormat.BZ2)  # Debian's rosbag refuses the LZ4 of rosbags
+        self._writer.set_compression(Writer.CompressionFormat.BZ2)  # Debian's rosbag rejects the LZ4 written by rosbags
         self._writer.open()
         self._connections: dict[str, Connection] = {}
 
     def encode(self, reading: Reading) -> bytes:
-        """Return a message in ROS 1's bytes."""
+        """Return a message in ROS 1's serialization."""
         return to_bytes(reading.message, ros=1)
 
     def add_channel(self, channel: Channel) -> None:
-        """Announce a channel, before its first message."""
+        """Register a channel before its first message."""
         self._connections[channel.name] = self._writer.add_connection(
             "/" + channel.name,
             channel.type,
@@ -42,14 +42,14 @@ class BagSink:
         )
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message. ROS 1 interprets time 0 as missing, so the start is a nanosecond later."""
+        """Append a message. ROS 1 interprets time 0 as missing, so time 0 is written as 1 ns."""
         self._writer.write(self._connections[topic], max(time_ns, 1), data)
 
     def flush(self) -> None:
-        """Do nothing: chunks are written when they are full."""
+        """Do nothing, since chunks are written when they are full."""
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write the index, and close. Raises OSError."""
+        """Write the index, and close the file. Raises OSError."""
         try:
             self._writer.close()
         except BaseException:
@@ -58,6 +58,6 @@ class BagSink:
             raise
 
     def abandon(self) -> None:
-        """Close after a write error, with the index if there is room for it."""
+        """Close after a write error, with the index if there is space for it."""
         with contextlib.suppress(Exception):
             self.close({})

@@ -1,4 +1,4 @@
-"""A scenario with every file that it names, as JSON and attachments of a recording, and back again."""
+"""Packs a scenario with all files that it names into JSON and attachments of a recording, and unpacks it."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from uwsim.scenario.read.validated import validated
 SCENARIO = "scenario.json"
 FILE = "$file"
 HOLDS, GIVEN = "$holds", "given"
-"""The mark of a scenario that contains only given values; without it, it contains every default."""
+"""Marks a scenario that contains only values set explicitly; without the mark, it contains all defaults."""
 NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
-"""Permitted name of a file in a recording: none that would be written outside the folder."""
+"""Permitted names of files in a recording, none of which would be written outside the folder."""
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
@@ -35,7 +35,7 @@ def pack(scenario: Scenario) -> dict[str, bytes]:
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """Return the scenario from the result of `pack`.
 
-    Files at their original places are used if they are unchanged, so that textures next to meshes are found; otherwise
+    Files at their original paths are used if they are unchanged, so that textures next to meshes are found; otherwise
     they are written to the folder. Raises ValueError, OSError.
     """
     if SCENARIO not in contents:
@@ -49,7 +49,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
 
 
 def fingerprint(scenario: Scenario) -> str:
-    """Return a digest that is the same for equal scenarios, including their files."""
+    """Return a digest that is equal for equal scenarios, including their files."""
     return scenario_fingerprint(scenario)
 
 

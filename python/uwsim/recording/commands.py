@@ -1,4 +1,4 @@
-"""Commands in a recording: one message each, with JSON content, on a separate topic."""
+"""Commands in a recording: one JSON message each, on a separate topic."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ BYTES = "$bytes"
 
 
 class Command(NamedTuple):
-    """A command, and the tick at whose beginning it took effect; for a jump of time, the tick that it led to.
+    """A command, and the tick at whose beginning it took effect; for a jump in time, the tick that it led to.
 
-    name: of uwsim.live.COMMANDS, reset or restore_state. arguments: of JSON types and bytes.
+    name: a command of uwsim.live.COMMANDS, reset or restore_state. arguments: JSON types and bytes.
     """
 
     tick: NonNegativeInt
@@ -34,12 +34,12 @@ def command_message(command: Command) -> Any:
 
 
 def command_of(message: Any) -> Command:
-    """Return the command in a message. Raises ValueError if there is none."""
+    """Decode the command in a message. Raises ValueError if it contains none."""
     return command_from(message.data)
 
 
 def command_from(text: str) -> Command:
-    """Return the command in JSON. Raises ValueError if there is none."""
+    """Decode a command from JSON. Raises ValueError if it contains none."""
     try:
         command = _COMMAND.validate_json(text)
     except ValidationError as error:
@@ -48,7 +48,7 @@ def command_from(text: str) -> Command:
 
 
 def _json_values(value: Any) -> Any:
-    """Return plain values with bytes as base64."""
+    """Return plain values with bytes encoded as base64."""
     if isinstance(value, bytes):
         return {BYTES: base64.b64encode(value).decode()}
     if isinstance(value, dict):

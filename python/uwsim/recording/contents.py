@@ -1,9 +1,9 @@
-"""The content of a recording's file except its messages: read once, with all checksums, indexes and counts verified.
+"""The content of a recording except its messages, read once, with all checksums, indexes and counts verified.
 
 A finished file has a checksum over all its bytes. If the process was killed, the file lacks it, but each chunk and
-attachment has its own, and the header has that of the metadata at the start. So every wrong bit is detected in either
-case. Files rewritten by other tools, such as `mcap filter`, are checked against the checksums and indexes that they
-have.
+attachment has a checksum, and the header contains that of the metadata at the start. So any wrong bit is detected in
+either case. Files rewritten by other tools, such as `mcap filter`, are verified against the checksums and indexes that
+they contain.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from uwsim.recording.records import FIRST, HEAD_BYTES, Message, Record, RecordFi
 
 WRONG_CHECKSUM = "its checksum is wrong"
 SEQUENCES = 1 << 32
-"""A channel's messages are numbered up to this value, then again from 0."""
+"""Messages of a channel are numbered up to this value, then again from 0."""
 INDEXES: dict[int, str] = {
     Opcode.CHUNK_INDEX: "chunk",
     Opcode.ATTACHMENT_INDEX: "attachment",
@@ -46,7 +46,7 @@ INDEXES: dict[int, str] = {
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk of a file. checksum: of its record's content; channels: those whose messages it contains."""
+    """A chunk of a file. checksum: of its record's content. channels: those whose messages it contains."""
 
     number: int
     start: int
@@ -57,10 +57,10 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class Contents:
-    """A file without its messages. metadata, attachments: by name; schemas, channels: by number; counts: of messages.
+    """A file without its messages. metadata, attachments: by name. schemas, channels: by number.
 
-    indexes: the content of the index at the end, by kind of record. is_ours: whether uwsim wrote the file itself.
-    is_whole: whether the data are complete; complete: whether the index is as well.
+    counts: number of messages by channel. indexes: the expected index at the end, by kind of record. is_ours: whether
+    uwsim wrote the file itself. is_whole: whether the data are complete; complete: whether the index is, too.
     """
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -75,14 +75,14 @@ class Contents:
     complete: bool = False
 
     def announce(self, record: Channel | Schema) -> None:
-        """Add a channel or a schema. Raises ValueError if its number is already in use."""
+        """Add a channel or a schema. Raises ValueError if its number is already used for a different one."""
         known: dict[int, Any] = self.channels if isinstance(record, Channel) else self.schemas
         if known.setdefault(record.id, record) != record:
             raise ValueError(f"its {type(record).__name__.lower()} {record.id} is another than before")
 
 
 def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]:
-    """Yield the messages of chunks. Raises ValueError if one has changed since it was first read, OSError."""
+    """Yield the messages of chunks. Raises ValueError if a chunk has changed since it was first read, OSError."""
     with path.open("rb") as file:
         for chunk in chunks:
             file.seek(chunk.start)
@@ -95,15 +95,15 @@ def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]
 
 
 class DataReader:
-    """Reads the records up to the end of the data into `contents`, and validates each."""
+    """Reads and validates the records up to the end of the data, filling `contents`."""
 
     def __init__(self, file: RecordFile) -> None:
         self.contents = Contents()
         self._file = file
-        self._start_checksum: int | None = None  # from the header, for the metadata at the start
-        self._index: dict[int, list[tuple[int, int]]] = {}  # of the last chunk's messages, by channel
-        self._sequences: dict[int, int] = {}  # of the last message of each channel
-        self._before = 0  # checksum of everything before the present record
+        self._start_checksum: int | None = None  # checksum of the metadata at the start, from the header
+        self._index: dict[int, list[tuple[int, int]]] = {}  # expected index of the last chunk's messages, by channel
+        self._sequences: dict[int, int] = {}  # sequence number of each channel's last message
+        self._before = 0  # checksum of everything before the current record
         self._take: dict[int, Callable[[Record, Any], None]] = {
             Opcode.HEADER: self._take_header,
             Opcode.METADATA: self._take_metadata,
@@ -219,12 +219,12 @@ class DataReader:
         ahead = (message.sequence - last) % SEQUENCES
         if not 0 < ahead < SEQUENCES // 2:
             raise ValueError(f"a message of {channel.topic} is there twice, or not in its turn")
-        if ahead > 1 and channel.topic == f"/{COMMANDS}":  # these are never dropped
+        if ahead > 1 and channel.topic == f"/{COMMANDS}":  # commands are never dropped
             raise ValueError(f"before it, {ahead - 1} commands are missing")
         self._sequences[message.channel_id] = message.sequence
 
     def _compare(self, given: int, found: int) -> None:
-        """Raise ValueError if a checksum differs from the given one; other tools write 0 if they have none."""
+        """Raise ValueError if a checksum differs from the stored one; other tools store 0 if they have none."""
         if given != found and (given or self.contents.is_ours):
             raise ValueError(WRONG_CHECKSUM)
 

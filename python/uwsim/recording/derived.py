@@ -1,4 +1,4 @@
-"""Messages that follow from a survey's pings and therefore need not be recorded: made from them for readers."""
+"""Messages that follow from a survey's pings, and so are not recorded but generated for readers."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
 MAP_TOPIC = "map_changes"
 FROM_PINGS = frozenset({*(topic.name for topic in PING_TOPICS), MAP_TOPIC})
-"""The names of these topics, without the vehicle's."""
+"""The names of these topics without the vehicle's prefix."""
 
 Make = Callable[[TakenPing], Any]
-"""Returns the message for a ping; called with all pings in order."""
+"""Returns the message for a ping; must be called with all pings in order."""
 
 
 class Derived:
-    """The topics of a survey's recording that follow from its pings: each ping gives one message for each.
+    """The topics of a survey's recording that follow from its pings; each has one message per ping.
 
-    The map is the one that a live run would make from these pings. channels: by name.
+    The map is the one that a live run would build from these pings. channels: by name.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -52,7 +52,7 @@ class Derived:
         )
 
     def makers(self, names: Collection[str]) -> dict[str, Make]:
-        """Return functions that make the messages of some of the topics, starting with the first ping."""
+        """Return functions that generate the messages of some topics, starting with the first ping."""
         return {name: self._begin[name]() for name in names}
 
     def _offer(self, channel: Channel, begin: Callable[[], Make]) -> None:

@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 from uwsim.recording.difference import differences, largest
 from uwsim.recording.reader import Recorded, Recording
 
-AHEAD_MAX = 100_000  # messages by which one recording may get ahead of the other
+AHEAD_MAX = 100_000  # maximum number of queued messages per channel while one recording is ahead
 
 
 @dataclass
 class Parting:
     """A channel whose messages differ. text: the first difference.
 
-    gaps: (time [s], largest absolute difference), for messages with different numbers.
+    gaps: (time [s], largest absolute difference) for each pair of messages whose numbers differ.
     """
 
     topic: str
@@ -29,9 +29,9 @@ class Parting:
 
 @dataclass
 class Comparison:
-    """The comparison of two recordings. compared: number of messages. partings: by tick, then in recording order.
+    """A comparison of two recordings. compared: number of messages. partings: by tick, then in recording order.
 
-    notes: differences other than messages, such as the seed, as sentences.
+    notes: differences other than in messages, such as the seed, as text.
     """
 
     compared: int
@@ -47,7 +47,7 @@ class Comparison:
 def diff(first: Recording, second: Recording) -> Comparison:
     """Compare two recordings message by message: the n-th messages of each channel, in recording order."""
     found: dict[str, Parting] = {}
-    waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording that is ahead: 0 or 1
+    waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording (0 or 1) that is ahead
     compared = 0
     for side, recorded in _in_turn(first, second):
         queue = waiting[recorded.topic]
@@ -70,7 +70,7 @@ def diff(first: Recording, second: Recording) -> Comparison:
 
 
 def _in_turn(first: Recording, second: Recording) -> Iterator[tuple[int, Recorded]]:
-    """Yield messages of both in turn, with the recording's number (0 or 1), so that neither gets far ahead."""
+    """Yield messages from both alternately, with the recording's number (0 or 1), so that neither gets far ahead."""
     sides = [iter(first.messages()), iter(second.messages())]
     open_sides = {0, 1}
     while open_sides:

@@ -1,4 +1,4 @@
-"""The difference between two messages of one type: the fields, by name, and by how much."""
+"""The difference between two messages of the same type: which fields differ, and by how much."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from uwsim.channels.message_types import fields
 from uwsim.channels.messages import from_bytes
 
-SHOWN = 50  # characters of long text
+SHOWN = 50  # number of characters shown of long text
 
 
 def differences(kind: str, first: bytes, second: bytes) -> str:
-    """Return the first fields that differ, and by how much, as one line; at most two fields."""
+    """Return the first two fields that differ, and by how much, as one line."""
     found = list(_fields(kind, from_bytes(first, kind), from_bytes(second, kind), ""))
     if not found:
         return "bytes that belong to no field"
@@ -23,16 +23,16 @@ def differences(kind: str, first: bytes, second: bytes) -> str:
 
 
 def largest(kind: str, first: bytes, second: bytes) -> float:
-    """Return the largest finite difference between numbers in two messages; nan if there is none.
+    """Return the largest finite difference between numbers in two messages, or NaN if there is none.
 
-    Only floating-point numbers count: bytes of pictures, counts and text have no amount.
+    Only floating-point numbers count; differences in pictures, counts and text have no magnitude.
     """
     gaps = [gap for gap in _gaps(kind, from_bytes(first, kind), from_bytes(second, kind)) if 0.0 < gap < np.inf]
     return max(gaps, default=np.nan)
 
 
 def _parts(kind: str, first: Any, second: Any, path: str) -> Iterator[tuple[str, Any, Any]]:
-    """Yield path and values of all fields that contain no messages."""
+    """Yield path and values of all fields that are not messages themselves."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -78,7 +78,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _short(value: Any, at: int) -> str:
-    """Return a value as text; for long text, the part around a place."""
+    """Return a value as text; for long text, the part around a position."""
     if isinstance(value, str) and len(value) > SHOWN:
         start = max(at - SHOWN // 2, 0)
         value = ("..." if start else "") + value[start : start + SHOWN] + ("..." if start + SHOWN < len(value) else "")

@@ -1,4 +1,4 @@
-"""The multibeam whose pings a recording contains, according to the recording's own scenario."""
+"""The multibeam whose pings a recording contains, built from the recording's own scenario."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecordedHead:
-    """A multibeam. interval_s: between pings. prefix: of its vehicle's topics and frames. hull_m: its vehicle's."""
+    """A multibeam.
+
+    interval_s: time between pings. prefix: of its vehicle's topics and frames. hull_m: its vehicle's box.
+    """
 
     model: _core.MultibeamModel
     interval_s: float
@@ -31,14 +34,14 @@ class RecordedHead:
     scenario: Scenario
 
     def new_map(self) -> OccupancyMap:
-        """Return an empty map, like the one that a live run of the scenario starts with."""
+        """Return an empty map, like that at the start of a live run of the scenario."""
         return empty_map(self.scenario)
 
 
 def recorded_head(recording: Recording, topic: str) -> RecordedHead:
-    """Return the multibeam of a channel of pings. Raises ValueError, OSError."""
+    """Return the multibeam for a channel of pings. Raises ValueError, OSError."""
     name, _, _ = topic.rpartition("/")
-    # for meshes that are no longer at their original place
+    # receives meshes that are no longer at their original path
     with tempfile.TemporaryDirectory(prefix="uwsim-head-") as folder:
         scenario = unpack(recording.attachments, Path(folder))
         entry = next(each for each in scenario.vehicles if each.model.sonar is not None and name in ("", each.name))

@@ -1,4 +1,4 @@
-"""The map built by a live run, from its recording alone: the bytes of its /octomap_binary and save_map."""
+"""Rebuilds the map of a live run from its recording alone, byte for byte as in /octomap_binary and save_map."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from uwsim.recording.reader import Recording
 
 
 def live_map(recording: Recording, vehicle: str | None = None) -> tuple[OccupancyMap, int]:
-    """Return the map in odom of a vehicle's pings since the last jump of time, and their number. Raises ValueError."""
+    """Return the map, in odom, of a vehicle's pings since the last jump in time, and their number.
+
+    Raises ValueError.
+    """
     topic = ping_topic(recording, vehicle)
     head = recorded_head(recording, topic)
     occupancy, newest_ns, count = head.new_map(), -1, 0

@@ -1,7 +1,7 @@
-"""A recording as MCAP, in rosbag2's form: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
+"""A recording as MCAP in rosbag2's format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
-Written by the `mcap` library. The writer of `rosbags` cannot finish a chunk before it is full, has neither checksums
-nor attachments, and creates a folder: a kill would lose up to a megabyte, which is minutes of a quiet run.
+Written with the `mcap` library. The writer of `rosbags` cannot end a chunk before it is full, has neither checksums nor
+attachments, and creates a folder: a kill would lose up to a megabyte, which is minutes of a run with few messages.
 """
 
 from __future__ import annotations
@@ -30,18 +30,15 @@ from uwsim.recording.records import HEAD_BYTES
 
 CHUNK_BYTES = 1 << 20
 START, END, ROSBAG2 = "uwsim", "uwsim.end", "rosbag2"
-"""Names of metadata records: written at the beginning, at the end, and rosbag2's own."""
+"""Names of metadata records: the one written at the beginning, the one at the end, and rosbag2's own."""
 VERSION = "1"
-"""Version of the metadata and attachments. Raising it makes users' recordings unreadable."""
+"""Version of the metadata and attachments. Incrementing it makes existing recordings unreadable."""
 LIVE, SURVEY = "live", "survey"
-"""Kinds of runs: the pings of a survey contain everything that its sonar produced."""
+"""Kinds of runs; in a survey, the pings contain everything that its sonar produced."""
 PROFILE = "ros2"
 LIBRARY = re.compile("uwsim(?:, start ([0-9a-f]{8}))?")
-"""The writer's name in the header, with the checksum of the metadata at the start.
-
-Nothing else covers these after a kill. Recordings of earlier builds lack it, and have no checksum over all data at
-their end.
-"""
+"""The writer's name in the header, with the checksum of the metadata at the start, which is not otherwise protected if
+the process is killed. Recordings of earlier builds lack this, and have no checksum over all data at their end."""
 ROSBAG2_VERSION = 9
 FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's infinite duration
 DEPTH = 10
@@ -49,13 +46,13 @@ QOS = "offered_qos_profiles"
 
 
 class McapSink:
-    """One MCAP file. Each flush ends a chunk, which then survives the end of this process."""
+    """An MCAP file. Each flush ends a chunk, which then survives the end of this process."""
 
     def __init__(self, path: Path, start: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
         """Create the file, with metadata and attachments. Raises OSError if it exists or cannot be written."""
         self._path = path
         self._file = path.open("xb")
-        # LZ4 takes a tenth of zstd's time, and every reader of MCAP supports it.
+        # LZ4 takes a tenth of zstd's time, and all MCAP readers support it.
         self._writer = Writer(
             self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
         )
@@ -78,11 +75,11 @@ class McapSink:
             raise
 
     def encode(self, reading: Reading) -> memoryview:
-        """Return a message in CDR, which other sinks may share."""
+        """Return a message as CDR bytes, which other sinks may share."""
         return reading.cdr
 
     def add_channel(self, channel: Channel) -> None:
-        """Announce a channel, before its first message."""
+        """Register a channel before its first message."""
         known = schema(channel.type)
         if channel.type not in self._schemas:
             self._schemas[channel.type] = self._writer.register_schema(known.name, "ros2msg", known.text.encode())
@@ -92,18 +89,18 @@ class McapSink:
         self._counts[channel.name] = 0
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message, in simulated time. Raises OSError."""
+        """Append a message at its simulated time. Raises OSError."""
         self._writer.add_message(self._ids[topic], time_ns, bytes(data), time_ns, sequence & 0xFFFFFFFF)
         self._counts[topic] += 1
         self._first_ns, self._last_ns = min(self._first_ns, time_ns), max(self._last_ns, time_ns)
 
     def flush(self) -> None:
-        """End the chunk and hand it to the operating system. Raises OSError."""
+        """End the chunk and pass it to the operating system. Raises OSError."""
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._flushed = self._file.tell()
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write metadata and index, and close. Raises OSError."""
+        """Write metadata and index, and close the file. Raises OSError."""
         with self._file:
             self._writer.add_metadata(END, dict(end))
             self._writer.add_metadata(ROSBAG2, {"serialized_metadata": _yaml(self._rosbag2_metadata())})
@@ -112,9 +109,9 @@ class McapSink:
             os.fsync(self._file.fileno())
 
     def abandon(self) -> None:
-        """Close after a write error, and truncate the file after the last flush.
+        """Close after a write error, and truncate the file to its state at the last flush.
 
-        The part written since then has gaps: with more data after it, the file would be damaged instead of cut off.
+        The part written since then has gaps: if data followed it, the file would be damaged instead of merely cut off.
         """
         kept = os.dup(self._file.fileno())
         with contextlib.suppress(OSError):
@@ -124,7 +121,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return the information shown by `ros2 bag info`, as in the metadata.yaml of a folder."""
+        """Return the information shown by `ros2 bag info`, as in a bag folder's metadata.yaml."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},
@@ -159,7 +156,7 @@ class McapSink:
 
 
 def metadata_of(channel: Channel) -> dict[str, str]:
-    """Return the metadata of a channel in the file: those of rosbag2, and its rate and description."""
+    """Return a channel's metadata for the file: those of rosbag2, and its rate and description."""
     return {
         QOS: _qos_yaml(qos(channel)),
         "topic_type_hash": schema(channel.type).type_hash,
@@ -169,7 +166,7 @@ def metadata_of(channel: Channel) -> dict[str, str]:
 
 
 def qos(channel: Channel) -> Qos:
-    """Return a channel's quality of service: reliable, and kept for late readers if it is latched."""
+    """Return a channel's quality of service: reliable, and kept for late subscribers if it is latched."""
     durability = QosDurability.TRANSIENT_LOCAL if channel.latched else QosDurability.VOLATILE
     return Qos(
         QosHistory.KEEP_LAST,
@@ -196,7 +193,7 @@ def _checksum(name: str, metadata: Mapping[str, str]) -> int:
     return zlib.crc32(record.end()[HEAD_BYTES:])  # type: ignore[no-untyped-call]
 
 
-@functools.cache  # a file's many channels are offered in two ways
+@functools.cache  # a file's many channels have only two different profiles
 def _qos_yaml(offered: Qos) -> str:
     return _yaml(dump_qos_v9([offered]))
 

@@ -1,4 +1,4 @@
-"""Metadata of a recording's run, at its beginning and end: text in the file, validated values here."""
+"""Metadata of a recorded run, at its beginning and end: text in the file, validated values here."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Metadata = TypeVar("Metadata", bound=BaseModel)
 
 
 class Start(BaseModel):
-    """The information on a run at the start of its recording. begun: the wall clock's time."""
+    """Metadata at the start of a recording. begun: wall-clock time."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -35,9 +35,9 @@ class Start(BaseModel):
 
 
 class End(BaseModel):
-    """The information on a run when its recording ends properly. dropped: number of messages left out, by channel.
+    """Metadata at the end of a recording that was closed properly. dropped: number of messages omitted, by channel.
 
-    on_wall_clock: whether it ever was; unlike the start's value, this covers the whole run.
+    on_wall_clock: whether the run was ever at wall-clock speed; unlike the start's value, this covers the whole run.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -50,7 +50,7 @@ class End(BaseModel):
 
 
 def checked(kind: type[Metadata], text: Mapping[str, str]) -> Metadata:
-    """Return metadata as values. Raises ValueError with the first invalid one."""
+    """Return metadata as validated values. Raises ValueError with the first invalid one."""
     try:
         return kind.model_validate(text)
     except ValidationError as error:

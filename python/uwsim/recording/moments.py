@@ -1,4 +1,4 @@
-"""Moments: renders a recording's pictures in a replay, at the times that they show."""
+"""Moments: renders a recording's pictures during a replay, at the times that they show."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from uwsim.simulator.simulator import Simulator
 class Moments:
     """An observer that renders pictures when the simulator reaches the times of their stamps.
 
-    On the wall clock a picture is started by the first reader after the previous one is ready, so that its time depends
-    on the machine and on all readers; only the recorded stamps contain it. A command at the same tick may have come
-    before or after: pictures are rendered before and after each. The content of a picture depends only on its time,
-    whichever topics carry it.
+    At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
+    on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
+    come before or after, so pictures are rendered before and after each. The content of a picture depends only on its
+    time, not on the topic.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Moments:
         self.due_tick = NEVER
 
     def start(self) -> None:
-        """Render what is due now, and start observing."""
+        """Render the pictures that are due now, and start observing."""
         self.again()
         self._sim.journal.attach(self)
 
@@ -55,21 +55,21 @@ class Moments:
         self._sim.journal.detach(self)
 
     def observe(self) -> None:
-        """Render what is due."""
+        """Render the pictures that are due."""
         self.again()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """After a jump of time, become due where time continues."""
+        """After a jump in time, become due where time continues."""
         if name in JUMPS:
             self._be_due(bisect_left(self._ticks, self._sim.tick))
 
     def again(self) -> None:
-        """Render what is due now, even if it has already been rendered, since a command may have changed the view."""
+        """Render the pictures that are due now, even if already rendered, since a command may have changed the view."""
         tick = self._sim.tick
         self._be_due(bisect_right(self._ticks, tick))
         if tick not in self._due:
             return
-        self._pictures.forget()  # so that readings get pictures of the present
+        self._pictures.forget()  # so that pictures are rendered again for the current state
         for kind in self._due[tick]:
             channel = self._by_kind.get(kind)
             message = None if channel is None else channel.read(self._sim)

@@ -1,8 +1,8 @@
-"""Scenarios of recordings that contain every field of every model, whether or not the scenario gave it.
+"""Scenarios of recordings that contain all fields of all models, whether or not the scenario set them.
 
-There the presence of a key means nothing. So keys whose presence matters are removed if they have their default value:
-the scenario is then built as it was for the recording. It cannot be known whether a value of `sonar.noise` or
-`link.carries` was given with exactly its default.
+In them the presence of a key has no meaning. So keys whose presence matters are removed if they have their default
+value; the scenario is then built as it was for the recording. It cannot be determined whether a value of `sonar.noise`
+or `link.carries` was set to exactly its default.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ PRESENCE: dict[tuple[str, ...], tuple[type[Model], tuple[str, ...]]] = {
     ("vehicles", "sonar", "noise"): (SonarNoise, tuple(SonarNoise.model_fields)),
     ("link",): (LinkSetup, ("carries",)),
 }
-"""The keys, and where they are; lists are traversed."""
+"""The keys whose presence matters, by their path; lists are traversed."""
 BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_deg_c", "salinity_psu")
-"""Keys of the water that a scenario with a profile cannot have given."""
+"""Keys of the water that a scenario with a profile cannot have set."""
 
 
 def without_defaults(scenario: Any) -> Any:
-    """Return an old recording's scenario, changed in place, without those keys."""
+    """Return an old recording's scenario, modified in place, without those keys."""
     for path, (model, keys) in PRESENCE.items():
         defaults = {key: _every_field(model.model_fields[key].default) for key in keys}
         for values in _at(scenario, path):

@@ -1,4 +1,4 @@
-"""Pacer: lets simulated time of a recording pass at a speed on the wall clock."""
+"""Pacer: paces the simulated time of a recording against the wall clock."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Literal
 
 
 class Pacer:
-    """Waits until simulated time is due. It starts with the first call, and restarts when simulated time goes back."""
+    """Waits until simulated time is due. Starts with the first call, and restarts when simulated time goes back."""
 
     def __init__(self, speed: float | Literal["max"]) -> None:
-        """speed: simulated seconds per wall second, or "max". Raises ValueError."""
-        if speed != "max" and not 1e-3 <= speed <= 1e6:  # false for nan as well
+        """speed: simulated seconds per wall-clock second, or "max". Raises ValueError."""
+        if speed != "max" and not 1e-3 <= speed <= 1e6:  # false for NaN as well
             raise ValueError(f"speed = {speed:g}: must be in [0.001, 1000000], or max")
         self._speed = speed
         self._zero_s = 0.0
         self._last_ns: int | None = None
 
     def wait(self, time_ns: int) -> None:
-        """Return when this simulated time is due."""
+        """Wait until this simulated time is due."""
         if self._speed == "max":
             return
         due_s = 1e-9 * time_ns / self._speed

@@ -17,7 +17,7 @@ NAME = "sonar_ping"
 
 
 def ping_channel(pings: Pings) -> Channel:
-    """Return the channel of a vehicle's pings, in odom. It is recorded, but not published."""
+    """Return the channel of a vehicle's pings, in odom. It is recorded but not published."""
     source = pings.source
     frame_id = source.frame("odom")
 
@@ -33,7 +33,7 @@ def ping_channel(pings: Pings) -> Channel:
 
 
 def survey_ping(sim: Simulator) -> Any:
-    """Return a present ping of the first vehicle, in the world, as in a survey."""
+    """Return a ping of the first vehicle at the current time, in the world frame, as in a survey."""
     rov = sim.rov
     ping = rov.sonar.ping()
     return ping_message(ping, rov.telemetry(), "world", rov.pose.world_from_body, ping.world_from_sonar)

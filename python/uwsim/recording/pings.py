@@ -1,4 +1,4 @@
-"""The pings of a recording, in the form that mapping takes."""
+"""The pings of a recording, in the form that mapping needs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class RecordedPing:
-    """A ping with the names of _core.Ping.
+    """A ping with the attributes of _core.Ping.
 
     ranges_m, angles_rad, valid, labels, intensity_db: (beams,); world_from_sonar (4, 4).
     """
@@ -34,7 +34,7 @@ class RecordedPing:
 
 
 class Panel(NamedTuple):
-    """The warnings of the vehicle's panel at a ping."""
+    """The warnings on the vehicle's panel at the time of a ping."""
 
     range_warning: bool
     proximity_warning: bool
@@ -63,7 +63,7 @@ def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing
 
 
 def taken_ping(message: Any) -> TakenPing:
-    """Return the ping in a message of the type SONAR_PING."""
+    """Return the ping in a message of type SONAR_PING."""
     body, sonar = message.frame_from_body.reshape(4, 4), message.frame_from_sonar.reshape(4, 4)
     stamp = message.header.stamp
     ping = RecordedPing(

@@ -1,4 +1,4 @@
-"""The path from the simulator's thread to the file: a bounded queue and the thread that empties it."""
+"""The path from the simulator's thread to the file: a bounded queue, and a thread that empties it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from uwsim.recording.sink import Sink
 
 WAITING_BYTES = 64 << 20
-"""Bytes that may wait to be written; beyond that messages are dropped or, flat out, the steps wait."""
-MESSAGE_BYTES = 200  # of an entry in the queue, in addition to its data
+"""Maximum number of queued bytes; beyond it, messages are dropped or, at maximum speed, steps wait."""
+MESSAGE_BYTES = 200  # size of an entry in the queue, in addition to its data
 FLUSH_S = 1.0
-"""Wall time after which written data are passed to the operating system: a kill loses at most this much."""
+"""Wall time after which written data are passed to the operating system; a kill loses at most this much."""
 GATHER_S = 0.1
 
 logger = logging.getLogger("uwsim.recording")
@@ -23,7 +23,7 @@ Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, dat
 
 
 class WritingQueue:
-    """Messages on their way to a sink, which one thread writes.
+    """Messages waiting to be written to a sink by a thread.
 
     error: why nothing more can be written, such as a full disk; the simulation continues.
     """
@@ -42,7 +42,7 @@ class WritingQueue:
     def put(self, item: Item, *, waits: bool, needed: bool = False) -> bool:
         """Queue a message; return whether it will be written.
 
-        waits: whether to wait for room. needed: whether to queue it even if there is none.
+        waits: whether to wait for space. needed: whether to queue it even if there is no space.
         """
         size = len(item[3]) + MESSAGE_BYTES
         with self._changed:
@@ -59,7 +59,7 @@ class WritingQueue:
         return True
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write everything queued, and close the sink. Raises OSError, also for an earlier error."""
+        """Write all queued messages, and close the sink. Raises OSError, including for an earlier error."""
         with self._changed:
             self._ends = True
             self._changed.notify_all()
@@ -74,7 +74,7 @@ class WritingQueue:
         while True:
             with self._changed:
                 if not self._ends and self._bytes <= self._limit_bytes // 2:
-                    self._changed.wait(GATHER_S)  # a thread that wakes for each message would disturb the steps
+                    self._changed.wait(GATHER_S)  # waking for each message would slow down the steps
                 items, self._items = self._items, deque()
                 self._bytes = 0
                 self._changed.notify_all()

@@ -1,4 +1,4 @@
-"""Recording: the content of a file, message by message, even if the run was killed while writing it."""
+"""Recording: reads a file message by message, even if the process that wrote it was killed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class ChannelInfo(NamedTuple):
-    """A channel of a recording: name without leading slash, type in ROS 2's spelling, number of messages."""
+    """A channel of a recording: name without leading slash, type in ROS 2's notation, number of messages, rate."""
 
     name: str
     type: str
@@ -39,7 +39,7 @@ class ChannelInfo(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """One message. time_ns: simulated. data: in CDR."""
+    """A recorded message. time_ns: simulated time. data: CDR bytes."""
 
     topic: str
     type: str
@@ -48,16 +48,16 @@ class Recorded(NamedTuple):
 
     @property
     def message(self) -> Any:
-        """The message itself."""
+        """The decoded message."""
         return from_bytes(self.data, self.type)
 
 
 class Recording:
-    """A recording that was written by a Recorder, from .mcap.
+    """A recording written by a Recorder as .mcap.
 
-    start, end: the information at both ends; end is None if the run was killed. complete: whether it ended properly.
-    attachments: by name. channels: those recorded; derived: others that can be read by name, since they follow from a
-    survey's pings.
+    start, end: the metadata at both ends; end is None if the run was killed. complete: whether the file was closed
+    properly. attachments: by name. channels: those recorded; derived: others that can be read by name because they
+    follow from a survey's pings.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -82,7 +82,7 @@ class Recording:
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
-        """The channels by name."""
+        """The recorded channels by name."""
         found = {}
         for number, channel in self._channels.items():
             name = channel.topic.removeprefix("/")
@@ -94,7 +94,7 @@ class Recording:
 
     @cached_property
     def derived(self) -> dict[str, ChannelInfo]:
-        """The channels by name that were not recorded, but follow from a survey's pings."""
+        """Channels, by name, that were not recorded but follow from a survey's pings."""
         if self._derived is None:
             return {}
         count = self.channels[PINGS].message_count
@@ -108,17 +108,17 @@ class Recording:
     def _derived(self) -> Derived | None:
         if self.start.kind != SURVEY or PINGS not in self.channels:
             return None
-        from uwsim.recording.derived import Derived  # imported here, since it is rarely needed and builds a sonar
+        from uwsim.recording.derived import Derived  # imported here: rarely needed, and it builds a sonar
 
         return Derived(self)
 
     def info(self, topic: str) -> ChannelInfo:
-        """Return the description of a channel, recorded or derived. Raises ValueError."""
+        """Return information about a channel, recorded or derived. Raises ValueError for an unknown channel."""
         name = self._named(topic)
         return self.channels[name] if name in self.channels else self.derived[name]
 
     def metadata(self, topic: str) -> dict[str, str]:
-        """Return a channel's metadata in the file: QoS, type hash, rate, description. Raises ValueError."""
+        """Return a channel's metadata from the file: QoS, type hash, rate, description. Raises ValueError."""
         name = self._named(topic)
         if name in self.channels:
             (number,) = self._numbers((name,))
@@ -128,26 +128,26 @@ class Recording:
 
     @property
     def step_ns(self) -> int:
-        """The length of a step."""
+        """The duration of a step in nanoseconds."""
         return round(self.start.step_s * 1e9)
 
     @property
     def dropped(self) -> dict[str, int]:
-        """Number of messages of each channel that were dropped because writing was too slow."""
+        """Number of messages dropped from each channel because writing was too slow."""
         return {} if self.end is None else self.end.dropped
 
     @property
     def was_on_wall_clock(self) -> bool:
-        """Whether steps may not have waited for pictures, so that their times depend on the machine.
+        """Whether steps may not have waited for pictures, so that the pictures' times depend on the machine.
 
-        Unknown after a kill.
+        Assumed to be True for a run that was killed.
         """
         end = self.end
         return self.start.on_wall_clock or end is None or bool(end.on_wall_clock)
 
     @property
     def notes(self) -> dict[str, Any]:
-        """Values for the whole run; those known only at its end are missing if it was cut off."""
+        """Values for the whole run; those known only at its end are missing if the file was cut off."""
         return (self.end or self.start).notes
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
@@ -186,11 +186,11 @@ class Recording:
         return tables.arrow(self, self._named(topic))
 
     def pandas(self, topic: str) -> pandas.DataFrame:
-        """Return a channel as a pandas DataFrame by simulated seconds; see uwsim.recording.tables."""
+        """Return a channel as a pandas DataFrame indexed by simulated seconds; see uwsim.recording.tables."""
         return tables.pandas_frame(self, self._named(topic))
 
     def xarray(self, topic: str) -> xarray.Dataset:
-        """Return a channel as an xarray Dataset, with arrays as arrays; see uwsim.recording.tables."""
+        """Return a channel as an xarray Dataset, in which arrays remain arrays; see uwsim.recording.tables."""
         return tables.dataset(self, self._named(topic))
 
     def _named(self, topic: str) -> str:
@@ -215,7 +215,7 @@ class Recording:
             raise ValueError(f"recording '{self.path}': is of version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or a type of ours that had other fields when it was written."""
+        """Raise ValueError if a channel has no type, or one of our types with different fields in this version."""
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
@@ -232,7 +232,7 @@ class Recording:
 
 
 def _fields(text: str) -> list[str]:
-    """Return the lines of a message's definition, without its comments, which may change."""
+    """Return the lines of a message definition without its comments, which may change."""
     return [line for each in text.splitlines() if (line := " ".join(each.split("#")[0].split()))]
 
 

@@ -1,4 +1,4 @@
-"""Recorder: writes a simulator's messages and commands to a file, from which the run can be repeated."""
+"""Recorder: writes a simulator's messages and commands to a file, from which the run can be replayed."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ logger = logging.getLogger("uwsim.recording")
 
 
 class Recorder:
-    """Records a simulator from `start` to `close`: every channel in simulated time, every command, seed and scenario.
+    """Records a simulator from `start` to `close`: all channels in simulated time, all commands, seed and scenario.
 
         with LiveSimulator("lake") as live, Recorder(live, "run.mcap"):
             ...
 
-    path: of a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
-    record, and not to record, such as "camera/*". By default all are recorded; for a survey all but pictures and those
-    that follow from its pings (FROM_PINGS, and the map), which readers get nevertheless, see Recording.derived. shared:
-    the table of a server, so that pings and pictures are made once for both; by default a new one. feed: of other
-    sinks, such as a ROS 2 node, which then get the recorder's readings with their bytes instead of taking their own.
-    kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the metadata.
+    path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
+    record and to omit, such as "camera/*". By default all channels are recorded; for a survey, all except pictures and
+    those derived from its pings (FROM_PINGS, and the map), which readers still provide, see Recording.derived. shared:
+    a server's channel table, so that pings and pictures are made only once; by default a new one. feed: of other sinks,
+    such as a ROS 2 node, which then share the recorder's readings and their bytes instead of taking their own. kind:
+    LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the metadata.
 
-    Messages are encoded on the simulator's thread and written on another. On the wall clock the steps never wait:
-    messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. Flat out the
-    steps wait instead, and nothing is lost. After a kill, everything but the last second remains. Raises ValueError,
-    OSError.
+    Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
+    messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
+    speed, steps wait instead, and nothing is lost. If the process is killed, all but the last second is kept. Raises
+    ValueError, OSError.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class Recorder:
         self._notes = dict(notes or {})
         self.dropped: Counter[str] = Counter()
         self._sequences: Counter[str] = Counter()
-        self._on_wall_clock = False  # ever since the start
+        self._on_wall_clock = False  # at any time since the start
         self._written = list(written)
         self._patterns = topics, without
         self._lock = threading.Lock()
@@ -111,7 +111,7 @@ class Recorder:
         return [channel for channel in said if self._is_chosen(channel)]
 
     def _follows(self, channel: Channel) -> bool:
-        """Return whether a survey's channel can be derived from the pings or, like pictures, from the rest."""
+        """Return whether a survey's channel can be derived from the pings or, like pictures, from the replay."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         return channel.late or channel.type == MAP_TYPE or channel.name in from_pings
 
@@ -120,21 +120,21 @@ class Recorder:
         return (topics is None or _matches(channel, topics)) and not _matches(channel, without)
 
     def _may_wait(self) -> bool:
-        """Whether the steps may wait for the recording: always, except on the wall clock."""
+        """Return whether steps may wait for the recording: always, except at wall-clock speed."""
         return self._live is None or self._live.speed == "max"
 
     def start(self) -> Self:
-        """Create the file and start recording; return itself. Raises OSError, ValueError."""
+        """Create the file and start recording; return self. Raises OSError, ValueError."""
         if self._queue is not None:
             raise RuntimeError("the recorder has been started already")
         self._on_simulator(self._begin)
         return self
 
     def close(self) -> None:
-        """Stop recording, and finish the file. Raises OSError if something could not be written."""
+        """Stop recording and finish the file. Raises OSError if anything could not be written."""
         if self._queue is None:
             return
-        end = self._on_simulator(self._end)  # between two steps, so that no tick is recorded in part
+        end = self._on_simulator(self._end)  # between two steps, so that each tick is recorded completely
         queue, self._queue = self._queue, None
         try:
             queue.close(end)
@@ -148,7 +148,7 @@ class Recorder:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
 
     def try_close(self) -> OSError | None:
-        """Close; return its error, for callers that save other results before they report it."""
+        """Close; return the error, if any, for callers that save other results before reporting it."""
         try:
             self.close()
         except OSError as error:
@@ -165,9 +165,9 @@ class Recorder:
         self.close()
 
     def hear(self, channels: Iterable[Channel]) -> list[Channel]:
-        """Return a server's channels so that messages received on them, such as /cmd_vel, are recorded as well.
+        """Return a server's channels, wrapped so that messages received on them, such as /cmd_vel, are also recorded.
 
-        To be called before `start`. These messages are for readers: a replay needs only the resulting commands.
+        Call before `start`. These messages are only for readers: a replay needs only the resulting commands.
         """
         return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
 
@@ -184,21 +184,24 @@ class Recorder:
         return replace(channel, apply=apply)
 
     def write(self, channel: Channel, message: Any) -> None:
-        """Record a present message of a channel that is not read by itself. On the simulator's thread."""
+        """Record a message, at the current time, on a channel that is not read automatically.
+
+        On the simulator's thread.
+        """
         self._take(channel, message)
 
     def note(self, **notes: Any) -> None:
-        """Add plain values to the metadata at the end."""
+        """Add plain values to the metadata at the end of the file."""
         self._notes |= notes
 
     def _on_simulator(self, function: Callable[[Simulator], Any]) -> Any:
-        """Call a function while no step is under way."""
+        """Call a function while no step is in progress."""
         if self._live is not None and self._live.running:
             return self._live.read(function).result()
         return function(self._sim)
 
     def _begin(self, sim: Simulator) -> None:
-        self._table.look_anew()  # a replay has nothing from before
+        self._table.look_anew()  # a replay has no data from before the recording
         self._sink = self._new_sink(sim)
         self._descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
         for channel in (self._commands, *self._written, *self._channels):
@@ -219,7 +222,7 @@ class Recorder:
         }
 
     def _is_kept(self) -> bool:
-        """Return whether the file still has a name, though perhaps a different one."""
+        """Return whether the file still exists, though perhaps under a different name."""
         links = os.fstat(self._descriptor).st_nlink
         os.close(self._descriptor)
         return links > 0
@@ -280,7 +283,7 @@ class Recorder:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
         self._on_wall_clock |= not waits
-        with self._lock:  # received messages come from other threads; the numbers of a topic are in order
+        with self._lock:  # received messages come from other threads; sequence numbers must follow the queue's order
             item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1
             is_put = queue.put(item, waits=waits, needed=needed)
@@ -295,5 +298,5 @@ def _matches(channel: Channel, patterns: Sequence[str]) -> bool:
 
 
 def state_digest(sim: Simulator) -> str:
-    """Return a digest that two simulators in exactly the same state share."""
+    """Return a digest that is equal for two simulators in exactly the same state."""
     return hashlib.blake2b(sim.save_state(), digest_size=16).hexdigest()

@@ -1,7 +1,7 @@
-"""The records of a recording's file: read one by one, each with its place, so that damage is detected and located.
+"""The records of a recording's file, read one by one with their positions, so that damage is detected and located.
 
-MCAP frames each record as a kind, a length and a content. A killed process leaves the beginning of a file, whose last
-record is cut off; anything else that cannot be read is damage.
+An MCAP record consists of a kind, a length and a content. If the process was killed, the file ends within its last
+record; anything else that cannot be read is damage.
 """
 
 from __future__ import annotations
@@ -22,21 +22,22 @@ from mcap.stream_reader import get_chunk_data_stream
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK_BYTES_MAX = 1 << 32
-"""Limit of an unpacked chunk: a damaged number would otherwise cause the allocation of that much memory."""
+"""Maximum size of an unpacked chunk, so that a damaged size cannot cause a huge allocation."""
 FIRST = len(MAGIC)
-"""Where the first record is."""
+"""Position of the first record."""
 _HEAD = struct.Struct("<BQ")  # kind, length of the content
 HEAD_BYTES = _HEAD.size
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, times of recording and of publishing
-_PEEKED = 1 << 16  # bytes read of a record that is cut off, which contain its lengths
+_PEEKED = 1 << 16  # number of bytes read from a truncated record, enough to contain its lengths
 _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, EOFError, OverflowError, MemoryError)
-"""Errors raised for damaged content; RuntimeError is lz4's, ValueError also comes from bytes that are not text."""
+"""Errors raised for damaged content; RuntimeError comes from lz4, ValueError also from bytes that are not text."""
 
 
 class Layout(NamedTuple):
     """A kind of record.
 
-    parts: of its content: a number of bytes or, if negative, of a length field for the bytes after it.
+    parts: fields of its content: a number of bytes or, if negative, the size of a length field followed by that many
+    bytes.
     """
 
     name: str
@@ -64,11 +65,11 @@ LAYOUTS = {
 
 
 class CutOffError(Exception):
-    """The file ends before the record does, as after a kill."""
+    """The file ends within a record, as after a kill."""
 
 
 class Message(NamedTuple):
-    """A message in a chunk. offset: of its record in the unpacked chunk."""
+    """A message in a chunk. offset: position of its record in the unpacked chunk."""
 
     channel_id: int
     sequence: int
@@ -78,7 +79,7 @@ class Message(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A record in the file, starting at start. number: of its kind, from 1."""
+    """A record in the file. start: its position. number: counted from 1 among records of its kind."""
 
     kind: int
     number: int
@@ -97,19 +98,19 @@ class Record(NamedTuple):
 
     @property
     def place(self) -> str:
-        """Its description and place."""
+        """Its description and byte range."""
         return _place(self.kind, self.number, self.start, self.start + self.length)
 
     @contextmanager
     def named(self, file: RecordFile) -> Iterator[None]:
-        """Turn each ValueError into that of a damaged file, with the record's place."""
+        """Convert any ValueError to that of a damaged file, with the record's place."""
         try:
             yield
         except ValueError as error:
             raise file.damaged(f"{self.place}: {error}") from None
 
     def parsed(self) -> Any:
-        """Return the record parsed by its kind. Raises ValueError if its content is invalid."""
+        """Return the record, parsed according to its kind. Raises ValueError if its content is invalid."""
         return _parsed(LAYOUTS[Opcode(self.kind)].parser, self.content)
 
 
@@ -121,7 +122,7 @@ def _place(kind: int, number: int, start: int, end: int) -> str:
 class RecordFile:
     """A file that is read record by record.
 
-    position: in the file. checksum: the CRC-32 of everything read since it was last set to 0.
+    position: in the file. checksum: CRC-32 of everything read since it was last set to 0.
     """
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
@@ -133,11 +134,11 @@ class RecordFile:
         self._numbers: dict[int, int] = {}
 
     def damaged(self, what: str) -> ValueError:
-        """Return the error of a damaged file."""
+        """Return the error for a damaged file."""
         return ValueError(f"recording '{self.path}': damaged: {what}")
 
     def magic(self) -> bool:
-        """Return whether the bytes with which every MCAP file begins and ends come next.
+        """Return whether the next bytes are those with which every MCAP file begins and ends.
 
         Raises CutOffError if the file ends within them.
         """
@@ -148,7 +149,7 @@ class RecordFile:
 
     @property
     def is_at_end(self) -> bool:
-        """Return whether nothing follows."""
+        """Whether the end of the file has been reached."""
         return self.position == self._size
 
     def record(self) -> Record:
@@ -169,7 +170,7 @@ class RecordFile:
 
     @property
     def _ends_whole(self) -> bool:
-        """Return whether the file ends like a finished one."""
+        """Whether the file ends like a finished one."""
         if self._size < 2 * len(MAGIC):
             return False
         here = self._file.tell()
@@ -179,7 +180,7 @@ class RecordFile:
         return last == MAGIC
 
     def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
-        """Raise ValueError if a record's length is wrong, as opposed to its end missing."""
+        """Raise ValueError if a record's length is wrong, rather than its end missing."""
         peeked = self._file.read(min(_PEEKED, self._size - self.position))
         expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
         if self._ends_whole or expected not in (None, length):
@@ -210,7 +211,7 @@ def unpacked(chunk: kinds.Chunk) -> bytes:
 
 
 def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
-    """Yield the content of an unpacked chunk. Raises ValueError for invalid records."""
+    """Yield the records in an unpacked chunk. Raises ValueError for invalid records."""
     at = 0
     while at < len(data):
         if len(data) - at < HEAD_BYTES:
@@ -232,7 +233,7 @@ def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
 
 
 class _Strict:
-    """Content that cannot be read beyond its end."""
+    """Content that raises an error if read beyond its end."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -258,7 +259,7 @@ def _parsed(parser: Any, content: bytes) -> Any:
 
 
 def _length(parts: tuple[int, ...], content: bytes) -> int | None:
-    """Return the length of a content according to the lengths in it; None if they are not all there."""
+    """Return the length of a content according to its length fields, or None if not all of them are there."""
     at = 0
     for part in parts:
         if part > 0:

@@ -1,4 +1,4 @@
-"""Replay: rebuild a recording's scenario, repeat its commands, and compare the messages, byte for byte."""
+"""Replay: rebuild a recording's scenario, repeat its commands, and compare the messages byte for byte."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ from uwsim.scenario.fingerprint import BuildWarning, warn_of_other_build
 from uwsim.simulator.simulator import Simulator
 
 OnTime = Callable[[int], None]
-"""Called with the simulated time before each recorded message is compared; may wait, to keep a pace."""
+"""Called with the simulated time before each recorded message is compared; may wait to control the pace."""
 
 
 @dataclass
 class ReplayResult:
-    """The result of a replay. sim: at the end. messages: number compared, by channel. commands: number issued.
+    """The result of a replay. sim: the simulator at its end. messages: number of messages compared, by channel.
 
-    difference: the first one, None if everything is the same to the last bit. state_compared: whether the final state
-    was, which needs a recording that ended properly and was replayed to its end. left_out: messages that the recording
-    lacks because writing was too slow, or pictures too late. not_compared: channels that do not depend on the simulator
-    alone, such as the pace on the wall clock.
+    commands: number issued. difference: the first difference, or None if everything is bit-identical. state_compared:
+    whether the final state was compared, which requires a recording that was closed properly and replayed to its end.
+    left_out: messages missing from the recording because writing was too slow, or pictures were too late. not_compared:
+    channels that do not depend only on the simulator, such as the pace on the wall clock.
     """
 
     sim: Simulator
@@ -57,13 +57,13 @@ class ReplayResult:
 def new_simulator(recording: Recording, threads: int | None = None) -> Simulator:
     """Return a simulator of the recording's scenario in its initial state.
 
-    Raises ValueError if that is not possible with this build.
+    Raises ValueError if this is not possible with this build.
     """
     if STATE not in recording.attachments:
         raise ValueError(f"recording '{recording.path}': holds no {STATE}")
     folder = tempfile.TemporaryDirectory(prefix="uwsim-replay-")
     sim = Simulator(unpack(recording.attachments, Path(folder.name)), threads=threads)
-    weakref.finalize(sim, folder.cleanup)  # meshes are read again, for example for the hull that is cut out of pings
+    weakref.finalize(sim, folder.cleanup)  # meshes are read again later, for example for the hull cut out of pings
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", BuildWarning)  # the warning about the recording itself is enough
         sim.restore_state(recording.attachments[STATE])
@@ -79,7 +79,7 @@ def replay(
     threads: int | None = None,
     on_time: OnTime | None = None,
 ) -> ReplayResult:
-    """Repeat a recorded run and compare it with the recording; ends at the first difference.
+    """Repeat a recorded run and compare it with the recording, up to the first difference.
 
     from_s, until_s: simulated times between which messages are compared. Raises ValueError, OSError.
     """
@@ -92,7 +92,7 @@ def replay(
 
 
 def give(sim: Simulator, table: Table, command: Command) -> None:
-    """Apply a recorded command to a simulator at its present tick. Raises ValueError."""
+    """Apply a recorded command to a simulator at its current tick. Raises ValueError."""
     try:
         if command.name in JUMPS:
             getattr(sim, command.name)(**command.arguments)
@@ -106,7 +106,7 @@ def give(sim: Simulator, table: Table, command: Command) -> None:
 
 
 class _Replay:
-    """A replay under way. The replay's messages wait in _said for the recording's, and vice versa."""
+    """A replay in progress. _said: messages from the replay that await the recording's."""
 
     def __init__(self, recording: Recording, threads: int | None, from_ns: int, on_time: OnTime | None) -> None:
         self._recording = recording
@@ -114,7 +114,7 @@ class _Replay:
         self._on_time = on_time
         self._sim = sim = new_simulator(recording, threads)
         self.result = ReplayResult(sim)
-        self._epoch = 0  # number of jumps of time so far
+        self._epoch = 0  # number of jumps in time so far
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
@@ -125,10 +125,10 @@ class _Replay:
             known = seen_channels(sim, table)
         for key, stream in start.streams.items():
             table.pictures.set_stream(key, stream)
-        if not self._is_survey:  # a survey pings by its own clock: its pings are repeated at their recorded times
+        if not self._is_survey:  # a survey has its own ping times: its pings are repeated at their recorded times
             known = known + [ping_channel(pings) for pings in table.pings.values()]
         chosen = [channel for channel in known if channel.name in recording.channels and channel.direction == "out"]
-        unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # it contains pings from before the recording
+        unlike = {MAP_TYPE, MAP_CHANGES} if start.map_is_older else set()  # has pings from before the recording
         on_wall_clock = recording.was_on_wall_clock
         chosen = [c for c in chosen if not (c.pieced and on_wall_clock) and c.type not in unlike]
         self._compared = {channel.name for channel in chosen}
@@ -160,7 +160,7 @@ class _Replay:
         return self.result
 
     def _count_what_is_left(self) -> None:
-        """Count the replay's messages after the last recorded message of a channel."""
+        """Count the replay's messages after the last recorded message of each channel."""
         for topic, said in self._said.items():
             if said and not self._may_lack:
                 tick = said[0][1] // self._recording.step_ns
@@ -170,7 +170,7 @@ class _Replay:
         self.result.left_out = +self.result.left_out
 
     def _repeat(self, until_ns: int | None) -> bool:
-        """Go through the recording; return whether its end was reached."""
+        """Step through the recording; return whether its end was reached."""
         for recorded in self._recording.messages():
             if until_ns is not None and recorded.time_ns > until_ns:
                 return False

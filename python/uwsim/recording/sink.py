@@ -1,4 +1,4 @@
-"""The destination of a recording: one interface for all formats."""
+"""The destination of a recording: a common interface for all formats."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ class Sink(Protocol):
     """A file that accepts messages. All calls except `encode` come from one thread at a time."""
 
     def encode(self, reading: Reading) -> bytes | memoryview:
-        """Return a message in the format's bytes."""
+        """Return a message in the serialization of the format."""
 
     def add_channel(self, channel: Channel) -> None:
-        """Announce a channel, before its first message."""
+        """Register a channel before its first message."""
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message, in simulated time. Raises OSError."""
+        """Append a message at its simulated time. Raises OSError."""
 
     def flush(self) -> None:
         """Pass everything written so far to the operating system, so that it survives this process. Raises OSError."""
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write the end of the file, and close. Raises OSError."""
+        """Write the end of the file, and close it. Raises OSError."""
 
     def abandon(self) -> None:
-        """Close after a write error, and keep what can be read."""
+        """Close after a write error, keeping everything readable."""

@@ -13,11 +13,11 @@ from uwsim.recording.contents import INDEXES, WRONG_CHECKSUM, Contents
 from uwsim.recording.records import Record, RecordFile
 
 WITHOUT_CHECKSUM = 16
-"""Bytes of the footer's content that its checksum covers, in addition to the summary before it."""
+"""Number of bytes of the footer's content that its checksum covers, in addition to the summary before it."""
 
 
 def read_summary(file: RecordFile, contents: Contents) -> None:
-    """Read everything after the data, and compare it with them. Raises CutOffError, ValueError."""
+    """Read everything after the data, and verify it against the data. Raises CutOffError, ValueError."""
     start, file.checksum = file.position, 0
     given: dict[int, list[Any]] = {kind: [] for kind in INDEXES}
     statistics: Statistics | None = None

@@ -1,4 +1,4 @@
-"""A recording's channels as tables: Arrow and pandas, one row per message, and xarray for arrays."""
+"""A recording's channels as tables: Arrow and pandas with one row per message, and xarray for arrays."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 TIME = "time_s"
 BLOCK = {1: np.int8, 2: np.uint8, 3: np.int16, 4: np.uint16, 5: np.int32, 6: np.uint32, 7: np.float32, 8: np.float64}
-"""NumPy's types of sensor_msgs/PointField's."""
+"""The NumPy types of sensor_msgs/PointField's data types."""
 
 
 def arrow(recording: Recording, topic: str) -> pyarrow.Table:
     """Return a channel as an Arrow table.
 
-    Columns: TIME, simulated seconds at which the message was recorded, then each field by its path, such as
-    "pose.pose.position.x"; stamps are whole nanoseconds; arrays are lists, messages in arrays are structs.
+    Columns: TIME, the simulated time in seconds at which the message was recorded, then each field by its path, such as
+    "pose.pose.position.x". Stamps are whole nanoseconds; arrays are lists, and messages in arrays are structs.
     """
     need_extra("pyarrow", "tables", "a recording as a table")
     import pyarrow
@@ -56,9 +56,9 @@ def pandas_frame(recording: Recording, topic: str) -> pandas.DataFrame:
 def dataset(recording: Recording, topic: str) -> xarray.Dataset:
     """Return a channel as an xarray Dataset over the coordinate TIME.
 
-    Numbers are (time,), arrays (time, FIELD), padded with NaN where their length changes. A LaserScan has (time, beam)
-    and the coordinate `angle_rad`; a PointCloud2 its fields as (time, point); pictures are (time, row, column[, rgb]).
-    Text and messages in arrays are left out.
+    Numbers have dimension (time,), arrays (time, FIELD), padded with NaN if their length varies. A LaserScan has (time,
+    beam) and the coordinate `angle_rad`; a PointCloud2 has its fields as (time, point); pictures are (time, row,
+    column[, rgb]). Text and messages in arrays are omitted.
     """
     need_extra("xarray", "tables", "a recording as a dataset")
     import xarray
@@ -83,7 +83,7 @@ Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(kind: str, path: str = "", get: Callable[[Any], Any] = lambda message: message) -> Iterator[Column]:
-    """Yield name, getter and kind of each field; nested messages are expanded, those in arrays are not."""
+    """Yield name, getter and kind of each field; nested messages are expanded, except those in arrays."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -115,7 +115,7 @@ def _plain_getter(get: Callable[[Any], Any], kind: Kind) -> Callable[[Any], Any]
 
 
 def _plain(message: Any, kind: str) -> dict[str, Any]:
-    """Return a message in an array as a dict of its fields."""
+    """Convert a message in an array to a dict of its fields."""
     found = {}
     for field in fields(kind, 2):
         if field.attribute is not None:
@@ -170,7 +170,7 @@ def _cloud_variables(kind: str, messages: list[Any]) -> Variables:
 
 
 def cloud_field(message: Any, name: str) -> NDArray[Any]:
-    """Return one field of a PointCloud2, (points,). Raises ValueError if it has no such field."""
+    """Return one field of a PointCloud2, (points,). Raises ValueError if it does not exist."""
     for field in message.fields:
         if field.name == name:
             element = np.dtype(BLOCK[field.datatype]).newbyteorder(">" if message.is_bigendian else "<")

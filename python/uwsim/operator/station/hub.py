@@ -131,7 +131,7 @@ class Station:
             raise ChoiceError({"scenario": " ".join(str(error).split())}) from None
 
     def _go_on(self, choice: Values) -> None:
-        """Continue a saved session, with only the speed chosen anew."""
+        """Continue a saved session, with only the speed newly chosen."""
         name, speed = chosen_save(choice, saved_names(self.folder))
         self.prepared.forget()
         folder = self.folder / name
