@@ -37,10 +37,10 @@ lead_old_names_on()
 
 try:
     __version__ = version("uwsim")
-except PackageNotFoundError:  # a source tree that was never installed
+except PackageNotFoundError:  # running from a source tree that was never installed
     __version__ = "0+unknown"
 
-# Imported on first use (PEP 562), so that `uwsim --help` answers at once.
+# Imported on first use (PEP 562), so that `uwsim --help` responds immediately.
 _MODULE_OF = {
     "Batch": "uwsim.batch",
     "DockedWarning": "uwsim.simulator.docking",

@@ -1,4 +1,4 @@
-"""Documented modules that have moved: for one version their old names still work, with a DeprecationWarning."""
+"""Documented modules that have moved: for one version, their old names still work, with a DeprecationWarning."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ MOVED = {
     "uwsim.survey": "uwsim.flight",
     "uwsim.survey.run": "uwsim.flight.survey",
 }
-"""Old name: new name, of modules and of packages with their content."""
+"""Old name: new name, for modules and for packages including their content."""
 
 
 def new_name(old: str) -> str | None:
-    """Return the new name for an old one, None if it has not moved."""
+    """Return the new name for an old one, or None if the module has not moved."""
     if not old.startswith("uwsim."):
         return None
     parts = old.split(".")
@@ -48,7 +48,7 @@ def new_name(old: str) -> str | None:
 
 
 class _OldNames(MetaPathFinder, Loader):
-    """Finds the module itself under its old name, so that there is only one module, with one class of each name."""
+    """Finds the moved module itself under its old name, so that it exists only once, with one class of each name."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
@@ -65,7 +65,7 @@ class _OldNames(MetaPathFinder, Loader):
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """Restore the module's own spec, which the import has replaced: it has been executed under its new name."""
+        """Restore the module's own spec, which the import has replaced; the module was executed under its new name."""
         assert module.__spec__ is not None
         module.__spec__ = module.__spec__.loader_state
 

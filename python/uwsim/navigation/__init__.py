@@ -1,1 +1,1 @@
-"""Control loops and pose estimation; both see vehicles only through protocols."""
+"""Control loops and pose estimation; both access vehicles only through protocols."""

@@ -1,4 +1,4 @@
-"""The score of a map against the true surface: coverage, recall, precision and distances."""
+"""Scores a map against the true surface: coverage, recall, precision and distances."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ ROWS_AT_ONCE = 1 << 14
 class MapScore:
     """A map's score against the true surface.
 
-    Truth voxels are the voxels, on the map's grid, that the true surface passes through. coverage: share in [0, 1] of
-    the visible truth voxels with an occupied voxel at most one voxel away; 0 if none was visible. recall: share of them
-    that are themselves occupied. precision: share of the occupied voxels that the true surface passes through.
-    Distances are from the centres of the occupied voxels to the nearest point of the true surface; they and precision
-    are nan for an empty map. visible_voxels: (v,), packed keys of the truth voxels that the sonar could have seen.
-    covered: (v,) bool, which of them count as covered. false_centres_m: (f, 3), occupied voxels without true surface.
-    seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with the terrain; None for an empty
-    map.
+    Truth voxels are the voxels on the map's grid through which the true surface passes. coverage: fraction, in [0, 1],
+    of the visible truth voxels with an occupied voxel at most one voxel away; 0 if none was visible. recall: fraction
+    of them that are themselves occupied. precision: fraction of the occupied voxels through which the true surface
+    passes. Distances are from the centres of the occupied voxels to the nearest point on the true surface. For an empty
+    map, distances and precision are NaN. visible_voxels: (v,), packed keys of the truth voxels that the sonar could
+    have seen. covered: (v,) bool, which of them count as covered. false_centres_m: (f, 3), centres of occupied voxels
+    without true surface. seabed: the depths of the occupied voxels, in cells as wide as a voxel, compared with the
+    terrain; None for an empty map.
     """
 
     coverage: float
@@ -47,7 +47,7 @@ class MapScore:
 
     @property
     def visible_truth_voxels(self) -> int:
-        """Number of truth voxels inside the polygon, in line of sight and within range of a flown pose."""
+        """Number of truth voxels inside the polygon, in line of sight and within range of a pose on the path."""
         return len(self.covered)
 
     @property
@@ -75,23 +75,23 @@ def score_map(
 ) -> MapScore:
     """Return the score of occupied voxel centres (n, 3) against the world.
 
-    rays: the world's own scene, if there is one already. ahead: parts of the work that were done during the survey of
-    this area, in voxels of this resolution. occupied_were_seen: whether the map is made from exact ranges and true
-    poses of this path, so that an occupied truth voxel has been seen and needs no ray.
+    rays: the world's ray scene, if it exists already. ahead: work already done during the survey of this area, for
+    voxels of this resolution. occupied_were_seen: whether the map was built from exact ranges and true poses on this
+    path, so that an occupied truth voxel is known to have been seen, without casting a ray.
 
     Coverage: the truth voxels that count lie inside the polygon area_world_m (k, 2), in line of sight and within
-    range_max_m of any flown position in path_world_m (n, 3). Covered are those that are occupied or have an occupied
+    range_max_m of any position on path_world_m (n, 3). A voxel is covered if it is occupied or has an occupied
     neighbour among the 26 on the map's grid, floor(x / resolution).
 
-    Precision: an occupied voxel is right if the true surface passes through it or within 1 mm of it, wherever the
-    voxel lies. Here surface under the terrain counts, too (only a map with access to the truth would hold it).
+    Precision: an occupied voxel is correct if the true surface passes through it or within 1 mm of it, wherever the
+    voxel lies. This includes surface below the terrain, which only a map with access to the truth would contain.
 
-    Distance: exact, from each occupied voxel's centre to the true surface, wherever the voxel lies. The centre is off
-    the surface that passes through its voxel by up to half the diagonal (0.43 m at 0.5 m), about a quarter of the width
-    on average, so a perfect map does not score zero.
+    Distance: exact, from each occupied voxel's centre to the true surface, wherever the voxel lies. The centre is at
+    most half the diagonal (0.43 m at 0.5 m), and on average about a quarter of the width, from a surface that passes
+    through its voxel, so a perfect map does not score zero.
 
-    Raises ValueError if the occupied centres or `ahead` are not on this grid, or the true surface within range of the
-    path has more voxels than true_surface.MAX_VOXELS.
+    Raises ValueError if the occupied centres or `ahead` are not on this grid, or if the true surface within range of
+    the path has more voxels than true_surface.MAX_VOXELS.
     """
     rays = rays or _core.RayScene(world)
     surface = _core.SurfaceVoxels(rays, resolution_m) if ahead is None else ahead.voxels
@@ -106,7 +106,7 @@ def score_map(
     def compared() -> SeabedComparison | None:
         return compare_seabed(world, rays, depth_grid(centres, resolution_m), area_world_m) if any_occupied else None
 
-    with ThreadPoolExecutor(1, "seabed") as pool:  # shares no data with the rest
+    with ThreadPoolExecutor(1, "seabed") as pool:  # independent of the rest
         comparison = pool.submit(compared)
         visible = visible_voxels(world, rays, resolution_m, path_world_m, area_world_m, range_max_m, seen, ahead)
         covered = _have_occupied_neighbour(visible, occupied)
@@ -135,7 +135,7 @@ def _hold_surface(
     distances_m: NDArray[np.float64],
     truth: NDArray[np.int64],
 ) -> NDArray[np.bool_]:
-    """Return which voxels (n,) the true surface passes through. truth: sorted, those for which this is known."""
+    """Return which of the voxels (n,) contain true surface. truth: sorted voxels that are known to contain it."""
     undecided = np.flatnonzero(distances_m > surface.resolution_m / 2.0)
     undecided = undecided[~are_in(voxels[undecided], truth)]
     right = np.ones(len(voxels), bool)
@@ -146,7 +146,7 @@ def _hold_surface(
 def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[np.int64]:
     """Return the packed keys (n,) of voxels from their centres (n, 3)."""
     keys, off = np.empty(len(centres_m), np.int64), 0.0
-    for first in range(0, len(keys), ROWS_AT_ONCE):  # parts that fit into the cache
+    for first in range(0, len(keys), ROWS_AT_ONCE):  # in parts that fit into the cache
         part = slice(first, first + ROWS_AT_ONCE)
         cells = np.asarray(centres_m[part], np.float64) / resolution_m
         lowest = np.floor(cells)
@@ -159,7 +159,7 @@ def _grid_keys(centres_m: NDArray[np.floating], resolution_m: float) -> NDArray[
 
 
 def _have_occupied_neighbour(voxels: NDArray[np.int64], occupied: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return whether packed keys (n,) have an occupied voxel at most one away on every axis: (n,) bool."""
+    """Return, for packed keys (n,), whether an occupied voxel is at most one away on each axis: (n,) bool."""
     found = np.zeros(len(voxels), bool)
     steps = np.stack(np.meshgrid(*[np.array([0, -1, 1])] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     for step in pack_keys(steps) - pack_keys(np.zeros((1, 3), np.int64)):

@@ -1,4 +1,4 @@
-"""Test whether points lie inside a polygon, such as the area of a survey."""
+"""Tests whether points lie inside a polygon, such as the area of a survey."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scoring of a map file against the world of its scenario, for `uwsim map score`."""
+"""Scores a map file against the world of its scenario, for `uwsim map score`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from uwsim.scoring.survey_track import TRACK, SurveyTrack
 
 @dataclass(frozen=True, eq=False)
 class ScoredMap:
-    """A map's score and its track. path_known: whether the track has a path, which coverage and recall need."""
+    """A map's score and its track. path_known: whether the track has a path, which coverage and recall require."""
 
     score: MapScore
     track: SurveyTrack
@@ -30,9 +30,9 @@ class ScoredMap:
 def score_map_file(path: Path, scenario: str, track: Path | None, origin_world_m: Origin) -> ScoredMap:
     """Return the score of a map file against a scenario's world.
 
-    track: the survey's track file or a cloud file of the sonar's positions; by default TRACK in the map's folder.
-    Without one, coverage and recall, which depend on the path, are unknown.
-    Raises ScenarioError, ValueError or OSError.
+    track: the survey's track file, or a cloud file of the sonar's positions; by default TRACK in the map's folder.
+    Without a track, coverage and recall, which depend on the path, are unknown. Raises ScenarioError, ValueError or
+    OSError.
     """
     occupancy = open_map(path, origin_world_m)
     truth = load(scenario)
@@ -50,7 +50,7 @@ def score_map_file(path: Path, scenario: str, track: Path | None, origin_world_m
 
 
 def score_table(scored: ScoredMap, title: str) -> Table:
-    """Return a table of the score, and of the seabed cells within each order of IHO S-44."""
+    """Return a table of the score, and of the seabed cells that meet each order of IHO S-44."""
     table = Table(title=title, title_justify="left", show_header=False)
     table.add_column("figure", style="cyan", overflow="fold")
     table.add_column("value", justify="right", no_wrap=True)
@@ -66,7 +66,7 @@ def score_table(scored: ScoredMap, title: str) -> Table:
 
 
 def write_score_json(path: Path, scored: ScoredMap) -> None:
-    """Write the score atomically as JSON: SI units, shares in [0, 1], null for unknown values. Raises OSError."""
+    """Write the score atomically as JSON: SI units, fractions in [0, 1], null for unknown values. Raises OSError."""
     write_json(path, score_values(scored.score, path_known=scored.path_known))
 
 

@@ -27,7 +27,7 @@ def score_rows(score: MapScore) -> list[tuple[str, str]]:
 
 
 def order_rows(score: MapScore) -> list[tuple[str, str, str]]:
-    """Return (order, vertical uncertainty allowed at the median depth, share of cells within their own limit)."""
+    """Return (order, vertical uncertainty limit at the median depth, fraction of cells within their own limit)."""
     seabed = score.seabed
     if seabed is None or not seabed.judged.any():
         return []
@@ -43,7 +43,7 @@ def order_rows(score: MapScore) -> list[tuple[str, str, str]]:
 
 
 def order_met(score: MapScore) -> str:
-    """Return the name of the strictest order whose vertical uncertainty holds for 95 % of the seabed's cells."""
+    """Return the name of the strictest order whose vertical uncertainty limit is met by 95 % of the seabed's cells."""
     if score.seabed is None or not score.seabed.judged.any():
         return "-"
     order = score.seabed.best_order
@@ -51,17 +51,17 @@ def order_met(score: MapScore) -> str:
 
 
 def distance_text(distance_m: float) -> str:
-    """Return metres to the millimetre; a dash for nan."""
+    """Return a distance in metres to the millimetre, or a dash for NaN."""
     return "-" if math.isnan(distance_m) else f"{distance_m:.3f} m"
 
 
 def percentage(share: float) -> str:
-    """Return a share in per cent, rounded down so that only 1 gives 100 %; a dash for nan."""
+    """Return a fraction in per cent, rounded down so that only 1 is shown as 100 %, or a dash for NaN."""
     return "-" if math.isnan(share) else f"{math.floor(share * 1000.0 + 1e-9) / 10.0:.1f} %"
 
 
 def coverage_text(score: MapScore) -> str:
-    """Return coverage in per cent of the visible voxels, rounded down so that only 1 gives 100 %."""
+    """Return coverage in per cent of the visible voxels, rounded down so that only 1 is shown as 100 %."""
     if score.visible_truth_voxels == 0:
         return "- (no true surface was visible)"
     return f"{math.floor(score.coverage * 1000.0) / 10.0:.1f} % of {score.visible_truth_voxels:,} voxels"

@@ -1,4 +1,4 @@
-"""Comparison of a grid of depths with the true seabed, cell by cell."""
+"""Compares a depth grid with the true seabed, cell by cell."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MARGIN_M = 1.0  # rays start this far above the world's highest point and end th
 class SeabedComparison:
     """A depth grid compared with the true terrain.
 
-    error_m: (rows, columns), depth in the grid minus true depth, positive where the grid is too deep; nan for cells
+    error_m: (rows, columns), depth in the grid minus true depth, positive where the grid is too deep; NaN for cells
     that are not scored: empty, off the terrain, outside the polygon or under an obstacle. true_depth_m: (rows,
     columns), mean over the cell. obstructed: (rows, columns) bool, cells with data under an obstacle.
     """
@@ -35,7 +35,7 @@ class SeabedComparison:
 
     @property
     def judged(self) -> NDArray[np.bool_]:
-        """Cells whose error is known, (rows, columns) bool."""
+        """Cells with a known error, (rows, columns) bool."""
         return np.isfinite(self.error_m)
 
     @property
@@ -50,26 +50,26 @@ class SeabedComparison:
 
     @property
     def mean_m(self) -> float:
-        """Mean error, a bias; nan if no cell was scored."""
+        """Mean error (bias), or NaN if no cell was scored."""
         return float(self.errors_m.mean()) if self.judged.any() else float("nan")
 
     @property
     def p95_m(self) -> float:
-        """95th percentile of the absolute error; nan if no cell was scored."""
+        """95th percentile of the absolute error, or NaN if no cell was scored."""
         return float(np.percentile(np.abs(self.errors_m), 95.0)) if self.judged.any() else float("nan")
 
     @property
     def best_order(self) -> Order | None:
-        """The strictest order of IHO S-44 whose vertical uncertainty holds for 95 % of the cells."""
+        """The strictest order of IHO S-44 whose vertical uncertainty limit is met by 95 % of the cells."""
         return best_order(self.errors_m, self.depths_m)
 
 
 def compare_seabed(
     world: _core.World, rays: _core.RayScene, grid: DepthGrid, area_world_m: NDArray[np.float64]
 ) -> SeabedComparison:
-    """Compare the cells with centres in the polygon (k, 2) with the mean height of the terrain in each cell.
+    """Compare cells whose centres are in the polygon (k, 2) with the terrain's mean height in each cell.
 
-    Terrain heights and obstacles are sampled every SAMPLE_SPACING_M or closer, the cell's edges included.
+    Terrain heights and obstacles are sampled at most SAMPLE_SPACING_M apart, including the cell's edges.
     """
     rows, columns = np.nonzero(grid.count)
     centres = np.stack([grid.west_m + (columns + 0.5) * grid.cell_m, grid.south_m + (rows + 0.5) * grid.cell_m], axis=1)
@@ -99,14 +99,14 @@ def _near(triangles_m: NDArray[np.float64], grid: DepthGrid) -> NDArray[np.bool_
     at = (triangles_m[..., :2] - (grid.west_m, grid.south_m)) / grid.cell_m
     low, high = np.floor(at.min(axis=1)).astype(np.int64) - 1, np.floor(at.max(axis=1)).astype(np.int64) + 2
     (west, south), (east, north) = np.clip(low, 0, (columns, rows)).T, np.clip(high, 0, (columns, rows)).T
-    boxes = np.zeros((rows + 1, columns + 1), np.int64)  # summed over rows and columns: the number of boxes at a cell
+    boxes = np.zeros((rows + 1, columns + 1), np.int64)  # cumulative sums give the number of boxes at each cell
     for row, column, sign in ((south, west, 1), (north, east, 1), (south, east, -1), (north, west, -1)):
         np.add.at(boxes, (row, column), sign)
     return np.asarray(boxes.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] > 0)
 
 
 def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Yield batches of cells, and their sample points (n, 2), equally many for each cell."""
+    """Yield batches of cells with their sample points (n, 2), the same number for each cell."""
     steps = int(np.ceil(cell_m / SAMPLE_SPACING_M - 1e-9)) + 1
     offset = (np.linspace(-0.5, 0.5, steps)) * cell_m
     offsets = np.stack(np.meshgrid(offset, offset), axis=-1).reshape(-1, 2)
@@ -119,7 +119,10 @@ def _samples(centres_m: NDArray[np.float64], cell_m: float) -> Iterator[tuple[sl
 def _blocked(
     rays: _core.RayScene, centres_m: NDArray[np.float64], cell_m: float, top_m: float, bottom_m: float
 ) -> NDArray[np.bool_]:
-    """Return whether an obstacle is the first hit below a sample of each cell (n,). top_m, bottom_m: of the world."""
+    """Return whether an obstacle is the first hit below any sample of each cell (n,).
+
+    top_m, bottom_m: heights of the world's highest and lowest points.
+    """
     blocked = np.zeros(len(centres_m), bool)
     for batch, xy in _samples(centres_m, cell_m):
         origins = np.column_stack([xy, np.full(len(xy), top_m + MARGIN_M)])

@@ -1,4 +1,4 @@
-"""The true surface, sampled during a survey, while the map's thread is idle."""
+"""Samples the true surface during a survey, while the map's thread is idle."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 
 
 class SurfaceAhead:
-    """Samples a world's surface in an area, and measures its distance from the voxels that hold echoes.
+    """Samples a world's surface in an area, and measures its distance from the voxels that contain echoes.
 
-    A score that receives it only computes the rest, and is the same. For one thread at a time. voxels: those of
-    the map, of width resolution_m. area_world_m: (k, 2), the polygon to be scored.
+    A score that receives this only computes the rest, with the same result. Not thread-safe. voxels: those of the map,
+    of width resolution_m. area_world_m: (k, 2), the polygon to be scored.
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class SurfaceAhead:
         self._sampled: list[SurfaceSamples] = []
 
     def look_at(self, points_world_m: NDArray[np.float32]) -> None:
-        """Measure the voxels that hold points (n, 3), and sample one more tile of the surface."""
+        """Measure the voxels that contain points (n, 3), and sample one more tile of the surface."""
         self.voxels.look_at(points_world_m)
         if self._left is None:
             self._left = self._all_tiles()
@@ -37,7 +37,7 @@ class SurfaceAhead:
             self._sampled.append(self._left.popleft()())
 
     def tiles(self) -> Iterator[Callable[[], SurfaceSamples]]:
-        """Yield the jobs of surface_tile_jobs, some of which are done. Raises the same errors."""
+        """Yield the jobs of surface_tile_jobs, some of which are already done. Raises the same errors."""
         left = self._begin() if not self._sampled else self._left or ()
         yield from (partial(_itself, tile) for tile in self._sampled)
         yield from left
@@ -45,7 +45,7 @@ class SurfaceAhead:
     def _all_tiles(self) -> deque[Callable[[], SurfaceSamples]]:
         try:
             return deque(self._begin())
-        except ValueError:  # too large to be scored; the score itself will raise this error
+        except ValueError:  # too large to be scored; the score itself raises this error later
             return deque()
 
 

@@ -1,4 +1,4 @@
-"""A survey's track, kept beside its map in track.npz: the sonar's path, and the area to be covered."""
+"""A survey's track, stored next to its map in track.npz: the sonar's path, and the area to be covered."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TRACK = "track.npz"
-"""The file's name, beside map.bt."""
+"""Name of the file, next to map.bt."""
 VERSION = 1
 FIELDS = ("version", "path_world_m", "area_world_m", "range_max_m", "scenario_name")
 
 
 @dataclass(frozen=True, eq=False)
 class SurveyTrack:
-    """Everything in a survey that its map's score depends on.
+    """Everything about a survey on which its map's score depends.
 
     path_world_m: (n, 3), the sonar's position at each ping, in order. area_world_m: (k, 2), the polygon to survey.
     range_max_m: the sonar's maximum range. scenario_name: empty if unknown.
@@ -42,7 +42,7 @@ class SurveyTrack:
         return f"<SurveyTrack{of}: {len(self.path_world_m)} pings on {length_m:.0f} m>"
 
     def plot(self) -> Figure:
-        """Return a figure of the path from above, coloured by its height, over the area."""
+        """Return a figure of the path from above, coloured by height, over the area."""
         from uwsim.scoring.track_plot import plot  # matplotlib takes a second to import
 
         return plot(self.path_world_m, self.area_world_m, repr(self))
@@ -53,7 +53,7 @@ class SurveyTrack:
         return png(self.plot())
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a NumPy archive atomically; the same track gives the same bytes. Raises OSError."""
+        """Write a NumPy archive atomically; the same track always produces the same bytes. Raises OSError."""
         file = io.BytesIO()
         np.savez_compressed(
             file,
@@ -67,7 +67,7 @@ class SurveyTrack:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
-        """Return the track in a file.
+        """Read a track from a file.
 
         Raises OSError if the file cannot be read, ValueError if it is not a valid track.
         """
@@ -98,7 +98,7 @@ class SurveyTrack:
 
 
 def _fields(data: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a track file, unchecked. Raises ValueError with a message of its own."""
+    """Return the arrays of a track file without validating them. Raises ValueError with a specific message."""
     try:
         fields = read_npz(data)
     except ValueError:

@@ -1,4 +1,4 @@
-"""A figure of a vehicle's path, for notebooks and `track.plot()`."""
+"""A plot of a vehicle's path, for notebooks and `track.plot()`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SIZE_IN = (6.0, 5.0)
 
 
 def plot(path_world_m: NDArray[np.float64], area_world_m: NDArray[np.float64] | None = None, title: str = "") -> Figure:
-    """Return a figure of a path (n, 3) from above, coloured by its height z, with an area (k, 2) to cover."""
+    """Return a figure of a path (n, 3) from above, coloured by height z, with the area (k, 2) to be covered."""
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     if area_world_m is not None and len(area_world_m):

@@ -35,7 +35,7 @@ class SurfaceSamples:
 
 
 def sample_surface(world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64]) -> SurfaceSamples:
-    """Return the samples of all surface_tiles in one piece."""
+    """Return the samples of all surface_tiles combined."""
     tiles = list(surface_tiles(world, resolution_m, area_world_m))
     points = np.concatenate([np.empty((0, 3)), *[tile.points_world_m for tile in tiles]])
     keys = np.concatenate(
@@ -49,7 +49,7 @@ def sample_surface(world: _core.World, resolution_m: float, area_world_m: NDArra
 def surface_tiles(
     world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box = EVERYWHERE
 ) -> Iterator[SurfaceSamples]:
-    """Return the samples of each of surface_tile_jobs that has any."""
+    """Yield the samples of each job in surface_tile_jobs, except empty ones."""
     tiles = (job() for job in surface_tile_jobs(world, resolution_m, area_world_m, within_m))
     yield from (tile for tile in tiles if len(tile.points_world_m))
 
@@ -57,24 +57,23 @@ def surface_tiles(
 def surface_tile_jobs(
     world: _core.World, resolution_m: float, area_world_m: NDArray[np.float64], within_m: Box = EVERYWHERE
 ) -> Iterator[Callable[[], SurfaceSamples]]:
-    """Yield jobs that sample every triangle of terrain and solids inside the polygon, at half a voxel or closer.
+    """Yield jobs that sample all triangles of terrain and solids inside the polygon, at most half a voxel apart.
 
-    Each job samples a tile, on any thread.
+    Each job samples one tile, and may run on any thread. A voxel counts as surface if it contains a sample, so a voxel
+    that the surface merely clips (by less than about a third of its width) may not count. At most one sample is kept
+    per octant of a voxel, since more would add no information. Parts of solids below the terrain (the lower half of a
+    buried pipe) are not surface and are discarded.
 
-    A voxel counts as surface if it holds a sample, so a voxel that the surface merely clips (by less than about a
-    third of its width) may not count. At most one sample is kept for each octant of a voxel: more would reveal nothing
-    new. Parts of solids under the terrain (the lower half of a buried pipe) are not surface and are discarded.
-
-    The samples come in tiles of at most TILE_VOXELS on a side that share no voxel, so memory does not depend on the
-    size of the area or on triangles outside it. within_m: a box, corners (3,), beyond which nothing is sampled.
-    Raises ValueError, before the first tile, if the surface is estimated to have more than MAX_VOXELS.
+    Tiles have at most TILE_VOXELS per side and share no voxel, so memory use does not depend on the size of the area or
+    on triangles outside it. within_m: a box, corners (3,), outside which nothing is sampled. Raises ValueError, before
+    the first tile, if the surface is estimated to have more than MAX_VOXELS voxels.
     """
     sampler = _core.SurfaceSampler(world, resolution_m, area_world_m, *within_m)
     if sampler.box_m is None:
         return
     _require_scorable(sampler.voxels_in_box, *sampler.box_m, area_world_m)
     lowest, highest = voxel_keys(np.stack(sampler.box_m), resolution_m).tolist()
-    # One voxel more at either end, for rounding.
+    # one voxel more at either end, to allow for rounding
     axes = (range(low - 1, high + 2, TILE_VOXELS) for low, high in zip(lowest, highest, strict=True))
     for first in product(*axes):
         end = [min(low + TILE_VOXELS, high + 2) for low, high in zip(first, highest, strict=True)]

@@ -1,4 +1,4 @@
-"""The voxels of the true surface that a sonar could have seen from a path: in line of sight and within range."""
+"""The voxels of the true surface that a sonar could have seen along a path: in line of sight and within range."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def visible_voxels(
     seen: NDArray[np.int64] = NOTHING,
     ahead: SurfaceAhead | None = None,
 ) -> NDArray[np.int64]:
-    """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose of the path.
+    """Return the packed keys (v,), sorted, of the truth voxels that are visible from any pose on the path.
 
     path_world_m: (n, 3). area_world_m: (k, 2), the polygon outside which no voxel counts. seen: sorted keys of voxels
-    in which an exact beam from the path has ended; no further ray is cast to them. ahead: tiles sampled in advance.
+    in which an exact beam from the path has ended; no more rays are cast to these. ahead: tiles sampled in advance.
     """
     poses = _thinned_path(path_world_m, POSE_SPACING_M)
     if not len(poses):
@@ -74,7 +74,7 @@ def visible_voxels(
 
 
 def _in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-    """Return work(item) for each item, in order, with one thread per core; only a few are in progress at a time."""
+    """Yield work(item) for each item, in order, using one thread per core; only a few are in progress at a time."""
     threads = len(os.sched_getaffinity(0))
     with ThreadPoolExecutor(threads, "score") as pool:
         pending: deque[Future[Result]] = deque()
@@ -89,7 +89,7 @@ def _in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> Itera
 def _thinned_path(path_world_m: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
     """Return about one position per spacing_m of the path.
 
-    Every position of the path is within spacing_m, along the path, of one that is returned.
+    Every position on the path is within spacing_m, along the path, of one that is returned.
     """
     if not len(path_world_m):
         return np.empty((0, 3))

@@ -1,4 +1,4 @@
-"""Control of a vehicle through its public names only, so that the same code controls a simulated or a remote one."""
+"""Control of vehicles through their public interface only, so that it works for simulated and remote vehicles alike."""
 
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller

@@ -1,4 +1,4 @@
-"""An autopilot for heading, height, velocity and level: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
+"""An autopilot for heading, height, velocity and attitude: a PI or PD loop for each axis (Fossen 2011, ch. 12)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `steady_ga
 
 @dataclass(frozen=True)
 class Gains:
-    """Share of full effort per unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
+    """Fraction of full effort per unit of error. The defaults suit vehicles that reach about 1 m/s and 0.5 rad/s."""
 
     speed: float = 1.5  # per m/s
     speed_integral: float = 0.6  # per m
@@ -50,7 +50,7 @@ class Autopilot(Sealed):
 
     @property
     def gains(self) -> Gains:
-        """The gains from the next control period on."""
+        """The gains used from the next control period on."""
         return self._gains
 
     @gains.setter
@@ -66,7 +66,7 @@ class Autopilot(Sealed):
 
     @property
     def integrals(self) -> tuple[float, float, float]:
-        """The integrals of surge, sway and height, in effort: the only state kept from one period to the next."""
+        """The integrals of surge, sway and height, in units of effort: the only state kept between periods."""
         surge, sway, height = self._core.integrals.tolist()
         return surge, sway, height
 
@@ -76,7 +76,7 @@ class Autopilot(Sealed):
 
 
 def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
-    """Return lower gains if the vehicle turns too fast for a loop of this period; authority: see Vehicle.
+    """Return reduced gains if the vehicle turns too fast for a loop with this period. authority: see Vehicle.
 
     A rate loop sampled at T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.
     """

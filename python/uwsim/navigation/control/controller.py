@@ -22,21 +22,21 @@ class ControlSettingsLike(Protocol):
 
     @property
     def model(self) -> _core.ControlModel:
-        """The equations of motion and the limits of the actuators."""
+        """The equations of motion and the actuator limits."""
 
     @property
     def gains(self) -> _core.ControlGains:
-        """Gains and limits of the loops."""
+        """Gains and limits of the control loops."""
 
 
 class Controller(Sealed):
     """Converts a target to efforts: call one of `hold`, `steer` and `velocity` once per control period.
 
-    estimate: the vehicle's motion as known to the controller; by default the vehicle itself, which for a simulated one
-    is the truth. settings: the model and gains in the vehicle's file; by default
-    `vehicle.control`. A remote vehicle has none: give it `uwsim.scenario.control_settings("bluerov2_heavy")`. The law
-    is in cpp/uwsim/control/motion_controller.h, more in docs/guides/control.md. Axes without actuators
-    are not controlled.
+    estimate: the vehicle's motion as known to the controller; by default that of the vehicle itself, which for a
+    simulated vehicle is the truth. settings: the model and gains from the vehicle's file; by default `vehicle.control`.
+    A remote vehicle has none: pass `uwsim.scenario.control_settings("bluerov2_heavy")`. The control law is in
+    cpp/uwsim/control/motion_controller.h; for more, see docs/guides/control.md. Axes without actuators are not
+    controlled.
     """
 
     vehicle: SteeredVehicle
@@ -74,7 +74,7 @@ class Controller(Sealed):
         pitch_rad: float = 0.0,
         velocity_world_m_s: Sequence[float] | Vector = STILL,
     ) -> None:
-        """Go to a position (3,) and stay there, with an attitude; velocity_world_m_s: (3,) of a moving position."""
+        """Go to a position (3,) and attitude, and hold them. velocity_world_m_s: velocity (3,) of a moving position."""
         self._reach(position_world_m, velocity_world_m_s, heading_rad, roll_rad, pitch_rad)
 
     def steer(
@@ -89,9 +89,9 @@ class Controller(Sealed):
     ) -> None:
         """Hold a heading, a horizontal velocity over ground (2,), and a height z or an altitude.
 
-        altitude_m: target and measured. Without either, the vertical velocity is held at zero, and a vehicle without
-        vertical thrust holds its pitch instead. pitch_rad: positive nose down. across_first: if the thrust does not
-        suffice, force across the vehicle has priority over force along it.
+        altitude_m: target and measured altitude. Without z_world_m and altitude_m, the vertical velocity is held at
+        zero, and a vehicle without vertical thrust holds its pitch instead. pitch_rad: positive nose down.
+        across_first: if the thrust is insufficient, force across the vehicle has priority over force along it.
         """
         if altitude_m is not None:
             wanted_m, measured_m = altitude_m
@@ -102,7 +102,7 @@ class Controller(Sealed):
         self._reach((free, free, z_m), (east, north, 0.0), heading_rad, 0.0, pitch_rad, across_first=across_first)
 
     def velocity(self, velocity_body: Sequence[float] | Vector) -> None:
-        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; level while no rate about x or y is commanded."""
+        """Hold a velocity (6,) in body axes, [m/s] and [rad/s]; stay level unless a rate about x or y is commanded."""
         self.vehicle.set_effort(*self.velocity_efforts(velocity_body))
 
     def velocity_efforts(
@@ -114,12 +114,12 @@ class Controller(Sealed):
 
     @property
     def force_share(self) -> float:
-        """The share of the required force that the thrusters gave in the last period; below 1 at their limit."""
+        """The fraction of the required force that the thrusters produced in the last period; below 1 at their limit."""
         return self._core.force_share
 
     @property
     def memory(self) -> Vector:
-        """State kept between periods, (25,): integrals, references and filters, to be saved and restored."""
+        """State kept between periods, (25,): integrals, references and filters, for saving and restoring."""
         return self._core.memory
 
     @memory.setter

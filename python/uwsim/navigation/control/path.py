@@ -13,18 +13,18 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
 
 Vector = NDArray[np.float64]
-SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time for the whole speed, without and with enough thrust
-SLOWEST = 0.1  # share of the speed
+SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time to change by the full speed, without and with enough thrust
+SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 
 class PathFollower(Sealed):
     """Guides a controller along a path; call `steer` once per control period.
 
-    The vehicle faces along the path, or along the course if it cannot sway.
-    points_m: (n, 3), corners. lookahead_m: distance ahead on the path at which the course aims: near the path, the
-    cross-track error decays with the rate speed / lookahead. integral_m_s: gain of the cross-track integral, for a
-    vehicle in a current that does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the
-    thrust does not suffice for both speed and path, the vehicle keeps to the path and slows down.
+    The vehicle faces along the path, or along its course if it cannot sway. points_m: (n, 3), waypoints. lookahead_m:
+    distance ahead on the path at which the course aims: near the path, the cross-track error decays at the rate speed /
+    lookahead. integral_m_s: gain of the cross-track integral, for a vehicle in a current that does not control its
+    velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for both speed and path, the
+    vehicle stays on the path and slows down.
     """
 
     controller: Controller
@@ -46,7 +46,7 @@ class PathFollower(Sealed):
         self.controller = controller
         self.speed_m_s = speed_m_s
         self.lookahead_m = lookahead_m
-        self._pace = 1.0  # share of the speed
+        self._pace = 1.0  # current fraction of the speed
         self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
 
     def steer(self) -> _core.Guidance:
@@ -60,7 +60,7 @@ class PathFollower(Sealed):
         return guidance
 
     def _keep_pace(self) -> None:
-        """Slow down while the thrusters are at their limit: thrust against a current across the path has priority."""
+        """Slow down while the thrusters are at their limit, since thrust against a cross current has priority."""
         lacking = 1.0 - self.controller.force_share
         change = -lacking / SLOW_DOWN_S if lacking > 1e-6 else 1.0 / SPEED_UP_S
         self._pace = min(max(self._pace + self.controller.period_s * change, SLOWEST), 1.0)

@@ -11,15 +11,15 @@ from uwsim.commands import Steerable
 
 
 class Watch(Protocol):
-    """Shows the time."""
+    """A source of the current time."""
 
     @property
     def time_s(self) -> float:
-        """Seconds since a fixed time."""
+        """Seconds since a fixed moment."""
 
 
 class Clock(Watch, Protocol):
-    """Lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
+    """A clock that lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
 
     def wait(self, duration_s: float) -> None:
         """Return after duration_s seconds."""
@@ -57,13 +57,13 @@ class PingLike(Protocol):
 
 
 class SonarLike(Protocol):
-    """A head that tilts and pings."""
+    """A sonar head that tilts and pings."""
 
     def aim(self, elevation_rad: float) -> None:
         """Turn the head to an elevation; positive is up."""
 
     def ping(self) -> PingLike:
-        """Ping from the present pose."""
+        """Ping from the current pose."""
 
 
 class SensorLike(Protocol):
@@ -81,7 +81,7 @@ class PanelLike(Protocol):
 
 
 class EstimateLike(Protocol):
-    """A vehicle's motion as known to a filter, or the truth; a simulated vehicle is its own truth."""
+    """A vehicle's motion as known to a filter, or the truth; a simulated vehicle provides its own truth."""
 
     @property
     def pose(self) -> PoseLike: ...

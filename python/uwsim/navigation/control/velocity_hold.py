@@ -1,4 +1,4 @@
-"""Velocity control in body axes, for single commands such as /cmd_vel."""
+"""Velocity control in body axes, for individual commands such as /cmd_vel."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ Vector = NDArray[np.float64]
 
 
 class VelocityHold(Sealed):
-    """Converts a commanded velocity to efforts by the loops of `Controller`. Call `efforts` once per control period.
+    """Converts a commanded velocity to efforts with the loops of `Controller`. Call `efforts` once per control period.
 
-    Roll and pitch are kept level while no rate is commanded about them.
+    Roll and pitch are kept level unless a rate about them is commanded.
     """
 
     controller: Controller

@@ -1,4 +1,4 @@
-"""The instruments that correct the filter: one class for each kind, in the table AIDS, which prepares its samples."""
+"""The instruments that correct the filter: one class per kind, listed in AIDS, prepares their samples."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_BIAS = _core.BiasModel()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A vehicle's knowledge of its surroundings. imu_body_m (3,): the position of its IMU."""
+    """A vehicle's knowledge of its surroundings. imu_body_m (3,): position of its IMU."""
 
     imu_body_m: Array
     station_world_m: Array
@@ -30,17 +30,17 @@ class Surroundings:
 
 
 class Aid(Protocol):
-    """A kind of instrument."""
+    """A kind of instrument that corrects the filter."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """Register the instrument with the filter; return its index there."""
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
-        """Return which samples are usable (n,) bool, and their readings in the filter's form."""
+        """Return which samples are usable, (n,) bool, and their readings in the filter's form."""
 
 
 def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
-    """Return the position of a sensor relative to the IMU, body axes."""
+    """Return the position of a sensor relative to the IMU, in body axes."""
     return np.asarray(sensor.spec.position_m) - around.imu_body_m
 
 
@@ -50,7 +50,7 @@ def body_from_sensor(sensor: InstrumentLike) -> Rotation:
 
 
 class Doppler:
-    """A DVL's beams, one by one: lost beams do not affect the others."""
+    """The beams of a DVL, processed separately so that lost beams do not affect the others."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -86,7 +86,7 @@ class Depth:
 
 
 class Pressure:
-    """A pressure sensor: depth from the water density assumed by the vehicle."""
+    """A pressure sensor; depth is derived with the water density assumed by the vehicle."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -100,7 +100,7 @@ class Pressure:
 
 
 class Compass:
-    """A compass. The declination is known from the chart, but only the strength of the hard iron."""
+    """A compass. The declination is known from the chart; of the hard iron, only the strength is known."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -121,12 +121,12 @@ class Compass:
 
 
 def magnetic_north_rad(compass: InstrumentLike) -> float:
-    """Return the angle of magnetic north from east, counter-clockwise."""
+    """Return the direction of magnetic north, counter-clockwise from east."""
     return 0.5 * math.pi - math.radians(compass.spec.parameters["declination_deg"][0])
 
 
 class AcousticFix:
-    """A USBL's fixes, which arrive with a delay."""
+    """The fixes of a USBL, which arrive with a delay."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -142,7 +142,7 @@ class AcousticFix:
 
 
 class Orientation:
-    """The orientation from an IMU, for vehicles without a compass."""
+    """The orientation measured by an IMU, for vehicles without a compass."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -162,13 +162,13 @@ AIDS: dict[str, Aid] = {
     "usbl": AcousticFix(),
     "imu": Orientation(),
 }
-"""The aids, by the sensor's kind."""
+"""The aids by sensor kind."""
 
 
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
     """Return the sensors that aid the filter, by name: the first of each kind.
 
-    Depth is preferred to pressure, which is equivalent; the IMU's own orientation is used only without a compass.
+    Depth is preferred to the equivalent pressure; the IMU's own orientation is used only if there is no compass.
     """
     first: dict[str, tuple[str, InstrumentLike]] = {}
     for name, sensor in sensors.items():

@@ -8,11 +8,11 @@ from uwsim import _core
 from uwsim.navigation.estimation.protocols import InstrumentLike
 
 LEAST_STD = {"beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4}
-"""The assumed error of an exact sensor, in its unit: the filter's equations are not exact either."""
+"""The assumed error of an exact sensor, in its unit, since the filter's equations are not exact either."""
 
 
 def noise_of(sensor: InstrumentLike, channel: str) -> _core.NoiseSpec:
-    """Return the errors of a channel."""
+    """Return the error parameters of a channel."""
     return sensor.spec.noise.get(channel) or _core.NoiseSpec()
 
 
@@ -24,13 +24,13 @@ def white_std(sensor: InstrumentLike, channel: str) -> float:
 
 
 def limit(sensor: InstrumentLike, channel: str) -> float:
-    """Return the largest magnitude that a channel can report [u]; inf without a limit."""
+    """Return the largest magnitude that a channel can report [u], or inf if there is no limit."""
     noise = noise_of(sensor, channel)
     return min(abs(noise.limit_low), abs(noise.limit_high))
 
 
 def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
-    """Return the model of a channel's bias, times `unit`."""
+    """Return the model of a channel's bias, scaled by `unit`."""
     noise = noise_of(sensor, channel)
     return _core.BiasModel(
         turn_on_std=noise.turn_on_std * unit,
@@ -41,6 +41,6 @@ def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core
 
 
 def whole_std(sensor: InstrumentLike, channel: str) -> float:
-    """Return the standard deviation of a sample, including biases but not walks."""
+    """Return the standard deviation of a sample, including biases but not random walks."""
     noise = noise_of(sensor, channel)
     return math.hypot(white_std(sensor, channel), noise.turn_on_std, noise.bias_std)

@@ -25,23 +25,23 @@ from uwsim.navigation.estimation.saved import NavigatorState
 from uwsim.navigation.estimation.start import Start
 
 Array = NDArray[np.float64]
-IMU = "the IMU's inertial samples"  # distinct from the aids' names, one of which may be the same IMU
-SILENCE_NS = 500_000_000  # after this time without the IMU, the motion is assumed to continue
+IMU = "the IMU's inertial samples"  # must differ from the aids' names, since one of them may be the same IMU
+SILENCE_NS = 500_000_000  # after this time without IMU samples, the motion is assumed to continue
 UNKNOWN_M = 1e4  # the standard deviation of a position before the first fix
-LEVEL_STD_RAD = 2e-3  # least error of the first roll and pitch
-YAW_STD_RAD = 0.1  # the first heading counts little, as its aid will measure it again
+LEVEL_STD_RAD = 2e-3  # smallest assumed error of the initial roll and pitch
+YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
 
 class Navigator(Sealed):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
-    vehicle: with sensors by name; the first of each kind is used. start: by default at rest at the first USBL fixes.
-    station_world_m: the origin of the USBL's fixes. gravity_m_s2; density_kg_m3: of the water, for a
-    vehicle with a pressure sensor but without a depth sensor. Errors follow from the sensors' noise parameters.
-    Raises ValueError for a vehicle without an IMU, or without both a start and a USBL.
+    vehicle: has sensors by name; the first of each kind is used. start: by default at rest at the first USBL fixes.
+    station_world_m: the origin of the USBL's fixes. gravity_m_s2. density_kg_m3: density of the water, used with a
+    pressure sensor if there is no depth sensor. Errors follow from the sensors' noise parameters. Raises ValueError for
+    a vehicle without an IMU, or with neither a start nor a USBL.
 
-    Readings are processed whenever `pose` and the like are read: the estimate does not depend on how
-    often that happens. See docs/guides/estimation.md.
+    Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
+    that happens. See docs/guides/estimation.md.
     """
 
     _fixed_when = "the navigator is made"
@@ -84,11 +84,11 @@ class Navigator(Sealed):
             name: AIDS[sensor.kind].add_to(self._filter, sensor, self._around) for name, sensor in self._aids.items()
         }
         self._open: list[StreamLike] = []
-        self._lock = threading.RLock()  # several threads may read a live simulator's
+        self._lock = threading.RLock()  # several threads may read a live simulator's estimate
         self.restart(start)
 
     def restart(self, start: Start | None = None) -> None:
-        """Start over, now. start: by default at the first USBL fixes."""
+        """Restart now. start: by default at the first USBL fixes."""
         with self._lock:
             self._restart(start)
 
@@ -105,11 +105,14 @@ class Navigator(Sealed):
             velocity_world_m_s=np.asarray(start.velocity_world_m_s, float),
             velocity_std_m_s=start.velocity_std_m_s,
         )
-        # The IMU's present sample starts its first interval.
+        # The current IMU sample starts the first interval.
         self._listen({**dict.fromkeys(self._aids, now_ns + 1), IMU: now_ns}, now_ns)
 
     def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
-        """Collect samples from now on. from_ns: of each sensor; imu_ns: the end of the IMU's samples in the filter."""
+        """Collect samples from now on.
+
+        from_ns: first stamp for each sensor. imu_ns: end of the filter's IMU samples.
+        """
         for stream in self._open:
             stream.close()
         self._imu_ns = imu_ns
@@ -122,7 +125,7 @@ class Navigator(Sealed):
         self._open = [self._imu_stream, *self._streams.values()]
 
     def _first_orientation(self) -> Rotation:
-        """Return the IMU's roll and pitch, and the compass's heading if there is one."""
+        """Return the orientation from the IMU's roll and pitch, and the compass heading if there is a compass."""
         value = self._imu.read()
         world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
         for compass in self._aids.values():
@@ -133,12 +136,12 @@ class Navigator(Sealed):
         return world_from_body
 
     def update(self) -> None:
-        """Process everything that has arrived. This happens automatically whenever the estimate is read."""
+        """Process all samples that have arrived. This also happens whenever the estimate is read."""
         with self._lock:
             self._current()
 
     def _current(self) -> _core.NavigationFilter:
-        """Return the filter after everything that has arrived."""
+        """Return the filter after processing all samples that have arrived."""
         now_ns = self._imu.time_ns
         if now_ns != self._now_ns:
             self._now_ns = now_ns
@@ -172,7 +175,7 @@ class Navigator(Sealed):
         self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
     def _be_silent(self, before_ns: int, after_ns: int) -> int:
-        """Step the filter through the IMU's silence at fixed times between two; return the last of them."""
+        """Step the filter through an IMU silence at fixed times between two stamps; return the last of these times."""
         while before_ns + self._silence_ns < after_ns:
             before_ns += self._silence_ns
             self._filter.add_silence(before_ns)
@@ -180,7 +183,7 @@ class Navigator(Sealed):
 
     @property
     def time_s(self) -> float:
-        """Time of the estimate: that of the newest IMU sample, seconds."""
+        """Time of the estimate in seconds: that of the latest IMU sample."""
         with self._lock:
             return self._current().time_ns * 1e-9
 
@@ -200,14 +203,14 @@ class Navigator(Sealed):
 
     @property
     def rate_std_rad_s(self) -> float:
-        """The standard deviation of the white noise in the angular velocity, rad/s; its bias's is in `covariance`."""
+        """Standard deviation of the white noise of the angular velocity, rad/s; its bias is in `covariance`."""
         return white_std(self._imu, "angular_velocity")
 
     @property
     def covariance(self) -> Array:
         """Covariance (15, 15) of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
 
-        Body axes for the last three: attitude, gyroscope [rad/s], accelerometer [m/s2]. For the IMU's centre.
+        The last three are in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Valid at the IMU's centre.
         """
         with self._lock:
             return np.asarray(self._current().covariance[:15, :15])
@@ -226,19 +229,19 @@ class Navigator(Sealed):
 
     @property
     def counts(self) -> dict[str, tuple[int, int]]:
-        """The numbers of scalar readings of each aid that were used and that were rejected as outliers, by sensor."""
+        """Numbers of scalar readings from each aid that were used and that were rejected as outliers, by sensor."""
         with self._lock:
             now = self._current()
             return {name: now.counts(index) for name, index in self._indices.items()}
 
     @property
     def too_late(self) -> int:
-        """The number of readings that arrived too late to be used, 4 s after their measurement."""
+        """Number of readings that arrived too late to be used, 4 s after their measurement."""
         with self._lock:
             return self._current().too_late
 
     def save(self) -> str:
-        """Return the state, for `restore`."""
+        """Return the state for use with `restore`."""
         with self._lock:
             filter_ = base64.b64encode(self._current().save()).decode()
             figures = {

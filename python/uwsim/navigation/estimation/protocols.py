@@ -1,4 +1,4 @@
-"""The interfaces of vehicle and sensors for navigation; uwsim.Simulator's implement them, and remote ones may."""
+"""The interfaces of vehicles and sensors for navigation; those of uwsim.Simulator fit them, and remote ones may."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ class InstrumentLike(Protocol):
     def spec(self) -> _core.SensorSpec: ...
     @property
     def time_ns(self) -> int:
-        """The present time, nanoseconds."""
+        """The current time in nanoseconds."""
 
     def read(self) -> Any:
-        """Return the newest value."""
+        """Return the latest value."""
 
     def stream(self, from_ns: int | None = None) -> StreamLike:
-        """Return a stream of future samples, measured from from_ns on; by default later than now."""
+        """Return a stream of future samples measured at or after from_ns; by default after the current time."""
 
 
 class Instrumented(Protocol):

@@ -18,9 +18,9 @@ class WaterState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: of `filter`; 1 had no parameters.
+    """A saved Navigator. version: version of `filter`; version 1 had no `figures`.
 
-    from_ns: the earliest next sample of each sensor.
+    from_ns: earliest possible stamp of each sensor's next sample.
     """
 
     version: Literal[1, 2] = 1
