@@ -27,7 +27,7 @@ Direction = tuple[Component, Component, Component]
 class Pwm(Model):
     """The pulse widths of a speed controller.
 
-    centre_us: for command 0. span_us: from the centre to commands -1 and 1.
+    centre_us: width for command 0. span_us: difference from the centre to commands -1 and 1.
     """
 
     centre_us: Microseconds
@@ -39,9 +39,10 @@ class ThrusterType(Model):
 
     pwm: the pulse widths, if thrust_n is tabulated by them. thrust_n: pairs of a command in [-1, 1], or a pulse width
     if `pwm` is given, and the still-water thrust on the vehicle; linear between pairs, constant beyond the ends.
-    time_constant_s: of the thrust's first-order lag. diameter_m: of the propeller. bollard_coefficient: T / (rho n^2
-    D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes; without it, inflow does not reduce
-    thrust. torque_per_thrust_m: the propeller's torque per newton of thrust, k_q = D K_Q / K_T.
+    time_constant_s: time constant of the thrust's first-order lag. diameter_m: diameter of the propeller.
+    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes;
+    without it, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque per newton of thrust, k_q = D
+    K_Q / K_T.
     """
 
     name: Name
@@ -88,9 +89,10 @@ class ThrusterMount(Model):
     """A thruster on a vehicle.
 
     model: the name of a packaged thruster or the path of its YAML file, which is read into a ThrusterType. position_m:
-    of the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: seen from behind,
-    at positive thrust. gain: a factor on the type's thrust, such as for another battery voltage; the allocation of
-    efforts takes it into account. health: the fraction of thrust left by a fault, of which the allocation is not aware.
+    position of the propeller in the body frame. axis: the direction of positive thrust, of any length. spin: sense of
+    rotation seen from behind, at positive thrust. gain: a factor on the type's thrust, such as for another battery
+    voltage; the allocation of efforts takes it into account. health: the fraction of thrust left by a fault, of which
+    the allocation is not aware.
     """
 
     model: Annotated[ThrusterType, BeforeValidator(_thruster_type, json_schema_input_type=ThrusterName | ThrusterType)]

@@ -21,8 +21,8 @@ Colour = tuple[Share, Share, Share]
 class PanTilt(Model):
     """A motor that turns a camera on its mount: pan about its z, positive to port, then tilt about y, positive down.
 
-    pan_limits_deg, tilt_limits_deg: lower, upper; the range must include 0, the mount's own direction. rate_deg_s: of
-    each axis.
+    pan_limits_deg, tilt_limits_deg: lower, upper; the range must include 0, the mount's own direction. rate_deg_s:
+    turning rate of each axis.
     """
 
     pan_limits_deg: tuple[Degrees, Degrees] = (0.0, 0.0)
@@ -42,13 +42,13 @@ class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
     It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
-    height: in pixels, which are square. horizontal_fov_deg: across the image's width, before distortion. distortion:
-    k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or fixed exposure.
-    full_well, read_noise: electrons at base gain. vignetting: fraction of the cos^4 law. wobble_mrad: largest
-    deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. follows: its carrier; `body`:
-    fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's position and heading
-    from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that is off produces
-    black pictures.
+    height: in pixels, which are square. horizontal_fov_deg: field of view across the image's width, before distortion.
+    distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or
+    fixed exposure. full_well, read_noise: numbers of electrons at base gain. vignetting: fraction of the cos^4 law.
+    wobble_mrad: largest deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. follows: its
+    carrier; `body`: fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's
+    position and heading from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that
+    is off produces black pictures.
     """
 
     position_m: Point3
@@ -86,9 +86,9 @@ class LampSpot(Model):
 class Lamps(Model):
     """The lamps on one switch, identical except for their mounts.
 
-    spots: their mounts. on: whether they are initially on. flux_lm: of each lamp. half_angle_deg: of the cone, outside
-    which it is dark. soft_share: fraction of that angle over which the light fades. colour: red, green, blue relative
-    to daylight white.
+    spots: their mounts. on: whether they are initially on. flux_lm: luminous flux of each lamp. half_angle_deg: half
+    angle of the cone of light, outside which it is dark. soft_share: fraction of that angle over which the light fades.
+    colour: red, green, blue relative to daylight white.
     """
 
     spots: Annotated[tuple[LampSpot, ...], Field(min_length=1, max_length=16)]

@@ -16,9 +16,10 @@ Speed = Annotated[float, InRange(-5, 5, "m/s")]
 class FaultModel(Model):
     """The fields common to all faults.
 
-    name: in the log; by default its kind, or kind_2 and so on if there are several of a kind. vehicle: by default the
-    first. at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of occurrences per hour, at random
-    times (exponential intervals, from the seed). for_s: its duration; by default until the end.
+    name: name in the log; by default its kind, or kind_2 and so on if there are several of a kind. vehicle: name of the
+    vehicle, by default the first. at_s: when it begins; either this or rate_per_h. rate_per_h: mean number of
+    occurrences per hour, at random times (exponential intervals, from the seed). for_s: its duration; by default until
+    the end.
     """
 
     name: Name | None = None
@@ -57,8 +58,8 @@ class SensorFault(FaultModel):
     """A sensor fails.
 
     sensor: its name on the vehicle. mode: `off`, no readings; `stuck`, the last reading is repeated; `bias`, a constant
-    is added. bias: in the sensor's unit, added to each component of `field`. field: of the reading; required for a
-    sensor that measures several quantities.
+    is added. bias: value added to each component of `field`, in the sensor's unit. field: field of the reading;
+    required for a sensor that measures several quantities.
     """
 
     kind: Literal["sensor"]

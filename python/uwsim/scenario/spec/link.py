@@ -50,11 +50,11 @@ class LinkSetup(Model):
     """The link between the station and the vehicles. In a scenario, a modem's name alone suffices.
 
     modem: the name of a packaged modem or the path of its YAML file, which is read into a ModemModel. access: the
-    access protocol, overriding the modem's. station_transducer_m: in the station's frame; a vehicle's is at its origin.
-    wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the material that reflects sound
-    at the bed. carries: patterns of the channels that use the link, by default all that can. repeats: number of
-    additional copies of each message, by channel pattern, sent whether or not the first arrives; a service's command is
-    `command/NAME`. faults: scheduled losses.
+    access protocol, overriding the modem's. station_transducer_m: position of the transducer in the station's frame; a
+    vehicle's is at its origin. wind_m_s, shipping: sources of ambient noise; shipping 0: none, 1: heavy. bottom: the
+    material that reflects sound at the bed. carries: patterns of the channels that use the link, by default all that
+    can. repeats: number of additional copies of each message, by channel pattern, sent whether or not the first
+    arrives; a service's command is `command/NAME`. faults: scheduled losses.
     """
 
     modem: Annotated[ModemModel, BeforeValidator(_modem, json_schema_input_type=ModemName | ModemModel)]

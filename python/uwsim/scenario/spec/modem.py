@@ -20,17 +20,18 @@ class ModemModel(Model):
     """A connection between station and vehicle.
 
     kind: `none` (messages are delivered immediately), `cable` (a rate and a latency), `ideal` (only the travel time of
-    sound, as in the paper) or `modem`, which has all parameters. Levels in dB re 1 uPa (at 1 m). bit_rate_bit_s: of a
-    packet's bits, including the header. latency_s: of a cable. header_bytes: in each packet. packet_bytes: largest
-    payload of a packet; longer messages take several. preamble_s: before each packet. frequency_hz, bandwidth_hz:
-    centre and width of the band. source_level_db: of the transmitter, re 1 uPa at 1 m. modulation: determines the bit
-    error rate for a signal-to-noise ratio. coding_gain_db: of error correction. receiver_noise_db_hz: of the vehicle
-    and the electronics. fading: Rayleigh. multipath_window_s: echoes that follow the first arrival within this time add
-    to the signal, later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler).
-    range_max_m: the range for which TDMA reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest
-    random wait in ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the
-    station and the vehicles take turns of slot_s, each followed by the travel time over range_max_m. queue_bytes:
-    largest size of the queue of messages to be sent.
+    sound, as in the paper) or `modem`, which has all parameters. Levels in dB re 1 uPa (at 1 m). bit_rate_bit_s: rate
+    at which a packet's bits, including the header, are sent. latency_s: latency of a cable. header_bytes: size of each
+    packet's header. packet_bytes: largest payload of a packet; longer messages take several. preamble_s: duration of
+    the preamble of each packet. frequency_hz, bandwidth_hz: centre and width of the band. source_level_db: level of the
+    transmitter, re 1 uPa at 1 m. modulation: determines the bit error rate for a signal-to-noise ratio. coding_gain_db:
+    gain from error correction. receiver_noise_db_hz: noise from the vehicle and the electronics. fading: whether there
+    is Rayleigh fading. multipath_window_s: echoes that follow the first arrival within this time add to the signal,
+    later ones are noise. speed_max_m_s: closing speed beyond which nothing is received (Doppler). range_max_m: the
+    range for which TDMA reserves travel time. slot_s: duration of a turn in TDMA. backoff_s: longest random wait in
+    ALOHA. access: `aloha`, a packet is sent after a random wait of up to backoff_s, or `tdma`, the station and the
+    vehicles take turns of slot_s, each followed by the travel time over range_max_m. queue_bytes: largest size of the
+    queue of messages to be sent.
     """
 
     name: Name

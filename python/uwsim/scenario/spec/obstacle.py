@@ -82,9 +82,9 @@ class Pipeline(OnBed):
 class Gate(OnBed):
     """Two posts and a crossbar that stand on the terrain; the passage is along the gate's x.
 
-    position_m: x and y of its middle. yaw_deg: direction of the gate's x, counter-clockwise from east. width_m: between
-    the posts' axes. height_m: of the crossbar's axis above the bed at position_m. bar_radius_m: of posts and bars.
-    lower_bar_m: height of a second bar; none by default.
+    position_m: x and y of its middle. yaw_deg: direction of the gate's x, counter-clockwise from east. width_m:
+    distance between the posts' axes. height_m: height of the crossbar's axis above the bed at position_m. bar_radius_m:
+    radius of posts and bars. lower_bar_m: height of a second bar; none by default.
     """
 
     kind: Literal["gate"]
@@ -111,7 +111,7 @@ class Gate(OnBed):
 class Box(Placed):
     """A cuboid.
 
-    position_m: its centre (world), unless it is on_bed. size_m: along its own x, y and z.
+    position_m: its centre (world), unless it is on_bed. size_m: edge lengths along its own x, y and z.
     """
 
     kind: Literal["box"]
@@ -150,9 +150,9 @@ class Sphere(Placed):
 class MeshObstacle(Placed):
     """An obstacle from a mesh file.
 
-    file: FBX, glTF, OBJ, STL, PLY and others. position_m: of the mesh's own origin (world), unless it is on_bed. scale:
-    metres per unit of the file. up: the file's axis that points up; by default y for glTF, the declared axis for FBX, z
-    for all others.
+    file: FBX, glTF, OBJ, STL, PLY and others. position_m: position of the mesh's own origin (world), unless it is
+    on_bed. scale: metres per unit of the file. up: the file's axis that points up; by default y for glTF, the declared
+    axis for FBX, z for all others.
     """
 
     kind: Literal["mesh"]

@@ -41,12 +41,12 @@ class WarningLimits(Model):
 class Scenario(Model):
     """All inputs that determine a run's results. World frame: ENU, z up, water surface at z = 0.
 
-    name: of the scenario. seed: of all random draws, such as sensor noise. step_s: of the simulation. water: its
-    surface, currents and profile. optics: optical conditions for cameras. terrain: the bed. ground: its materials.
-    obstacles: in the water, fixed. station: the reference for distances; it has the dock. vehicles: at least one.
-    warnings: when the panel issues them. survey: flown by `uwsim survey`. mission_time_s: battery life after the
-    vehicle's release. link: between station and vehicles; None: messages are delivered immediately. faults: what fails,
-    and when.
+    name: name of the scenario. seed: determines all random draws, such as sensor noise. step_s: step size of the
+    simulation. water: its surface, currents and profile. optics: optical conditions for cameras. terrain: the bed.
+    ground: its materials. obstacles: fixed obstacles in the water. station: the reference for distances; it has the
+    dock. vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
+    mission_time_s: battery life after the vehicle's release. link: the link between station and vehicles; None:
+    messages are delivered immediately. faults: what fails, and when.
     """
 
     name: Name

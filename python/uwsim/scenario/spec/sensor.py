@@ -61,9 +61,9 @@ class SensorMount(Model):
     (_core.sensor_kind(...).parameters, such as range_max_m) are written next to the other keys in YAML, and in
     `parameters` here. position_m: in the body frame. parameters: in Python, the parameters of the kind, which YAML has
     next to the other keys. on: whether it is powered; off, it has no readings. rate_hz: sampling rate; every step by
-    default. latency_s: from the measurement to its arrival. drop_out: the fraction of samples that is lost; a read then
-    returns the last sample that was not lost, marked invalid. noise: of all channels; noise_std: short for noise: {std:
-    ...}. channels: noise by channel, instead of `noise`.
+    default. latency_s: delay from the measurement to its arrival. drop_out: the fraction of samples that is lost; a
+    read then returns the last sample that was not lost, marked invalid. noise: noise of all channels; noise_std: short
+    for noise: {std: ...}. channels: noise by channel, instead of `noise`.
     """
 
     kind: str

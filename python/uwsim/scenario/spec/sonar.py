@@ -23,7 +23,7 @@ FrequencyKhz = Annotated[float, InRange(1, 5000, "kHz")]
 class SonarMounting(Model):
     """The pose of the sonar head on the vehicle's mount: x forward, y left, z up.
 
-    position_m: from the mount.
+    position_m: position relative to the mount.
     """
 
     position_m: Point3 = (0.0, 0.0, 0.0)
@@ -69,12 +69,12 @@ class SonarNoiseChanges(Model):
 class SonarBand(Model):
     """One of the instrument's frequencies, with its parameters there.
 
-    frequency_khz: centre. field_of_view_deg: of the fan. range_max_m: ranges at or beyond it are not echoes.
-    range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by default.
-    beam_width_along_deg: of the transmitter, across the plane of the fan, -3 dB one way. beam_width_across_deg: of an
-    unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s, bandwidth_hz: of the pulse.
-    source_level_db: re 1 uPa at 1 m. directivity_index_db: of the receiver. The last six are for physics mode: all or
-    none.
+    frequency_khz: centre frequency. field_of_view_deg: opening angle of the fan. range_max_m: ranges at or beyond it
+    are not echoes. range_limit_m: the published decoder's limit, beyond which a range means no echo; range_max_m by
+    default. beam_width_along_deg: beam width of the transmitter, across the plane of the fan, -3 dB one way.
+    beam_width_across_deg: width of an unsteered receiving beam, within that plane, -3 dB one way. pulse_length_s,
+    bandwidth_hz: parameters of the pulse. source_level_db: re 1 uPa at 1 m. directivity_index_db: directivity of the
+    receiver. The last six are for physics mode: all or none.
     """
 
     frequency_khz: FrequencyKhz
@@ -120,12 +120,12 @@ ACOUSTIC = (
 class SonarModel(Model):
     """A commercial multibeam.
 
-    beams: evenly spaced over the field of view, about the head's forward axis. wire_number: its number among the four
-    models of the published simulator. dual_swath: two fans per ping. tilt_rate_deg_s: of the head. mounting: on the
-    vehicle's mount. noise: for physics mode. receiver_tilt_deg: of each of two receivers. ping_rate_max_hz: limit of
-    the electronics. receivers: flat arrays, one facing ahead or two ("dual RX"), each turned to its side by
-    receiver_tilt_deg; a model with one receiver and a tilt is also available with two. frequencies: a scenario selects
-    one.
+    beams: number of beams, evenly spaced over the field of view, about the head's forward axis. wire_number: its number
+    among the four models of the published simulator. dual_swath: whether a ping has two fans. tilt_rate_deg_s: rate at
+    which the head tilts. mounting: pose on the vehicle's mount. noise: receiver noise in physics mode.
+    receiver_tilt_deg: tilt of each of two receivers. ping_rate_max_hz: limit set by the electronics. receivers: number
+    of flat arrays, one facing ahead or two ("dual RX"), each turned to its side by receiver_tilt_deg; a model with one
+    receiver and a tilt is also available with two. frequencies: a scenario selects one.
     """
 
     name: Name

@@ -19,11 +19,11 @@ def _cameras(station: dict[str, Any]) -> dict[str, CameraMount]:
 class Station(Model):
     """The control station: distances are measured from it, and a vehicle may start docked at it.
 
-    position_m: of its origin, on the waterline. yaw_deg: direction of its x axis, counter-clockwise from east. mesh:
-    closed or not, in the station's frame; without one the station is a point. dock_m: the origin of a docked vehicle,
-    in the station's frame; its heading is the station's x. exit_m: its origin after `undock()`, by default 3 m ahead of
-    the dock. material: of the mesh. cameras: by name, in the station's frame; by default `station`, in the water in
-    front of the dock, and `deck`, overlooking the deck.
+    position_m: position of its origin, on the waterline. yaw_deg: direction of its x axis, counter-clockwise from east.
+    mesh: mesh file, closed or not, in the station's frame; without one the station is a point. dock_m: the origin of a
+    docked vehicle, in the station's frame; its heading is the station's x. exit_m: its origin after `undock()`, by
+    default 3 m ahead of the dock. material: material of the mesh. cameras: by name, in the station's frame; by default
+    `station`, in the water in front of the dock, and `deck`, overlooking the deck.
     """
 
     position_m: Point3 = (0.0, 0.0, 0.0)

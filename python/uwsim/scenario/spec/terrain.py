@@ -18,10 +18,10 @@ Coordinate = Annotated[float, InRange(-1e9, 1e9)]
 class Grid(Model):
     """The grid common to all terrains. Its centre is the world's origin.
 
-    size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: between neighbouring heights.
-    source: of the heights; each source has its own keys. window_m: corners (x, y), south-west and north-east, of the
-    part that is built, extended to whole cells; the heights and the world's origin are those of the whole terrain. It
-    is for flying part of a survey so large that no single process needs to hold all of it.
+    size_m: extent along x (east) and y (north), a whole number of spacings. spacing_m: distance between neighbouring
+    heights. source: source of the heights; each source has its own keys. window_m: corners (x, y), south-west and
+    north-east, of the part that is built, extended to whole cells; the heights and the world's origin are those of the
+    whole terrain. It is for flying part of a survey so large that no single process needs to hold all of it.
     """
 
     spacing_m: Spacing = 0.5
@@ -63,10 +63,11 @@ class Rim(Model):
 class NoiseTerrain(Grid):
     """A bed of fractal OpenSimplex2 noise, ringed by hills.
 
-    seed: of this noise; separate from the scenario's seed, so that the terrain is unchanged when the sensors' noise
-    changes. bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
-    hill_wavelength_m: of the broadest hills. octaves: of the noise; each additional one halves the wavelength. gain:
-    ratio of heights between successive octaves. rim: hills around the lake, above the water; none by default.
+    seed: seed of this noise; separate from the scenario's seed, so that the terrain is unchanged when the sensors'
+    noise changes. bed_depth_m: mean depth of the bed. hill_height_m: largest deviation of the bed from it, up and down.
+    hill_wavelength_m: wavelength of the broadest hills. octaves: number of octaves of noise; each additional one halves
+    the wavelength. gain: ratio of heights between successive octaves. rim: hills around the lake, above the water; none
+    by default.
     """
 
     source: Literal["noise"]
@@ -88,14 +89,14 @@ class NoiseTerrain(Grid):
 class RasterTerrain(Grid):
     """An elevation grid that GDAL can read: GeoTIFF, ESRI ASCII (.asc) and others that contain elevations themselves.
 
-    file: the grid. band: of a file with several, counted from 1. interpolation: between its cells. crs: coordinate
-    system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names one, a file whose
-    cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres by a transverse
-    Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the file's own units;
-    it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m lake. vertical_scale:
-    likewise. centre: of the terrain in the file's coordinates (longitude, latitude or easting, northing); by default
-    the file's centre. size_m: simulated extent; by default the largest that fits. fill_nodata: interpolate cells
-    without data.
+    file: the grid. band: band to use in a file with several, counted from 1. interpolation: method between its cells.
+    crs: coordinate system, such as EPSG:4326, which overrides the file's; `local` for plain metres. If neither names
+    one, a file whose cells look like degrees is read as EPSG:4326, any other as local. Degrees are projected to metres
+    by a transverse Mercator projection centred on the terrain. water_level_m: elevation of the water surface in the
+    file's own units; it becomes z = 0. horizontal_scale: simulated metres per real metre; 0.05 makes 10 km a 500 m
+    lake. vertical_scale: likewise. centre: centre of the terrain in the file's coordinates (longitude, latitude or
+    easting, northing); by default the file's centre. size_m: simulated extent; by default the largest that fits.
+    fill_nodata: interpolate cells without data.
     """
 
     source: Literal["raster"]
@@ -120,8 +121,8 @@ class RasterTerrain(Grid):
 class ImageTerrain(Grid):
     """Terrain heights from the grey levels of an 8- or 16-bit image. The first row is the northern edge.
 
-    The centres of the outermost pixels lie on the terrain's edge. file: the image. interpolation: between its pixels.
-    black_m, white_m: z at grey level 0 and at the highest one (255 or 65535).
+    The centres of the outermost pixels lie on the terrain's edge. file: the image. interpolation: method between its
+    pixels. black_m, white_m: z at grey level 0 and at the highest one (255 or 65535).
     """
 
     source: Literal["image"]

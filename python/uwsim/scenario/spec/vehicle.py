@@ -52,8 +52,8 @@ class Trim(Model):
     """Weights that an operator adds or removes to adjust a vehicle's buoyancy in the scenario's water.
 
     They are a point mass, before ballast_kg and leaks, that displaces no water; negative if weights are removed.
-    net_buoyancy_n: buoyancy of the whole hull, in surface water, minus the weight; positive: it rises. position_m: of
-    the weights in the body frame; by default at the centre of mass.
+    net_buoyancy_n: buoyancy of the whole hull, in surface water, minus the weight; positive: it rises. position_m:
+    position of the weights in the body frame; by default at the centre of mass.
     """
 
     net_buoyancy_n: Annotated[float, InRange(-1e5, 1e5, "N")]
@@ -67,23 +67,24 @@ class VehicleModel(Model):
     matrix about the origin may be given by rows, such as added_mass_matrix. mesh: the hull, closed and winding outward.
     Buoyancy acts on its triangles, and it collides. It also determines the volume, and the inertia (as a solid of
     uniform density) if inertia_kg_m2 is omitted. mesh_scale: metres per unit of the file. mesh_up: the file's axis that
-    points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: of the vehicle, without
+    points up; by default y for glTF, the declared axis for FBX, z for all others. mass_kg: mass of the vehicle, without
     ballast and water inside; specify exactly one of this, density_kg_m3 and buoyancy. density_kg_m3: instead, mean
     density over the hull's volume. buoyancy: instead, `neutral`: the mass of the water that the whole hull displaces in
-    the scenario's water. centre_of_mass_m: without ballast, in the hull's bounding box. ballast_kg, ballast_position_m:
-    an additional point mass: it adds to mass and inertia and moves the centre of mass, but displaces no water.
-    compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by default it is as
-    compressible as the water around it (assumed). trim: for the scenario's water; by default the mass and the water
-    determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published values, to which the mesh
-    is scaled and moved; it must be close to them. collision: as the convex hull, as the bounding box, or as convex
-    pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes from the mesh. linear_damping,
-    quadratic_damping: force or torque that opposes v and v|v|. added_mass: of the water that moves with the hull; zero
-    by default. inertia_kg_m2: principal moments about the centre of mass along the body axes. max_force_n,
-    max_torque_nm: at full effort along and about x, y, z, for a vehicle without thrusters. control: gains and limits of
-    a Controller's loops. thrusters, fins, sensors, cameras, lamps, imaging_sonars: by name. sonar: the multibeam's
-    mount, if it has one. friction: Coulomb's coefficient; for two bodies in contact, the geometric mean applies.
-    restitution: the fraction of the approach speed that is kept; for two bodies in contact, the larger value applies.
-    material: of the hull, for cameras. failsafe: the reaction to loss of contact or to a fault.
+    the scenario's water. centre_of_mass_m: position without ballast, in the hull's bounding box. ballast_kg,
+    ballast_position_m: an additional point mass: it adds to mass and inertia and moves the centre of mass, but
+    displaces no water. compressibility_1_pa: relative loss of the hull's volume per pascal, 0 for a rigid hull; by
+    default it is as compressible as the water around it (assumed). trim: for the scenario's water; by default the mass
+    and the water determine whether the vehicle floats or sinks. volume_m3, centre_of_buoyancy_m: published values, to
+    which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex hull, the
+    bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes from the
+    mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the water that
+    moves with the hull; zero by default. inertia_kg_m2: principal moments about the centre of mass along the body axes.
+    max_force_n, max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without
+    thrusters. control: gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps,
+    imaging_sonars: by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two
+    bodies in contact, the geometric mean applies. restitution: the fraction of the approach speed that is kept; for two
+    bodies in contact, the larger value applies. material: material of the hull. failsafe: the reaction to loss of
+    contact or to a fault.
     """
 
     name: Name

@@ -37,9 +37,9 @@ class StillSurface(Model):
 class AirySurface(Model):
     """A single linear (Airy) wave.
 
-    amplitude_m, period_s, phase_deg: of the surface's cosine at the origin. heading_deg: direction of travel,
-    counter-clockwise from east. depth_m: of the water below; by default, and at most, that of the terrain's deepest
-    point.
+    amplitude_m, period_s, phase_deg: parameters of the surface's cosine at the origin. heading_deg: direction of
+    travel, counter-clockwise from east. depth_m: depth of the water; by default, and at most, that of the terrain's
+    deepest point.
     """
 
     kind: Literal["airy"]
@@ -53,9 +53,9 @@ class AirySurface(Model):
 class JonswapSurface(Model):
     """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
 
-    significant_height_m, peak_period_s: of the spectrum. heading_deg: direction of travel, counter-clockwise from east.
-    component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea.
-    spreading_exponent: n of cos^n about the heading; 0 for long crests. depth_m: as for an Airy wave.
+    significant_height_m, peak_period_s: parameters of the spectrum. heading_deg: direction of travel, counter-clockwise
+    from east. component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea.
+    spreading_exponent: n in cos^n about the heading; 0 for long crests. depth_m: as for an Airy wave.
     """
 
     kind: Literal["jonswap"]
@@ -75,7 +75,7 @@ SurfaceSpec = Annotated[StillSurface | AirySurface | JonswapSurface, Field(discr
 class UniformCurrent(Model):
     """A current that is constant in space and time.
 
-    velocity_m_s: along the world's axes.
+    velocity_m_s: components along the world's axes.
     """
 
     kind: Literal["uniform"]
@@ -85,7 +85,7 @@ class UniformCurrent(Model):
 class CurrentLevel(Model):
     """The current at a depth.
 
-    depth_m: below the surface. velocity_m_s: along the world's axes.
+    depth_m: below the surface. velocity_m_s: components along the world's axes.
     """
 
     depth_m: Depth
@@ -117,8 +117,8 @@ class LayeredCurrent(Model):
 class TidalCurrent(Model):
     """A current amplitude_m_s sin(2 pi t / period_s + phase_deg).
 
-    amplitude_m_s: along the world's axes. period_s, phase_deg: of the sine; the default period is that of M2, the
-    lunar tide.
+    amplitude_m_s: components along the world's axes. period_s, phase_deg: parameters of the sine; the default period is
+    that of M2, the lunar tide.
     """
 
     kind: Literal["tidal"]
@@ -130,8 +130,8 @@ class TidalCurrent(Model):
 class GustyCurrent(Model):
     """A mean current with Gauss-Markov gusts, drawn with the scenario's seed.
 
-    mean_m_s: along the world's axes. sigma_m_s: standard deviation along each world axis. correlation_time_s: the
-    lag at which correlation falls to 1/e.
+    mean_m_s: components along the world's axes. sigma_m_s: standard deviation along each world axis.
+    correlation_time_s: the lag at which correlation falls to 1/e.
     """
 
     kind: Literal["gusts"]
@@ -174,8 +174,8 @@ CurrentSpecs = Annotated[
 class WaterLevel(Model):
     """The properties of the water at a depth.
 
-    depth_m, temperature_deg_c: of the level. salinity_psu, density_kg_m3: must agree with each other. sound_speed_m_s:
-    at all levels or none; by default derived from the other properties.
+    depth_m, temperature_deg_c: depth and temperature of the level. salinity_psu, density_kg_m3: must agree with each
+    other. sound_speed_m_s: at all levels or none; by default derived from the other properties.
     """
 
     depth_m: Depth
@@ -234,8 +234,8 @@ class LinearProfile(Model):
 class LinearEnd(Model):
     """One end of a linear profile.
 
-    temperature_deg_c: at this end. salinity_psu, density_kg_m3: must agree with each other; density at both ends or
-    none.
+    temperature_deg_c: temperature at this end. salinity_psu, density_kg_m3: must agree with each other; density at both
+    ends or none.
     """
 
     temperature_deg_c: Celsius
@@ -259,8 +259,8 @@ ONE_WATER = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperature_d
 class Water(Model):
     """The water; by default still, of uniform density, and without current.
 
-    density_kg_m3: of all the water, at atmospheric pressure; by default from the surface's temperature and the salinity
-    (EOS-80). salinity_psu: of all the water; by default 0, or the value that gives a density that fresh water cannot
+    density_kg_m3: uniform density, at atmospheric pressure; by default from the surface's temperature and the salinity
+    (EOS-80). salinity_psu: uniform salinity; by default 0, or the value that gives a density that fresh water cannot
     have. Density and salinity must agree within 5 kg/m3. surface_temperature_deg_c, bottom_temperature_deg_c: linear
     between the surface and the terrain's deepest point. compressible: whether pressure includes the compression by the
     water's own weight (EOS-80). sound_speed_equation: automatic selects the best that is valid in all of the water; one
