@@ -37,7 +37,7 @@ LARGEST_EFFORTS = np.array([0.5, 0.4, 0.1, 0.05, 0.05, 0.5])
 def run(out: Path | None = None, seeds: int | None = None) -> list[Check]:
     """Return the suite's checks; draw its curves into the folder `out`. seeds: number of flights; by default SEEDS."""
     sim, seeds = Simulator("lake"), seeds or SEEDS
-    nees = np.array([list(flownnees_of(sim, seed)) for seed in range(seeds)])
+    nees = np.array([list(nees_of_a_flight(sim, seed)) for seed in range(seeds)])
     drifts = [drop_out(sim, seed) for seed in range(seeds)]
     if out is not None:
         _draw(nees, drifts, out / "estimation.png")
@@ -75,7 +75,7 @@ def errors(sim: Simulator, navigator: Navigator) -> Array:
     return np.concatenate([true.position_world_m - pose.position_world_m, velocity, attitude])
 
 
-def flownnees_of(sim: Simulator, seed: int) -> Iterator[list[float]]:
+def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
     """Fly with random efforts; yield the NEES of all errors and of each of PARTS, at intervals."""
     navigator, draws = start_navigation(sim, seed)
     for leg in range(LEGS):
