@@ -152,9 +152,9 @@ def test_the_cost_of_a_step_is_linear_in_the_number_of_vehicles(tmp_path: Path) 
         sim.step(50)
         best = np.inf
         for _ in range(5):
-            start = time.perf_counter()
+            start = time.thread_time()  # not by the clock: the machine may be busy
             sim.step(500)
-            best = min(best, time.perf_counter() - start)
+            best = min(best, time.thread_time() - start)
         return best
 
     assert seconds(16) < 24 * seconds(2)
