@@ -52,10 +52,13 @@ def test_a_survey_that_is_terminated_leaves_a_map_and_is_resumed(place: str, who
 
 def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
     mission, out = tmp_path / "busy.py", tmp_path / "out"
-    mission.write_text("def mission(vehicle):\n    yield from ()\n    while True:\n        pass\n")
+    busy = tmp_path / "busy"
+    mission.write_text(
+        f"def mission(vehicle):\n    yield from ()\n    open({str(busy)!r}, 'w').close()\n    while True:\n        pass\n"
+    )
     command = [*UWSIM, "run", str(mission), "--scenario", "pool", "--out", str(out)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    while process.poll() is None and not (out / "log.jsonl").exists():
+    while process.poll() is None and not busy.exists():
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
     output, errors = process.communicate(timeout=120)
