@@ -54,7 +54,7 @@ def test_a_mission_that_never_waits_is_ended(tmp_path: Path) -> None:
     mission, out = tmp_path / "busy.py", tmp_path / "out"
     busy = tmp_path / "busy"
     mission.write_text(
-        f"def mission(vehicle):\n    yield from ()\n    open({str(busy)!r}, 'w').close()\n    while True:\n        pass\n"
+        f"def mission(vehicle):\n    yield from ()\n    open({str(busy)!r}, 'w').close()\n    while True: pass\n"
     )
     command = [*UWSIM, "run", str(mission), "--scenario", "pool", "--out", str(out)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
