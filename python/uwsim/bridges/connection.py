@@ -6,6 +6,7 @@ import asyncio
 from typing import Any, ClassVar
 
 from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode, Frame, Opcode
 
 READ_BYTES = 1 << 13  # bytes per read; enough for a thousand frames without content
@@ -72,11 +73,12 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, without waiting long for the client, which may not read it."""
+        """Close with a reason, even within a message, without waiting long for the client, which may not read it."""
+        reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
         try:
-            async with asyncio.timeout(GOING_S):
-                await self.close(CloseCode.POLICY_VIOLATION, reason.encode()[:REASON_BYTES].decode(errors="ignore"))
-        except TimeoutError:
+            async with asyncio.timeout(GOING_S), self.send_context():
+                self.protocol.fail(CloseCode.POLICY_VIOLATION, reason)
+        except (TimeoutError, ConnectionClosed):
             pass
         finally:
             self.transport.abort()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Iterator
 from typing import Any, NamedTuple, Protocol
 
 from websockets.asyncio.server import ServerConnection
@@ -12,6 +13,7 @@ from websockets.exceptions import ConnectionClosed
 Frame = str | bytes
 """A WebSocket frame: str for text, bytes for binary."""
 AT_ONCE = 16  # frames after which other clients get a turn
+PIECE = 1 << 18  # characters or bytes; a larger message is sent in several frames, so that no write takes long
 
 
 class Allowance:
@@ -91,8 +93,12 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
             if timer is not None:
                 timer.cancel()
             continue
-        await connection.send(frame)
+        await connection.send(frame if len(frame) <= PIECE else _pieces(frame))
         del frame  # it may be large, and the next frame may come much later
         count += 1
         if count % AT_ONCE == 0:
             await asyncio.sleep(0)
+
+
+def _pieces(message: Frame) -> Iterator[Frame]:
+    return (message[at : at + PIECE] for at in range(0, len(message), PIECE))

@@ -8,8 +8,6 @@ The contents of a list are counted against a budget before they are allocated, a
 
 from __future__ import annotations
 
-import base64
-import binascii
 import math
 from collections.abc import Callable
 from functools import cache
@@ -18,6 +16,7 @@ from typing import Any
 import cbor2
 import numpy as np
 
+from uwsim.channels.base64_text import from_base64
 from uwsim.channels.message_cost import (
     SLICE_NUMBERS,
     SLICE_OBJECTS,
@@ -245,8 +244,8 @@ def _bytes_or_array(value: Any, path: str, kind: Kind) -> np.ndarray[Any, np.dty
         return np.frombuffer(value, np.int8 if kind.base == "int8" else np.uint8)
     if isinstance(value, str) and kind.base in BYTES:
         try:
-            return np.frombuffer(base64.b64decode(value, validate=True), np.uint8)
-        except (binascii.Error, ValueError):
+            return np.frombuffer(from_base64(value), np.uint8)
+        except ValueError:
             raise ValueError(f"{path}: a string of {len(value)} characters: must be base64 ({kind.base}[])") from None
     if isinstance(value, np.ndarray):
         return value

@@ -5,7 +5,6 @@ A function is composed for each type on first use, so that writing a message nee
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable
 from functools import cache
 from operator import attrgetter
@@ -14,6 +13,7 @@ from typing import Any, Literal
 import cbor2
 import numpy as np
 
+from uwsim.channels.base64_text import to_base64
 from uwsim.channels.message_types import (
     EMPTY_PLACEHOLDER,
     Field,
@@ -128,7 +128,7 @@ def _array_writer(base: str, form: Form) -> Writer:
     if base in BYTES:
         if form == "cbor":
             return lambda values: contiguous(values).tobytes()
-        return lambda values: base64.b64encode(contiguous(values).data).decode("ascii")
+        return lambda values: to_base64(contiguous(values).data)
     if form == "cbor":
         tag = TYPED_ARRAY_TAGS[base]
         return lambda values: cbor2.CBORTag(tag, contiguous(values).tobytes())

@@ -8,6 +8,7 @@ import numpy as np
 import orjson
 import pytest
 
+from uwsim.channels.base64_text import PIECE_BYTES, PIECE_CHARACTERS, from_base64, to_base64
 from uwsim.channels.message_out import TYPED_ARRAY_TAGS
 from uwsim.channels.message_types import ros1_typestore
 from uwsim.channels.messages import (
@@ -79,6 +80,16 @@ def test_json_has_no_infinity_and_cbor_has():
     assert np.isnan(from_plain(SCAN, {"ranges": [1.5, None]}).ranges[1])
     assert np.isnan(from_plain(SCAN, {"range_max": None}).range_max)
     assert from_plain(SCAN, {"header": {"seq": None, "stamp": None, "frame_id": None}}).header.frame_id == ""
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 3, PIECE_BYTES - 1, PIECE_BYTES, PIECE_BYTES + 1, 2 * PIECE_BYTES, 10**6])
+def test_base64_in_pieces_is_base64(size):
+    data = bytes(k * k % 251 for k in range(size))
+    text = base64.b64encode(data).decode()
+    assert to_base64(memoryview(data)) == text and from_base64(text) == data
+    for wrong in ("=" + text, text + "A", text[: PIECE_CHARACTERS - 2] + "==" + text[PIECE_CHARACTERS:] + "AAAA", "\n"):
+        with pytest.raises(ValueError, match=r"(?i)padding|data|character"):
+            from_base64(wrong)
 
 
 def test_bytes_are_base64_in_json_and_bytes_in_cbor():

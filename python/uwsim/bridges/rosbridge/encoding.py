@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import io
 import math
 from collections.abc import Callable
@@ -14,6 +13,7 @@ import orjson
 from PIL import Image
 
 from uwsim.bridges.conversation import Frame
+from uwsim.channels.base64_text import to_base64
 from uwsim.channels.message_cost import held_bytes
 from uwsim.channels.messages import Ros, to_bytes, to_plain
 
@@ -35,7 +35,7 @@ def to_json(operation: dict[str, Any]) -> str:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, bytes):  # from a client's CBOR
-        return base64.b64encode(value).decode("ascii")
+        return to_base64(value)
     if isinstance(value, np.ndarray) and not value.dtype.isnative:
         return value.astype(value.dtype.newbyteorder("="))
     if hasattr(value, "tolist"):  # a type that orjson does not write
@@ -82,7 +82,7 @@ def to_png(text: str) -> str:
     pixels = data.ljust(3 * width * height, b"\n")
     buffer = io.BytesIO()
     Image.frombytes("RGB", (width, height), pixels).save(buffer, "PNG", compress_level=1)
-    return to_json({"op": "png", "data": base64.b64encode(buffer.getvalue()).decode("ascii")})
+    return f'{{"op":"png","data":"{to_base64(buffer.getvalue())}"}}'
 
 
 class Sample:
