@@ -1,4 +1,4 @@
-"""Vehicles with every kind of drive for tests of all stop, and measures of their motion."""
+"""A world in which vehicles use every kind of drive, for all-stop tests, and helpers that observe their motion."""
 
 from pathlib import Path
 
@@ -18,14 +18,14 @@ vehicles:
 
 
 def scenario(folder: Path, more: str = "", failsafe: str = "") -> Path:
-    """Write the scenario; failsafe: of all vehicles, in YAML."""
+    """Write the scenario file. failsafe: YAML inserted into every vehicle."""
     path = folder / "drives.yaml"
     path.write_text(TEXT.replace("}}\n", f"}}, failsafe: {failsafe}}}\n" if failsafe else "}}\n") + more)
     return path
 
 
 def at_rest(sim: Simulator) -> bool:
-    """Whether no thruster, fin or force of any vehicle is commanded."""
+    """Return True if no thruster, fin or external force of any vehicle is commanded."""
     return not any(
         np.any(rov.effort) or any(t.command for t in rov.thrusters.values()) or any(rov.fins.values())
         for rov in sim.vehicles.values()
@@ -33,7 +33,7 @@ def at_rest(sim: Simulator) -> bool:
 
 
 def motion(sim: Simulator) -> bytes:
-    """Return where all vehicles are and how they move, to the last bit."""
+    """Return the exact poses and velocities of all vehicles, as bytes."""
     parts = [
         (rov.pose.world_from_body, rov.velocity.linear_body_m_s, rov.velocity.angular_body_rad_s)
         for rov in sim.vehicles.values()

@@ -1,4 +1,4 @@
-"""A flat bed with boxes on it, with the attributes of a simulator that imaging sonars use."""
+"""A test basin: a flat bed with boxes, exposing the simulator attributes that imaging sonars use."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ BED_M = -20.0
 
 
 def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]], threads: int = 1) -> SimpleNamespace:
-    """Make a flat bed with boxes on it, each given by (centre, size)."""
+    """Create a flat bed with boxes, each given as (centre, size)."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
     for k, (centre_m, size_m) in enumerate(boxes):

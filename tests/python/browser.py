@@ -1,4 +1,4 @@
-"""A station viewed in a browser, for tests: Debian's headless Chromium, drawing WebGL in software."""
+"""Helper for browser tests of a station: Debian's headless Chromium with software WebGL."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from uwsim.base.axes import AXES
 from uwsim.bridges import RosbridgeServer
 from uwsim.operator.station import Site, Station
 
-CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # of tools/apt-packages-dev.txt; Playwright's own is not to be had
+CHROMIUM = Path("/usr/bin/chromium-headless-shell")  # from tools/apt-packages-dev.txt, in place of Playwright's build
 SOFTWARE_GL = "--enable-unsafe-swiftshader"
-WAIT_S = 60.0  # for anything: a loaded machine is slow
+WAIT_S = 60.0  # timeout for every wait; generous because the machine may be busy
 
 
 @contextmanager
@@ -28,7 +28,7 @@ def chromium() -> Iterator[Browser]:
 
 
 class Desk:
-    """A station on a port of its own, and pages that look at it. complaints: what their consoles said."""
+    """A station on its own port and the browser pages that view it. complaints: errors from the pages' consoles."""
 
     def __init__(self, browser: Browser, station: Station, server: RosbridgeServer) -> None:
         self.browser = browser
@@ -38,7 +38,7 @@ class Desk:
         self.requests: list[str] = []
 
     def open(self, path: str = "/", **options: object) -> Page:
-        """Open the page as another user would: nothing is shared with other pages."""
+        """Open a page in a new browser context, which shares nothing with other pages, as for a separate user."""
         context = self.browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **options})  # type: ignore[arg-type]
         context.set_default_timeout(1000 * WAIT_S)
         page = context.new_page()
@@ -50,7 +50,7 @@ class Desk:
         return page
 
     def fly(self, **options: object) -> Page:
-        """Open the page of a running simulator, whose controls it gets if nobody has them."""
+        """Open the page of a running simulator; the page takes control if there is no pilot yet."""
         page = self.open(**options)
         page.wait_for_selector("#station:not([hidden])")
         when(page, "station.telemetry.message && station.station.state.pilot")
@@ -61,13 +61,16 @@ class Desk:
         return self.station.present().live.simulator.rov
 
     def effort(self, axis: str) -> float:
-        """Return what the simulator's vehicle was told last."""
+        """Return the vehicle's last commanded effort along an axis."""
         return float(self.rov.effort[AXES.index(axis)])
 
 
 @contextmanager
 def desk(browser: Browser, folder: Path, scenario: str = "", **choice: object) -> Iterator[Desk]:
-    """Serve a station; scenario: that it runs, at the dock; without one it shows the start screen. choice: besides."""
+    """Serve a station, with `scenario` running (vehicle docked), or with the start screen if `scenario` is empty.
+
+    choice: further arguments of `Station.start`.
+    """
     station = Station(offered=scenario or "pool", folder=folder)
     with RosbridgeServer(None, guests=[station], site=Site(station)) as server, station.serving(server.show):
         if scenario:
@@ -79,7 +82,7 @@ def desk(browser: Browser, folder: Path, scenario: str = "", **choice: object) -
 
 
 def until(condition: Callable[[], object], what: str) -> None:
-    """Wait for a condition. Raises AssertionError."""
+    """Wait until a condition is true; raise AssertionError on timeout."""
     end = time.monotonic() + WAIT_S
     while not condition():
         assert time.monotonic() < end, f"waited in vain for {what}"
@@ -87,5 +90,5 @@ def until(condition: Callable[[], object], what: str) -> None:
 
 
 def when(page: Page, expression: str) -> None:
-    """Wait until an expression holds in a page. (Playwright's own wait needs eval, which the page forbids.)"""
+    """Wait until a JavaScript expression is true in a page. (Playwright's own wait needs eval, which pages forbid.)"""
     until(lambda: page.evaluate(f"Boolean({expression})"), expression)

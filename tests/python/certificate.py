@@ -14,7 +14,7 @@ PATIENCE_S = 10.0
 
 
 def write_certificate(folder: Path) -> tuple[Path, Path]:
-    """Write a certificate and its key; return their paths."""
+    """Write a certificate and its private key; return their paths."""
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "localhost")])
     now = datetime.now(UTC)
@@ -33,7 +33,10 @@ def write_certificate(folder: Path) -> tuple[Path, Path]:
 
 
 def first_frame(url: str, *requests: str, **options: Any) -> Any:
-    """Connect, send the requests and return the first frame, on a single thread: see uwsim.bridges.nodes.websocket."""
+    """Connect, send the requests and return the first frame received.
+
+    Single-threaded: see uwsim.bridges.nodes.websocket.
+    """
 
     async def converse() -> Any:
         async with connect(url, **options) as client:

@@ -1,4 +1,4 @@
-"""Readings of channels and poses from transforms, for tests."""
+"""Test helpers that read channels and compute poses from transforms."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from uwsim.channels import Channel, channels
 
 
 def table(sim: Simulator, **options: Any) -> dict[str, Channel]:
-    """Return the channels by name."""
+    """Return a simulator's channels by name."""
     found = channels(sim, **options)
     names = [channel.name for channel in found]
     assert len(names) == len(set(names))
@@ -18,7 +18,7 @@ def table(sim: Simulator, **options: Any) -> dict[str, Channel]:
 
 
 def matrix(translation: Any, rotation: Any) -> np.ndarray:
-    """Return (4, 4) from a message's position and quaternion."""
+    """Return the (4, 4) transform of a message's position and quaternion."""
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_quat([rotation.x, rotation.y, rotation.z, rotation.w]).as_matrix()
     pose[:3, 3] = translation.x, translation.y, translation.z
@@ -26,7 +26,7 @@ def matrix(translation: Any, rotation: Any) -> np.ndarray:
 
 
 def chain(sim: Simulator, found: dict[str, Channel], frame: str, root: str = "world") -> np.ndarray:
-    """Return root_from_frame, (4, 4), by /tf and /tf_static as a client would."""
+    """Return root_from_frame (4, 4), composed from /tf and /tf_static as a client would."""
     steps = {t.child_frame_id: t for name in ("tf", "tf_static") for t in found[name].read(sim).transforms}
     pose = np.eye(4)
     while frame != root:
@@ -37,5 +37,5 @@ def chain(sim: Simulator, found: dict[str, Channel], frame: str, root: str = "wo
 
 
 def stamp_ns(message: Any) -> int:
-    """Return the time in a message's header."""
+    """Return the time stamp in a message's header, in ns."""
     return int(message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec)

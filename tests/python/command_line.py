@@ -1,4 +1,4 @@
-"""The `uwsim` command: run here, which spares a process's imports, or in a separate process, as a user runs it."""
+"""Run the `uwsim` command in this process, which avoids repeated imports, or in a separate one, as a user would."""
 
 import contextlib
 import functools
@@ -21,11 +21,11 @@ from uwsim.cli import main
 
 UWSIM = [sys.executable, "-c", "from uwsim.cli import main; main()"]
 get_command_once = functools.cache(typer.main.get_command)
-"""Typer builds all commands again at each call, which takes longer than most of them."""
+"""Typer rebuilds the whole command tree on each call, which takes longer than running most commands."""
 
 
 def uwsim(*arguments: str | Path, cwd: str | Path = ".") -> subprocess.CompletedProcess[str]:
-    """Run the command to its end, in this process."""
+    """Run the command to completion in this process."""
     words = [str(word) for word in arguments]
     out, err = (io.TextIOWrapper(io.BytesIO(), write_through=True) for _ in range(2))
     with left_as_found(), contextlib.chdir(cwd), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
@@ -40,7 +40,7 @@ def uwsim(*arguments: str | Path, cwd: str | Path = ".") -> subprocess.Completed
 
 @contextlib.contextmanager
 def left_as_found() -> Iterator[None]:
-    """Restore what a command sets for its whole process; a log's messages go to its stderr, not to pytest."""
+    """Restore the process-wide state that a command changes, and route log messages to stderr instead of pytest."""
     signals = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         with (
@@ -59,12 +59,12 @@ def left_as_found() -> Iterator[None]:
 
 
 def uwsim_process(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
-    """Run the command to its end as a process. options: of subprocess.run."""
+    """Run the command to completion in a separate process. options: arguments of subprocess.run."""
     return subprocess.run([*UWSIM, *arguments], capture_output=True, text=True, timeout=600, check=False, **options)
 
 
 def error_line(result: subprocess.CompletedProcess[str]) -> str:
-    """Return the only line on stderr of a command that failed."""
+    """Return the single stderr line of a failed command."""
     assert result.returncode != 0
     assert "Traceback" not in result.stderr
     lines = result.stderr.strip().splitlines()
@@ -73,25 +73,25 @@ def error_line(result: subprocess.CompletedProcess[str]) -> str:
 
 
 def start_survey(out: Path, *options: str) -> subprocess.Popen[str]:
-    """Start a survey that is saved 20 times a second."""
+    """Start a survey with 20 autosaves per second."""
     command = [*UWSIM, "survey", *options, "--out", str(out), "--autosave", "0.05"]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
-    """Wait until a running process has made a file."""
+    """Wait until a running process has created a file."""
     while not path.exists():
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
 
 
 def hears_ctrl_c() -> None:
-    """Undo, as a preexec_fn, what who started the tests may have done: a job in the background ignores Ctrl-C."""
+    """Restore the default SIGINT handler (for use as preexec_fn): background jobs inherit an ignored SIGINT."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def files_limited_to(size_bytes: int) -> Callable[[], None]:
-    """Return a preexec_fn that makes writing beyond a size fail, as a full disk does."""
+    """Return a preexec_fn that limits the file size, so that writes beyond it fail as on a full disk."""
 
     def limit() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""Settings for all tests: Hypothesis tries the same examples on every run; figures are small and open no window."""
+"""Settings for all tests: Hypothesis uses the same examples in every run; figures are small and open no window."""
 
 import os
 
@@ -15,13 +15,13 @@ settings.load_profile("uwsim")
 
 @pytest.fixture(autouse=True)
 def small_panels(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let reports show small views of truth and map, which take most of a report's time; processes draw them whole."""
+    """Shrink the truth and map views in reports, which take most of a report's time; subprocesses use the full size."""
     monkeypatch.setattr(truth_and_map, "PANEL_PIXELS", 160)
 
 
 @pytest.fixture
 def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Clear figures before they are saved, for tests of what lies beside them."""
+    """Clear figures before they are saved, for tests of the other outputs."""
 
     def clear(figure: Figure, canvas: object) -> None:
         figure.clear()

@@ -1,4 +1,4 @@
-"""The pages and pictures of the documentation, except those that the program writes."""
+"""The pages and images of the documentation, except generated ones."""
 
 from pathlib import Path
 
@@ -10,6 +10,6 @@ PICTURES = sorted(path for path in _WRITTEN if path.suffix in (".png", ".jpg", "
 
 
 def page_named(name: str) -> Path:
-    """Return the page of a name, such as "link"."""
+    """Return the path of a page given its name, such as "link"."""
     (found,) = (path for path in PAGES if path.stem == name)
     return found

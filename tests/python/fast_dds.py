@@ -1,4 +1,4 @@
-"""A ROS 2 node of the default middleware (tests/fast_dds/fast_dds_peer.cpp), in a separate process."""
+"""A ROS 2 node that uses the default middleware (tests/fast_dds/fast_dds_peer.cpp), running in a separate process."""
 
 import json
 import subprocess
@@ -11,11 +11,11 @@ from typing import Any
 from ros2_tools import until
 
 BINARY = Path(__file__).parents[2] / "build/tests/fast_dds/fast_dds_peer"
-SECONDS = 120  # after which it ends by itself
+SECONDS = 120  # after which the peer exits by itself
 
 
 class FastDdsPeer:
-    """The running process. lines: what it has printed so far."""
+    """A running peer process. lines: its output so far."""
 
     def __init__(self, domain: int, *words: str) -> None:
         self.lines: list[dict[str, Any]] = []
@@ -30,15 +30,15 @@ class FastDdsPeer:
         self._thread.start()
 
     def messages(self, topic: str) -> list[dict[str, Any]]:
-        """Return what it says of a topic's messages, in the order in which they came."""
+        """Return the peer's output for messages on a topic, in order of arrival."""
         return [line for line in list(self.lines) if line.get("topic") == topic and "size" in line]
 
     def endpoints(self) -> dict[str, dict[str, Any]]:
-        """Return the endpoints that it has found, by their names in DDS."""
+        """Return the endpoints that the peer has discovered, by DDS name."""
         return {line["guid"]: line for line in list(self.lines) if "endpoint" in line}
 
     def wait_for(self, topic: str, count: int) -> list[dict[str, Any]]:
-        """Wait for a number of messages."""
+        """Wait until `count` messages have arrived."""
         return until(lambda: (found := self.messages(topic)) and len(found) >= count and found, f"{count} of {topic}")
 
     def _collect(self) -> None:
@@ -47,7 +47,7 @@ class FastDdsPeer:
             self.lines.append(json.loads(line))
 
     def close(self) -> None:
-        """End it."""
+        """Stop the process."""
         assert self.process.stdin is not None
         self.process.stdin.close()
         try:
@@ -59,14 +59,14 @@ class FastDdsPeer:
 
 
 def sub(topic: str, type_name: str, reliability: str = "reliable", durability: str = "volatile") -> list[str]:
-    """Return the words that make it subscribe, to a topic and type in ROS 2's spelling."""
+    """Return the peer's command-line arguments for subscribing to a topic; names are in ROS 2's spelling."""
     package, _, short = type_name.split("/")
     return ["sub", f"rt/{topic}", f"{package}::msg::dds_::{short}_", reliability, durability]
 
 
 @contextmanager
 def fast_dds_peer(domain: int, *words: str) -> Iterator[FastDdsPeer]:
-    """Give a peer."""
+    """Run a peer for the duration of a test."""
     peer = FastDdsPeer(domain, *words)
     try:
         yield peer

@@ -1,4 +1,4 @@
-"""A client of Foxglove's WebSocket protocol, https://github.com/foxglove/ws-protocol, by `websockets` alone."""
+"""A client of Foxglove's WebSocket protocol, https://github.com/foxglove/ws-protocol, based only on `websockets`."""
 
 import json
 import struct
@@ -14,7 +14,10 @@ MESSAGE, TIME, RESPONSE = 1, 2, 3
 
 
 class FoxgloveClient:
-    """Subscribes, publishes and calls. channels, services: what the server has, by topic and name."""
+    """A client that subscribes, publishes and calls services.
+
+    channels, services: those the server advertises, by topic and by name.
+    """
 
     def __init__(self, url: str, first: str = "/scene/lake") -> None:
         self._stack = ExitStack()
@@ -35,25 +38,25 @@ class FoxgloveClient:
         self._stack.close()
 
     def subscribe(self, topic: str) -> None:
-        """Subscribe."""
+        """Subscribe to a topic."""
         number = len(self._topics) + 1
         self._topics[number] = topic
         self._send(op="subscribe", subscriptions=[{"id": number, "channelId": self.channels[topic]["id"]}])
 
     def next(self, topic: str) -> tuple[int, bytes]:
-        """Wait for a topic's message; return its time [ns] and its bytes."""
+        """Wait for a message on a topic; return its time [ns] and its bytes."""
         while True:
             found = self._receive()
             if found is not None and found[0] == topic:
                 return found[1:]
 
     def publish(self, topic: str, type_name: str, message: dict[str, Any]) -> None:
-        """Publish one message in JSON."""
+        """Publish one message as JSON."""
         self._send(op="advertise", channels=[{"id": 1, "topic": topic, "encoding": "json", "schemaName": type_name}])
         self.socket.send(struct.pack("<BI", MESSAGE, 1) + json.dumps(message).encode())
 
     def call(self, name: str, request: dict[str, Any]) -> dict[str, Any]:
-        """Call a service."""
+        """Call a service and return its response."""
         self.until(lambda: name in self.services)
         data = json.dumps(request).encode()
         self.socket.send(struct.pack("<BIII", 2, self.services[name]["id"], 7, 4) + b"json" + data)
@@ -65,7 +68,7 @@ class FoxgloveClient:
                 self._note(json.loads(frame))
 
     def until(self, condition: Any) -> None:
-        """Receive until something holds."""
+        """Receive messages until a condition is true."""
         while not condition():
             self._receive()
 

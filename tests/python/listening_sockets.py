@@ -1,4 +1,4 @@
-"""The sockets on which a program listens, read from /proc, and their answers to HTTP requests."""
+"""Find a program's listening sockets in /proc, and send them HTTP requests."""
 
 import re
 import socket
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 PATIENCE_S = 60.0
-LISTENS = "0A"  # the state of a socket in /proc/net/tcp
+LISTENS = "0A"  # code of the LISTEN state in /proc/net/tcp
 UPGRADE = {
     "Connection": "Upgrade",
     "Upgrade": "websocket",
@@ -14,11 +14,11 @@ UPGRADE = {
     "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
     "Sec-WebSocket-Protocol": "foxglove.sdk.v1, foxglove.websocket.v1",
 }
-NOTHING = 0  # the connection ended without an answer of HTTP
+NOTHING = 0  # the connection closed without an HTTP response
 
 
 def family(pid: int) -> Iterator[int]:
-    """A process and all that descend from it."""
+    """Yield the ids of a process and all its descendants."""
     yield pid
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         for child in task.read_text().split():
@@ -26,14 +26,14 @@ def family(pid: int) -> Iterator[int]:
 
 
 def listening(pid: int) -> set[int]:
-    """The TCP ports on which a process and its children listen."""
+    """Return the TCP ports on which a process and its descendants listen."""
     ports = set()
     for member in family(pid):
         own = set()
         for link in Path(f"/proc/{member}/fd").iterdir():
             try:
                 found = re.fullmatch(r"socket:\[(\d+)\]", str(link.readlink()))
-            except FileNotFoundError:  # it has just been closed
+            except FileNotFoundError:  # the socket has just been closed
                 continue
             if found is not None:
                 own.add(found[1])
@@ -46,7 +46,7 @@ def listening(pid: int) -> set[int]:
 
 
 def status(port: int, method: str = "GET", path: str = "/", body: bytes = b"", **fields: str) -> int:
-    """The status of the answer to one request, or NOTHING. fields: with _ for -."""
+    """Send one request; return the response's status, or NOTHING. fields: HTTP headers, with _ in place of -."""
     sent = {"Host": f"127.0.0.1:{port}"} | {name.replace("_", "-"): value for name, value in fields.items()}
     if body:
         sent["Content-Length"] = str(len(body))
@@ -64,5 +64,5 @@ def status(port: int, method: str = "GET", path: str = "/", body: bytes = b"", *
 
 
 def upgrade(port: int, path: str = "/", **fields: str) -> int:
-    """The status of the answer to the wish for a WebSocket: 101 if it is granted."""
+    """Request a WebSocket upgrade; return the response's status, which is 101 if the upgrade is accepted."""
     return status(port, path=path, **{name.replace("-", "_"): value for name, value in UPGRADE.items()}, **fields)

@@ -1,4 +1,4 @@
-"""A scenario in which every parameter has an effect, and the quantities that show it."""
+"""A scenario in which every parameter has an effect, and the observations that reveal it."""
 
 from __future__ import annotations
 
@@ -120,11 +120,11 @@ VARIANTS: dict[str, dict[str, Any]] = {
         {"depth_m": 10, "temperature_deg_c": 9, "salinity_psu": 20, "density_kg_m3": 1015, "sound_speed_m_s": 1480},
     ]}},
 }  # fmt: skip
-"""Other waters, by name: what differs from WORLD's."""
+"""Variants of the water, by name: the values that differ from WORLD."""
 
 
 def world(variant: str = "") -> dict[str, Any]:
-    """Return a scenario's values, which the caller may change."""
+    """Return a scenario's values as a copy that the caller may change."""
     data: dict[str, Any] = json.loads(json.dumps(WORLD | ({"water": VARIANTS[variant]} if variant else {})))
     for vehicle in data["vehicles"]:
         vehicle["sonar"]["model"] = MULTIBEAM
@@ -132,13 +132,13 @@ def world(variant: str = "") -> dict[str, Any]:
 
 
 def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, bytes]:
-    """Fly for some steps and return all that can be seen of it."""
+    """Fly for some steps and return everything observable."""
     rov, auv = sim.vehicles.values()
     bed_m = sim.world.height_at([[2.0, 0.0], [-2.0, 3.0]])
     rov.place((2.0, 0.0, bed_m[0] + 0.4), (0, 0, 0, 1), (0.5, 0.4, -2, 0.3, 0.2, 0.1))
     rov.set_effort(0.5, 0.4, 0.3, 0.3, 0.3, 0.3)
     auv.place((-2.0, 3.0, bed_m[1] + 1.0), (0, 0, 0, 1), (1.5, 0.2, -2, 0.3, 0.2, 0.3))
-    auv.set_effort(pitch=0.5)  # fins keep it
+    auv.set_effort(pitch=0.5)  # the fins hold this pitch
     auv.set_thrusters({"left": 0.8, "right": 0.5})
     for vehicle in (rov, auv):
         vehicle.sonar.aim(-0.5)

@@ -1,4 +1,4 @@
-"""Small maps of the pool, and `uwsim map` run on them in this process."""
+"""Small maps of the pool, and helpers that run `uwsim map` on them in this process."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ VOXEL_M, RANGE_M = 0.25, 5.0
 
 
 def write_pool_maps(folder: Path) -> Path:
-    """Write pool.bt, pool.ot and track.npz, of the whole pool, and part.bt, of a part; return the folder."""
+    """Write pool.bt, pool.ot and track.npz for the whole pool, and part.bt for a part of it; return the folder."""
     scenario = load("pool")
     rays = _core.RayScene(build_world(scenario))
     area = np.asarray(scenario.survey.area_m)
@@ -44,21 +44,21 @@ def write_pool_maps(folder: Path) -> Path:
 
 
 def uwsim_map(*arguments: object) -> str:
-    """Run `uwsim map` with these arguments; return what it prints."""
+    """Run `uwsim map` with these arguments; return its output."""
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
     assert result.exit_code == 0, result.output
     return result.stdout
 
 
 def error_of(*arguments: object) -> str:
-    """Run `uwsim map`, which must fail; return the message of its error."""
+    """Run `uwsim map`, which must fail; return its error message."""
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])
     assert isinstance(result.exception, ValueError | OSError), result.output
     return str(result.exception)
 
 
 def read_figure(path: Path) -> np.ndarray:
-    """Return an image (height, width, 3), which must not be of one colour."""
+    """Read an image (height, width, 3), checking that it is not a single colour."""
     image = np.asarray(Image.open(path).convert("RGB"))
     assert image.std() > 5.0, "the image is of one colour"
     return image

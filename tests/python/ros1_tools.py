@@ -1,4 +1,4 @@
-"""A ROS master on loopback, and programs of Debian's Python that talk to it, for tests."""
+"""Test helpers: a ROS master on loopback, and programs run by Debian's Python that connect to it."""
 
 import os
 import socket
@@ -26,7 +26,7 @@ def free_port() -> int:
 
 @contextmanager
 def master(folder: Path) -> Iterator[dict[str, str]]:
-    """Run a master; yields the environment of its nodes."""
+    """Run a master; yield the environment variables for its nodes."""
     port = free_port()
     environment = {
         **os.environ, "ROS_IP": "127.0.0.1", "ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_LOG_DIR": str(folder),
@@ -56,14 +56,14 @@ def wait_for_port(port: int) -> None:
 
 @contextmanager
 def serving(environment: dict[str, str], *options: str) -> Iterator[str]:
-    """Run `uwsim serve --ros1`; yields its greeting."""
+    """Run `uwsim serve --ros1`; yield its first output line."""
     with running(environment, "serve", *options) as greeting:
         yield greeting
 
 
 @contextmanager
 def running(environment: dict[str, str], *arguments: str) -> Iterator[str]:
-    """Run a command of uwsim with --ros1; yields its greeting."""
+    """Run a uwsim command with --ros1; yield its first output line."""
     command = [sys.executable, "-c", "from uwsim.cli import main; main()", *arguments, "--ros1", "--port", "0"]
     process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -77,7 +77,7 @@ def running(environment: dict[str, str], *arguments: str) -> Iterator[str]:
 
 
 def run_node(script: str, environment: dict[str, str], *arguments: str) -> str:
-    """Run a program of Debian's Python to its end; return what it printed."""
+    """Run a script with Debian's Python to completion; return its output."""
     done = subprocess.run(
         [PYTHON, "-c", script, *arguments], env=environment, capture_output=True, text=True, timeout=240, check=False
     )

@@ -1,4 +1,4 @@
-"""A second participant for tests of ROS 2, on this machine only and in a domain that nothing else uses."""
+"""A second DDS participant for ROS 2 tests, confined to this machine and to an otherwise unused domain."""
 
 import os
 import socket
@@ -19,7 +19,7 @@ PATIENCE_S = 30.0
 
 
 def free_domain() -> int:
-    """Return a domain in which nobody is on this machine; another for each process that asks."""
+    """Return a DDS domain that is unused on this machine; each calling process gets a different one."""
     for attempt in range(SAFE_DOMAIN_MAX):
         domain = 1 + (os.getpid() + attempt) % SAFE_DOMAIN_MAX
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -32,7 +32,7 @@ def free_domain() -> int:
 
 
 def until(condition: Callable[[], Any], what: str = "it") -> Any:
-    """Wait for a condition and return its value."""
+    """Wait until a condition is true and return its value."""
     deadline = time.monotonic() + PATIENCE_S
     while not (value := condition()):
         assert time.monotonic() < deadline, f"{what} did not happen"
@@ -41,14 +41,14 @@ def until(condition: Callable[[], Any], what: str = "it") -> Any:
 
 
 class Peer:
-    """Reads and writes topics as another node would."""
+    """A node that reads and writes topics, as an independent client would."""
 
     def __init__(self, settings: Ros2Settings) -> None:
         self.participant = Participant(settings, PARTICIPANT_DATA)
         self._readers: dict[str, tuple[RawReader, str]] = {}
 
     def writer(self, topic: str, type_name: str) -> RawWriter:
-        """Return a writer that the node hears."""
+        """Return a writer that is already matched with the node."""
         writer = self.participant.writer(dds_name(topic), type_name, writer_qos(10, latched=False, user_data=b""))
         until(writer.readers, f"/{topic} had no reader")
         return writer
@@ -58,27 +58,27 @@ class Peer:
         assert self.writer(topic, message.__msgtype__).write(encode(message))
 
     def listen(self, topic: str, type_name: str, *, latched: bool = False, reliable: bool = True) -> None:
-        """Subscribe."""
+        """Subscribe to a topic."""
         qos = reader_qos(100, reliable=reliable, user_data=b"", latched=latched)
         self._readers[topic] = self.participant.reader(dds_name(topic), type_name, qos), type_name
 
     def heard(self, topic: str) -> list[Any]:
-        """Return the messages that have arrived since the last look."""
+        """Return the messages that have arrived since the last call."""
         reader, type_name = self._readers[topic]
         return [from_bytes(data, type_name) for data in reader.take(100)]
 
     def bytes(self, topic: str) -> list[bytes]:
-        """Return the messages that have arrived since the last look, in CDR as they came."""
+        """Return the messages that have arrived since the last call, as the received CDR bytes."""
         return list(self._readers[topic][0].take(100))
 
     def next(self, topic: str) -> Any:
-        """Wait for a message."""
+        """Wait for the next message."""
         return until(lambda: self.heard(topic), f"/{topic} was silent")[0]
 
 
 @contextmanager
 def peer(settings: Ros2Settings) -> Iterator[Peer]:
-    """Give a peer."""
+    """Create a peer and close it afterwards."""
     found = Peer(settings)
     try:
         yield found

@@ -1,4 +1,4 @@
-"""Deep, open, still water for vehicles to move in."""
+"""Deep, open, still water in which vehicles can move freely."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ vehicles:
 
 
 def open_water(folder: Path, *models: str, density_kg_m3: float = 1000.0, apart_m: float = 5.0) -> Simulator:
-    """Make free vehicles of these models, 30 m deep, at rest, heading east, `apart_m` from each other along y."""
+    """Create undocked vehicles of these models at rest, 30 m deep, heading east, spaced `apart_m` apart along y."""
     path = folder / "sea.yaml"
     text = SCENARIO.format(density_kg_m3=density_kg_m3)
     for k, model in enumerate(models):

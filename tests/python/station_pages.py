@@ -1,4 +1,4 @@
-"""The actions of a station's page, without a browser."""
+"""The actions of a station's page, performed without a browser."""
 
 import http.client
 import json
@@ -18,17 +18,17 @@ PATIENCE_S = 60.0
 
 
 class Page:
-    """What a browser's page does, without a browser."""
+    """Stand-in for a browser page: sends and receives the same messages."""
 
     def __init__(self, socket):
         self.socket, self.count, self.heard = socket, 0, []
-        self.meanwhile = []  # what came before the answer to the last call
+        self.meanwhile = []  # messages received while waiting for the last call's response
 
     def send(self, op, **fields):
         self.socket.send(json.dumps({"op": op, **fields}))
 
     def call(self, service, **args):
-        """Call a service of the station, whose answer must be as the wire describes it."""
+        """Call a service of the station and check the response against the wire description."""
         self.count += 1
         began = len(self.heard)
         self.send("call_service", service=f"/station/{service}", args=args, id=str(self.count))
@@ -60,7 +60,7 @@ class Page:
 
 
 def require_described(call, values):
-    """Fail unless an answer has the fields of the wire's description, of their types, and no others."""
+    """Check that a response has exactly the fields in the wire description, with the right types."""
     described = Refused if values.get("success") is False else call.answer
     described.model_validate(values)
 

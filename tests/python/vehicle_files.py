@@ -1,4 +1,4 @@
-"""A sound vehicle with the shape of a box, and changes that make it unsound."""
+"""Helpers that write the file of a valid box-shaped vehicle, and variations of it that are invalid."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ SOUND: dict[str, Any] = {
 }
 OPEN_WATER: dict[str, Any] = {
     "name": "open_water",
-    "water": {"density_kg_m3": 1000},  # as check_part assumes for a vehicle alone
+    "water": {"density_kg_m3": 1000},  # the density that check_part assumes for a vehicle without a scenario
     "terrain": {"source": "noise", "size_m": [200, 200], "spacing_m": 2, "bed_depth_m": 60},
 }
 
 
 def box_mesh(path: Path, size_m: tuple[float, float, float] = SIZE_M, scale: float = 1.0) -> Path:
-    """Write a box's mesh, its sides times `scale`."""
+    """Write a box mesh whose sides are multiplied by `scale`."""
     trimesh.creation.box([scale * side for side in size_m]).export(path)
     return path
 
 
 def vehicle_file(folder: Path, *, scale: float = 1.0, without: tuple[str, ...] = (), **changes: Any) -> Path:
-    """Write the sound vehicle with its mesh, changed. scale: of the mesh alone."""
+    """Write the valid vehicle and its mesh, with changes applied. scale: of the mesh only."""
     box_mesh(folder / "hull.obj", changes.pop("size_m", SIZE_M), scale)
     path = folder / "box.yaml"
     path.write_text(yaml.safe_dump({key: value for key, value in {**SOUND, **changes}.items() if key not in without}))
@@ -42,7 +42,7 @@ def vehicle_file(folder: Path, *, scale: float = 1.0, without: tuple[str, ...] =
 
 
 def scenario_file(folder: Path, model: Path | str, **changes: Any) -> Path:
-    """Write deep open water with one vehicle, changed."""
+    """Write a scenario of deep open water with one vehicle, with changes applied."""
     vehicle = {"name": "rov", "model": str(model), "start": {"position_m": [0, 0, -20]}}
     path = folder / "open_water.yaml"
     path.write_text(yaml.safe_dump({**OPEN_WATER, "vehicles": [vehicle], **changes}))

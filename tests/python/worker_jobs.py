@@ -1,4 +1,4 @@
-"""The jobs that tests give to workers: in a separate module, since each worker imports it."""
+"""Jobs for worker tests, in a separate module because each worker imports it."""
 
 import os
 import signal
@@ -7,19 +7,19 @@ from pathlib import Path
 
 
 def double(job: int) -> dict:
-    """Return a value."""
+    """Return twice the job's value."""
     return {"value": 2 * job}
 
 
 def die_at_three(job: int) -> dict:
-    """Kill the worker, for one job."""
+    """Kill the worker process on job 3."""
     if job == 3:
         os.kill(os.getpid(), signal.SIGKILL)
     return {"value": job}
 
 
 def fail_at_first(job: str) -> dict:
-    """Fail as a disk may, once."""
+    """Raise an OSError on the first call only, like a disk error that does not recur."""
     path = Path(job)
     if not path.exists():
         path.touch()
@@ -28,7 +28,7 @@ def fail_at_first(job: str) -> dict:
 
 
 def tell_and_take_long(job: tuple[int, str]) -> dict[str, object]:
-    """Write this process's number into a file, the first time, and wait to be disturbed."""
+    """On the first call, write this process's PID to a file and wait to be interrupted."""
     number, told = job
     if number == 0 and not Path(told).exists():
         Path(told).write_text(str(os.getpid()))

@@ -1,4 +1,4 @@
-"""The order within one tick, as the table of uwsim.base.agenda states it."""
+"""The order of events within one tick, as given by the table in uwsim.base.agenda."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from uwsim.scenario import Scenario, load
 from uwsim.scenario.spec.failsafe import Failsafe as FailsafeSpec
 from uwsim.simulator.failures import Failsafe, Faults
 
-DUE = 100  # a tick at which everything is due: failsafes look each 0.5 s
+DUE = 100  # a tick at which everything is due; failsafes check every 0.5 s
 SENSOR_FAULT = {"kind": "sensor", "sensor": "depth", "at_s": 0.5}
 
 
 class Watcher:
-    """An observer that writes down what it sees in a trace."""
+    """An observer that appends what it sees to a trace."""
 
     def __init__(self, name: str, sim: Simulator, trace: list[str], period: int = DUE) -> None:
         self.name, self.sim, self.trace, self.period, self.due_tick = name, sim, trace, period, period
@@ -40,7 +40,7 @@ class Watcher:
 
 @pytest.fixture
 def trace(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Record, in order, the acts of all simulators that are made from now on."""
+    """Record, in order, the actions of all simulators created after this point."""
     lines: list[str] = []
 
     def spy(owner: type, method: str, line: Callable[[Any], str]) -> None:
@@ -60,7 +60,7 @@ def trace(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def everything(**link: str) -> Scenario:
-    """Return two vehicles with a failsafe each, a fault and perhaps a link."""
+    """Return a scenario of two vehicles with failsafes and a fault, optionally with a link."""
     pair = load("pair").with_changes(modem=link.get("modem"))
     guard = FailsafeSpec(leak_then="surface")
     vehicles = [{**dict(entry), "failsafe": guard, "start": None} for entry in pair.vehicles]

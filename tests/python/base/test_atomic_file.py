@@ -1,4 +1,4 @@
-"""Atomic writing: a failure leaves the old file, no temporary file, and a message that names the target."""
+"""Atomic writes: a failure leaves the old file intact and no temporary file, and the error names the target."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""One run at a time in an output folder."""
+"""The lock that allows only one run at a time in an output folder."""
 
 import signal
 import subprocess

@@ -1,4 +1,4 @@
-"""A journal sees every command once, when it takes effect, and calls its observers at the ticks that they request."""
+"""A journal records every command once, when it takes effect, and calls its observers at the ticks they request."""
 
 from typing import Any
 

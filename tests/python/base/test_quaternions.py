@@ -1,4 +1,4 @@
-"""Quaternions by hand are SciPy's rotations."""
+"""Our quaternion functions agree with SciPy's rotations."""
 
 import subprocess
 import sys
@@ -52,6 +52,6 @@ def test_mountings_matrices_and_turned_points_are_those_of_scipy() -> None:
 
 
 def test_simulator_and_survey_are_imported_without_scipy() -> None:
-    """Its import would take longer than to make a simulator."""
+    """Importing SciPy would take longer than creating a simulator."""
     program = "import sys, uwsim.simulator.simulator, uwsim.flight.survey; sys.exit('scipy' in sys.modules)"
     subprocess.run([sys.executable, "-c", program], check=True, timeout=120)

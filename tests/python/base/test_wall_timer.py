@@ -1,4 +1,4 @@
-"""Wall time by stage."""
+"""Wall-clock time per stage."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""A member of a batch is the lone simulator of its seed and parameters, to the last bit."""
+"""Each member of a batch equals, to the last bit, the single simulator with its seed and parameters."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ CHANGES: tuple[dict[str, Any], ...] = (
 )
 STARTS = np.array([[0.0, 0.0, -2.0], [5.0, 2.0, -4.0], [-3.0, 3.0, -1.5]])
 EFFORTS = np.linspace(-0.9, 0.9, 18).reshape(3, 6)
-STEPS, STEPS_NS = 50, 250_000_000  # waves are costly; each sensor has measured by then
+STEPS, STEPS_NS = 50, 250_000_000  # short, since waves are expensive, but long enough for every sensor to measure
 SENSORS = ("imu", "depth", "dvl")
 
 
 @pytest.fixture(scope="module")
 def scenario(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
-    """A pool with waves and gusts, which depend on the seed."""
+    """A pool with waves and gusts, both of which depend on the seed."""
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0}\n"
     gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"

@@ -1,4 +1,4 @@
-"""Faults of a batch's member, and its vehicle's reactions to them, are as in the lone simulator, to the bit."""
+"""Faults of a batch member, and its vehicle's reactions, equal those of a single simulator to the last bit."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ GUARD = Failsafe(silence_s=0.9, then="surface", leak_then="hold", sensor_then="h
 
 @pytest.fixture(scope="module")
 def scenario() -> Scenario:
-    """The pool, whose vehicle has a failsafe."""
+    """The pool, with a failsafe on its vehicle."""
     pool = load("pool")
     return pool.model_copy(update={"vehicles": (pool.vehicles[0].model_copy(update={"failsafe": GUARD}),)})
 
@@ -170,7 +170,7 @@ def test_the_loss_of_a_link_that_is_not_there_is_warned_of() -> None:
     assert [event.name for event in batch.aboard(0).events] == ["fault"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        Simulator(load("pool").model_copy(update={"faults": batch.faults[0]}))  # whom channels may command
+        Simulator(load("pool").model_copy(update={"faults": batch.faults[0]}))  # the vehicle that channels may command
         Batch(Simulator("pool", link="ideal_acoustic").scenario, n=1, faults=lost)
 
 

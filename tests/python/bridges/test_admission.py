@@ -29,12 +29,12 @@ PUBLISHER_UPDATE = b"""<?xml version='1.0'?><methodCall><methodName>publisherUpd
 </params></methodCall>"""
 
 REFUSED = {401, 403, NOTHING}
-NO_SUCH_THING = {404, 405, 426, 501}  # there is nothing to be had by this method, for nobody
+NO_SUCH_THING = {404, 405, 426, 501}  # statuses by which a server rejects a method or path regardless of who asks
 
 
 @contextmanager
 def program(*command: str, **options: object) -> Iterator[tuple[int, str]]:
-    """Run a program that listens; yields its process and the line that it prints when it does."""
+    """Run a program that listens; yield its process and the line that it prints once it is listening."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options) as process:  # type: ignore[call-overload]
         try:
             assert process.stdout is not None
@@ -46,7 +46,10 @@ def program(*command: str, **options: object) -> Iterator[tuple[int, str]]:
 
 
 def hold_to_the_law(pid: int, greeting: str, *, sockets: int, websockets: int, has_token: bool = True) -> None:
-    """Hold each socket of a program to the law. sockets: how many there are; websockets: how many of them are such."""
+    """Check each listening socket of a program against the admission rule.
+
+    sockets: the expected number of sockets; websockets: how many of them accept WebSockets.
+    """
     ports = listening(pid)
     assert len(ports) == sockets, f"{greeting}: listens on {ports}"
     right = f"/?token={TOKEN}" if has_token else "/"
@@ -86,7 +89,7 @@ def test_every_socket_of_serve(tmp_path: Path) -> None:
             hold_to_the_law(pid, greeting, sockets=2, websockets=2)
         return
     with master(tmp_path) as environment, program(*served, "--ros1", env=environment) as (pid, greeting):
-        hold_to_the_law(pid, greeting, sockets=4, websockets=2)  # XML-RPC and TCPROS are rospy's
+        hold_to_the_law(pid, greeting, sockets=4, websockets=2)  # rospy adds XML-RPC and TCPROS
 
 
 def test_the_socket_of_the_station() -> None:
@@ -111,7 +114,8 @@ def test_every_socket_of_workers() -> None:
         "  with local_workers(1):\n    print('workers', flush=True)\n    time.sleep(600)\n"
     )
     with program(sys.executable, "-c", work) as (pid, greeting):
-        # Dask's scheduler and worker, each with one for its own protocol and one for HTTP, and its nanny.
+        # Dask: the scheduler and the worker each listen on one port for Dask's protocol and one for HTTP, plus the
+        # nanny's.
         hold_to_the_law(pid, greeting, sockets=len(listening(pid)), websockets=0, has_token=False)
 
 
@@ -151,7 +155,7 @@ LISTENERS = re.compile(
     r"serve|start_server|start_unix_server|create_server|unix_serve|[A-Za-z]*(HTTP|TCP|UDP|XMLRPC|Unix\w*)Server|"
     r"serve_forever|accept"
 )
-"""Names by which Python's libraries listen."""
+"""Names of the library functions by which Python programs listen."""
 
 
 def test_only_the_listener_listens() -> None:
@@ -166,5 +170,5 @@ def test_only_the_listener_listens() -> None:
                 names = [node.attr] if owner not in ("self", "typer", "app") else []
             if any(LISTENERS.fullmatch(name) for name in names):
                 found.add(str(path.relative_to(SOURCES)))
-    guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server, in order to bound it
+    guards_of_rospy = "bridges/ros1/guard.py"  # names rospy's server in order to restrict it
     assert found == {"bridges/listener.py", guards_of_rospy}

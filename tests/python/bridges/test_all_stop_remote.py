@@ -1,4 +1,4 @@
-"""All stop from outside: over rosbridge, ROS 2, Foxglove, a modem, from a remote mission and the pilot's terminal."""
+"""All stop from outside: rosbridge, ROS 2, Foxglove, a modem, a remote mission and the pilot's terminal."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def until(condition: Callable[[], object]) -> None:
 
 
 class Client:
-    """A rosbridge client that calls and publishes."""
+    """A rosbridge client that calls services and publishes."""
 
     def __init__(self, socket: Any) -> None:
         self._socket = socket
@@ -100,7 +100,7 @@ def test_at_the_station_anybody_stops_and_the_pilot_releases() -> None:
         ada.call("take_control")
         live = station.present().live
         other = {"op": "publish", "topic": "/key", "msg": AHEAD}
-        ada.call("drive", vehicle="rov")  # the helm's own last is zero
+        ada.call("drive", vehicle="rov")  # the helm's own last command is zero
         bob.socket.send(json.dumps(other))
         until(lambda: live.rov.effort[0] == 1.0)
         assert ada.call("drive", vehicle="rov")["success"]
@@ -157,7 +157,7 @@ def test_a_remote_vehicle_is_stopped_and_says_so(live: LiveSimulator, server: Ro
         far.all_stop()
         until(lambda: far.all_stopped)
         far.set_effort(surge=1.0)
-        far.all_stop(False)  # after the effort, by the order of the connection
+        far.all_stop(False)  # sent on the same connection after the effort, so it arrives after it
         until(lambda: not far.all_stopped)
         assert not live.rov.effort.any()
 
@@ -211,7 +211,7 @@ def test_x_in_the_terminal_stops_and_capital_x_releases(live: LiveSimulator, ser
             Client(other).publish("/key", AHEAD)
             until(lambda: live.rov.effort[0] == 1.0)
             app.take("x")
-            app.take("x")  # the key repeats
+            app.take("x")  # keyboard auto-repeat
             until(lambda: live.rov.all_stopped and not live.rov.effort.any())
             until(lambda: connection.readout.all_stop)
             assert any("ALL STOP" in warning for warning in connection.readout.warnings)

@@ -1,4 +1,4 @@
-"""Rules of all bridges: readings are taken once, calls are answered once, and nothing is left at the end."""
+"""Rules common to all bridges: each reading is taken once, each call is answered once, and everything is cleaned up."""
 
 import itertools
 import json
@@ -29,7 +29,7 @@ def live() -> Iterator[LiveSimulator]:
 
 
 class Kept(Bridge):
-    """A bridge that keeps what it gets."""
+    """A bridge that stores what it receives."""
 
     def __init__(self, live: LiveSimulator | None, channels: list[Channel], *options: Any) -> None:
         self.taken: list[Reading] = []
@@ -40,7 +40,7 @@ class Kept(Bridge):
 
 
 def counted(rate_hz: float | None = 10.0, *, latched: bool = False) -> Channel:
-    """Return a channel whose message is the number of readings before it."""
+    """Return a channel whose messages count the readings taken before them."""
     numbers = itertools.count()
     return Channel(
         "counted", NUMBER, "out", "", rate_hz=rate_hz, latched=latched,
@@ -61,9 +61,9 @@ def test_a_reading_is_taken_once_for_rosbridge_foxglove_and_all_other_sinks(live
         until(lambda: rosbridge.graph.topics["counted"].sinks)
         app.subscribe("/counted")
         until(lambda: len(foxglove._offers._sinks.get("counted", ())) == 1)
-        live.step(200)  # a second
+        live.step(200)  # one second
         seen = [json.loads(client.recv(PATIENCE_S))["msg"]["data"] for _ in range(11)]
-        _ = app.next("/counted")  # while paused each new sink has a first reading of its own
+        _ = app.next("/counted")  # while paused, each new sink triggers a first reading for itself
         times_ns, data = app.next("/counted")
     read = [reading.message.data for reading in others]
     assert read == sorted(set(read)) and len(read) == 11

@@ -1,4 +1,4 @@
-"""`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after the server was away."""
+"""`uwsim connect` from the shell: it waits for its server, joins it, and reconnects after an outage."""
 
 import json
 import signal
@@ -36,7 +36,7 @@ def receive(client, **wanted):
 
 
 def answer(client, service, **args):
-    """Call a service, again until somebody offers it."""
+    """Call a service, retrying until it is available."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         send(client, "call_service", service=service, id=service, args=args)
@@ -61,7 +61,7 @@ def test_it_joins_a_server_that_comes_later_and_again_one_that_was_killed(port):
         watchdog.start()
         try:
             assert url in process.stdout.readline()
-            assert "next attempt in 0.25 s" in process.stderr.readline()  # nobody listens yet
+            assert "next attempt in 0.25 s" in process.stderr.readline()  # no server is listening yet
             for turn in range(2):
                 with RosbridgeServer(None, port=port) as server, websocket(server.url) as peer:
                     assert answer(peer, "/simulation/pace")["speed"] == 2.0

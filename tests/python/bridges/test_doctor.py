@@ -1,4 +1,4 @@
-"""`uwsim doctor` names each cause for which two sides do not see each other, and the remedy."""
+"""`uwsim doctor` names each reason why two participants cannot discover each other, and how to fix it."""
 
 import http.server
 import os

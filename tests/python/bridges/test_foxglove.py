@@ -1,4 +1,4 @@
-"""Foxglove's server, read by a client of its protocol."""
+"""Foxglove's server, read by a client that implements the protocol independently."""
 
 import re
 from pathlib import Path

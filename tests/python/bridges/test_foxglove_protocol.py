@@ -1,4 +1,4 @@
-"""Foxglove's protocol: the same conversation as with the SDK's own server, bounded, and not open to every page."""
+"""Foxglove's protocol: exchanges match those of the SDK's server, are bounded, and are closed to foreign web pages."""
 
 import gc
 import json
@@ -48,14 +48,14 @@ def server(live: LiveSimulator) -> Iterator[FoxgloveServer]:
 
 
 class Plain:
-    """A client that keeps frames as they are."""
+    """A client that stores frames unparsed."""
 
     def __init__(self, url: str) -> None:
         connected = connect(url, subprotocols=protocol.SUBPROTOCOLS, max_size=None)  # type: ignore[arg-type]
         self.socket = ExitStack().enter_context(connected)
 
     def next(self, *ops: str | int) -> Any:
-        """Wait for a frame of one of these operations; numbers are those of binary frames."""
+        """Wait for a frame with one of these operations; integers stand for binary opcodes."""
         while True:
             frame = self.socket.recv(PATIENCE_S)
             found = json.loads(frame) if isinstance(frame, str) else frame
@@ -67,7 +67,7 @@ class Plain:
 
 
 def test_the_conversation_is_that_of_the_sdk() -> None:
-    """The SDK's server and ours are given the same, and say the same."""
+    """The SDK's server and ours receive the same requests and send the same replies."""
 
     def fail(request: Any) -> bytes:
         raise ValueError("no")
@@ -201,7 +201,7 @@ def test_a_message_is_bounded_before_it_is_read(server: FoxgloveServer) -> None:
     client.send(b"\1" * ((1 << 18) + 1))
     with pytest.raises(ConnectionClosed) as closed:
         client.next("nothing")
-    assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009  # too big
+    assert closed.value.rcvd is not None and closed.value.rcvd.code == 1009  # message too big
 
 
 def test_a_command_of_many_messages_is_refused_before_they_are_made(live: LiveSimulator) -> None:
@@ -286,7 +286,7 @@ def test_a_slow_reader_is_dropped_with_the_reason_and_delays_nobody(caplog: pyte
 
 @pytest.fixture
 def four(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The next server takes four clients."""
+    """Let the next server accept four clients."""
     monkeypatch.setattr("uwsim.bridges.foxglove.server.CLIENTS_MAX", 4)
 
 
@@ -308,7 +308,7 @@ def test_a_client_is_refused_beyond_the_most_and_forgotten_when_it_leaves(four: 
 
 
 def test_calls_without_an_answer_are_bounded() -> None:
-    """A service that never answers; what comes later than the most is refused at once."""
+    """The service never answers; calls beyond the limit are refused immediately."""
     begun: list[Call] = []
     called = SimpleNamespace(answer=lambda call, reply: begun.append(call))
     box = Outbox(Room(), lambda: None, lambda reason: None)

@@ -1,4 +1,4 @@
-"""A listening server answers strangers or cuts them off, and logs one line of each kind of error, not a traceback."""
+"""A listening server answers or disconnects unknown clients, and logs one line per kind of error, no traceback."""
 
 import json
 import logging
@@ -28,7 +28,7 @@ def server() -> Iterator[RosbridgeServer]:
 
 
 def cut_off(stranger: socket.socket) -> bool:
-    """Return whether the server has ended a connection."""
+    """Return True if the server has closed the connection."""
     stranger.setblocking(False)
     try:
         return stranger.recv(1) == b""

@@ -1,4 +1,4 @@
-"""The paper's chain as processes over rosbridge: the map has the bytes of the chain in one process."""
+"""The paper's processing chain as processes over rosbridge: its map has the bytes of the single-process map."""
 
 import signal
 import subprocess
@@ -21,7 +21,7 @@ from uwsim.simulator.simulator import Simulator
 
 PATIENCE_S = 60.0
 UWSIM = Path(sys.executable).with_name("uwsim")
-PINGS = 120  # a survey in miniature: 9 s of lanes and turns
+PINGS = 120  # a short survey: 9 s of lanes and turns
 LANE = 30
 
 
@@ -39,13 +39,13 @@ def interval_steps(sim):
 
 
 def effort(ping):
-    """Return the efforts of the flight: lanes ahead, down at first, with a half turn after each."""
+    """Return the efforts at a ping of the flight: lanes ahead, descending at first, each followed by a half turn."""
     turning = ping % LANE >= LANE - 14
     return {"surge": 0.2 if turning else 1.0, "yaw": 1.0 if turning else 0.0, "heave": -0.5 if ping < LANE else 0.0}
 
 
 def chain_in_process(path):
-    """Fly as the test does, and pass what the channels say through the nodes' functions."""
+    """Fly the same path in this process, passing the channels' messages through the nodes' functions."""
     sim, builder = Simulator("lake"), MapBuilder()
     table = {channel.name: channel for channel in channels(sim, wire="published")}
     flown = []

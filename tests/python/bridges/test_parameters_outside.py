@@ -1,4 +1,4 @@
-"""The simulator's parameters from outside: rosapi and services of the rosbridge, and the command line."""
+"""The simulator's parameters from outside: through rosapi, rosbridge services and the command line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A recording plays to ROS 2 and to Foxglove with exactly the bytes that were recorded."""
+"""Playing a recording to ROS 2 and Foxglove sends exactly the recorded bytes."""
 
 import threading
 from pathlib import Path
@@ -109,12 +109,12 @@ def test_whoever_comes_late_to_a_map_gets_all_of_it(tmp_path: Path) -> None:
     assert reading.message.snapshot and after(reading.message, set()) == grown and len(grown) > 100
     message, cursor = changes.catch_up(None)
     assert after(message, set()) == grown and not len(changes.catch_up(cursor)[0].cells)
-    feed.play(changes, next(opened.messages("map_changes")))  # time goes back
+    feed.play(changes, next(opened.messages("map_changes")))  # time goes backwards
     assert after(feed.newest(changes).message, set()) < grown
 
 
 def after(message: Any, voxels: set[tuple[int, ...]]) -> set[tuple[int, ...]]:
-    """Return the occupied voxels after the changes of a message."""
+    """Return the occupied voxels after applying a message's changes."""
     blocks = np.repeat(message.blocks.reshape(-1, 3), message.counts, axis=0)
     inside = message.cells[:, None].astype(int) >> np.array([0, 4, 8]) & 15
     named = [tuple(row) for row in np.hstack([blocks, inside]).tolist()]

@@ -1,4 +1,4 @@
-"""The simulator as a ROS 1 node, as seen by Debian's rospy, tf2 and laser_geometry."""
+"""The simulator as a ROS 1 node, tested with Debian's rospy, tf2 and laser_geometry."""
 
 import json
 from collections.abc import Iterator
@@ -69,7 +69,7 @@ def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str
     assert found["types"].items() >= {
         "/scan": "sensor_msgs/LaserScan", "/tf": "tf2_msgs/TFMessage", "/octomap_binary": "octomap_msgs/Octomap"
     }.items()  # fmt: skip
-    # The published decoder: every number is followed by the letter a, 513 or 1025 of them.
+    # The published decoder expects the letter a after every number, of which there are 513 or 1025.
     ranges = found["depthArray"].split("a")
     assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
     assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
@@ -149,9 +149,9 @@ print(json.dumps({"track": track, "corners": corners, "stamp_s": Vehicle.stamp_s
 
 
 def test_a_lawn_mower_written_as_a_rospy_node_flies_the_scenario(tmp_path: Path) -> None:
-    """It leaves the dock and flies four lanes; the track and the map then cover the area between them.
+    """The vehicle leaves the dock and flies four lanes; the track and the map then cover the area between them.
 
-    The node makes the steps itself, so that it holds pace on any machine.
+    The node triggers the steps itself, so it keeps pace on any machine.
     """
     path = tmp_path / "run.mcap"
     options = ("lake", "--paused", "--record", str(path), "--record-topic", "sonar_ping")
@@ -201,7 +201,7 @@ def test_a_recording_plays_to_rospy(tmp_path: Path) -> None:
     for time_ns, ranges in heard:
         np.testing.assert_array_equal(np.float32(ranges), said[time_ns].ranges)
     assert latched == [len(next(recording.open(path).messages("tf_static")).message.transforms)]
-    assert not uses_sim_time  # there is no clock in it, for which nodes would wait
+    assert not uses_sim_time  # there is no /clock, for which nodes would wait
 
 
 def test_services_are_std_srvs_and_others_take_json(ros: dict[str, str]) -> None:
@@ -291,7 +291,7 @@ print(json.dumps(found))
 
 
 def test_connections_that_send_nothing_delay_no_subscriber(ros: dict[str, str]) -> None:
-    """rospy reads the header of one connection at a time, each for 10 s at most: ten half-open ones were 100 s."""
+    """rospy reads connection headers one at a time, for up to 10 s each: ten half-open ones used to block for 100 s."""
     script = """
 import rosgraph, rospy, socket
 from xmlrpc.client import ServerProxy

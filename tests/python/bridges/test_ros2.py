@@ -1,4 +1,4 @@
-"""The ROS 2 node, as seen by another participant of the same domain."""
+"""The ROS 2 node, as seen by another participant in the same domain."""
 
 import socket
 import subprocess
@@ -59,7 +59,7 @@ def test_the_clock_runs_and_nothing_is_read_that_nobody_hears(node, other, live)
     times = [other.next("clock").clock for _ in range(3)]
     nanoseconds = [time.sec * 1_000_000_000 + time.nanosec for time in times]
     assert nanoseconds == sorted(set(nanoseconds))
-    assert nanoseconds[-1] % 10_000_000 == 0  # simulated time, at 100 Hz
+    assert nanoseconds[-1] % 10_000_000 == 0  # simulated time, published at 100 Hz
     assert "camera/front/image_raw/compressed" not in node.written
 
 
@@ -143,7 +143,7 @@ def test_the_graph_tells_the_node_and_all_its_endpoints(node, other):
     (entry,) = info.node_entities_info_seq
     assert (entry.node_namespace, entry.node_name) == ("/", "uwsim")
     outputs = [channel for channel in node.channels if channel.direction == "out"]
-    assert len(entry.writer_gid_seq) == len(outputs) + 1  # and /rosout
+    assert len(entry.writer_gid_seq) == len(outputs) + 1  # plus /rosout
     assert len(entry.reader_gid_seq) == len(node.channels) - len(outputs)
     assert all(len(gid.data) == 16 for gid in entry.writer_gid_seq)
 
@@ -163,7 +163,7 @@ def test_humble_has_its_own_gids_and_ranges(live):
 
 
 def test_within_this_machine_no_udp_socket_receives_from_another(node):
-    """Cyclone DDS binds its sockets to 0.0.0.0 although it is configured to use lo alone."""
+    """Cyclone DDS binds its sockets to 0.0.0.0 even when configured to use lo only."""
     ports = {}
     for found in own_udp_sockets():
         with found:
@@ -174,12 +174,12 @@ def test_within_this_machine_no_udp_socket_receives_from_another(node):
 
 
 def test_packets_that_are_not_of_dds_do_not_fill_the_log(node, other, capfd):
-    """Cyclone DDS printed a warning for each: 30 MB for 110,000 packets."""
+    """Cyclone DDS used to print a warning for each packet: 30 MB for 110,000 packets."""
     port = unicast_port(SETTINGS.domain_id, 0)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         for _ in range(200):
             stranger.sendto(b"RTPS\2\5\1\x10" + bytes(12) + b"\x0c\x75" + bytes(range(60)), ("127.0.0.1", port))
-    other.listen("odom", "nav_msgs/msg/Odometry")  # later than the packets, and through the same socket
+    other.listen("odom", "nav_msgs/msg/Odometry")  # arrives after the packets, through the same socket
     other.next("odom")
     assert "malformed" not in capfd.readouterr().err
 
@@ -187,7 +187,7 @@ def test_packets_that_are_not_of_dds_do_not_fill_the_log(node, other, capfd):
 def test_it_leaves_within_a_second_and_leaves_no_thread(live):
     settings = Ros2Settings(domain_id=free_domain())
     before = set(threading.enumerate())
-    for _ in range(2):  # the domain can be joined again
+    for _ in range(2):  # the domain can be rejoined
         table = Table(live.simulator)
         node = Ros2Node(live, table.channels, table.services, settings)
         with peer(settings) as other:

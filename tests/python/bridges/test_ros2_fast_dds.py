@@ -48,7 +48,7 @@ def test_fast_dds_reads_the_values_that_were_sent(live, settings):
             for topic, readings in sent.items():
                 received = other.wait_for(topic, MESSAGES)
                 checksums = iter([zlib.crc32(reading.cdr) for reading in readings])
-                assert all(line["crc32"] in checksums for line in received), topic  # all of them sent, in this order
+                assert all(line["crc32"] in checksums for line in received), topic  # all were sent, in this order
             latched = other.wait_for("rt/tf_static", 1)
             assert {"odom", "base_link"} <= set(latched[0]["children"])
             decoded = other.messages("rt/scan")[-1]
@@ -90,7 +90,7 @@ def test_commands_of_fast_dds_arrive_in_order(live, settings):
 
 
 def test_a_reader_that_stops_delays_nobody(live, settings):
-    """Its messages are lost beyond the depth of the history; another reader gets all, and closing does not wait."""
+    """Messages beyond the history depth are lost; another reader receives all of them, and closing does not block."""
     picture = build.message(IMAGE, data=np.zeros(1_000_000, np.uint8))
     table = [
         Channel("picture", IMAGE, "out", "", rate_hz=20.0, read=lambda sim: picture),
@@ -108,7 +108,7 @@ def test_a_reader_that_stops_delays_nobody(live, settings):
                 assert len(ours.heard("odometry")) >= 20
                 began = time.monotonic()
                 node.close()
-                assert time.monotonic() - began < 5.0  # 2 ms on a quiet machine
+                assert time.monotonic() - began < 5.0  # takes 2 ms on an idle machine
             finally:
                 os.kill(other.process.pid, signal.SIGCONT)
     assert node.written["odometry"] > before["odometry"]

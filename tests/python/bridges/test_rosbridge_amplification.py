@@ -1,6 +1,6 @@
-"""The cost of a client's frames: an accepted one takes at most Limits.cost_of its size, a refused one less.
+"""Memory cost of a client's frames: at most Limits.cost_of(size) if accepted, less if refused.
 
-Memory is traced, and work is counted in slices, so that nothing here depends on the machine's speed.
+Memory is traced and work is counted in slices, so the tests do not depend on the machine's speed.
 """
 
 import gc
@@ -30,14 +30,14 @@ from uwsim.channels.message_types import fields
 from uwsim.channels.messages import default_message, from_plain, to_plain, typestore
 
 SIZE = 15_000
-LIMITS = Limits(cost_bytes=20 * SIZE)  # small, that many types can be tried
+LIMITS = Limits(cost_bytes=20 * SIZE)  # small, so that many types can be tested
 TYPES = sorted(typestore().fielddefs)
 
 
 class Traced:
-    """The most memory that was taken, in several phases, and what is held at the end.
+    """Measure peak memory over several phases, and the memory still held at the end.
 
-    orjson asks for a tree of twelve times the text, and uses 16 bytes a value.
+    orjson reserves a tree of twelve times the text's size but uses only 16 bytes per value.
     """
 
     def __init__(self, frame):
@@ -62,7 +62,7 @@ class Traced:
         tracemalloc.reset_peak()
 
     def pause(self):
-        """Between slices: the second one ends the decoding, whose peak may have orjson's tree in it."""
+        """Record the peak between slices. The second pause follows decoding, whose peak may include orjson's tree."""
         self._pauses += 1
         if self._pauses == 2:
             now, peak = tracemalloc.get_traced_memory()
@@ -73,7 +73,7 @@ class Traced:
 
 
 def lists_of(name, depth=3):
-    """Yield how a message's lists are reached: the objects around each, its kind."""
+    """Yield, for each list in a message, the path of keys that leads to it and the kind of its elements."""
     for field in fields(name, 2):
         if field.kind.length == 0:
             yield [field.name], field.kind
@@ -84,7 +84,7 @@ def lists_of(name, depth=3):
 
 
 def elements(kind):
-    """Yield elements as JSON that make much of few bytes, and whole ones."""
+    """Yield elements as JSON: those that expand a few bytes into the most memory, and complete ones."""
     if kind.is_message:
         yield "{}"
         yield "null"
@@ -104,7 +104,7 @@ def nested(way, text):
 
 
 def shapes():
-    """Yield a type, a frame with one element, and one with many: for each list once, whatever else holds its type."""
+    """Yield, once for each list: a type, a frame with one element, and a frame with many."""
     seen = set()
     for name in TYPES:
         for way, kind in lists_of(name):
@@ -126,7 +126,7 @@ def publisher(name, limits=LIMITS):
 
 
 def cost(session, frame):
-    """Return the most memory that reading a frame and writing its message took, and what was wrong with it."""
+    """Return the peak memory used to read a frame and write its message, and the error, if any."""
     with Traced(frame) as traced:
         prepared = session.prepare(frame, traced.pause)
     made = prepared.operation.get("msg")
@@ -143,12 +143,12 @@ def cost(session, frame):
 
 
 def test_no_frame_of_any_type_takes_more_memory_than_its_size_allows():
-    """Every list of every type, full of what is cheapest to send, and of whole elements."""
+    """Test every list of every type, filled with the cheapest elements to send and with complete ones."""
     accepted = 0
-    cost(publisher("nav_msgs/msg/Path"), f'{{"a":[{",".join(["{}"] * 5000)}]}}')  # what is imported once
+    cost(publisher("nav_msgs/msg/Path"), f'{{"a":[{",".join(["{}"] * 5000)}]}}')  # triggers lazy imports
     for name, one, frame in shapes():
         session = publisher(name)
-        cost(session, one)  # what is made once for a type
+        cost(session, one)  # fills the per-type caches
         most, error = cost(session, frame)
         times = f"{most / len(frame):.1f} times, {error}"
         assert most <= LIMITS.cost_of(len(frame)), f"{name} {frame[:120]}: {times}"
@@ -157,10 +157,10 @@ def test_no_frame_of_any_type_takes_more_memory_than_its_size_allows():
 
 
 def test_a_message_costs_no_more_than_is_said_before_it_is_made():
-    """For every type: what is charged for a message without lists, against what a hundred of them take."""
+    """For every type: the charge for a message without lists bounds the memory per message, averaged over a hundred."""
     for name in TYPES:
         for _ in range(50):
-            default_message(name)  # the first ones of a class have dicts of their own
+            default_message(name)  # the first instances of a class have separate dicts
         with Traced("") as traced:
             made = [default_message(name) for _ in range(100)]
         assert traced.held <= 100 * cost_of(name).made_bytes + 4000, name
@@ -168,7 +168,7 @@ def test_a_message_costs_no_more_than_is_said_before_it_is_made():
 
 
 def test_work_is_done_in_slices():
-    """Between two pauses no more is made than a slice's objects or numbers."""
+    """No more than one slice of objects or numbers is produced between two pauses."""
     path = {"poses": [{}] * 3000}
     numbers = {"ranges": [1.5] * 100_000}
     for name, plain, slices in (
@@ -206,7 +206,7 @@ def test_what_would_make_much_of_little_is_refused_before_it_is_decoded(frame, m
 
 
 def test_a_walk_over_cbor_ends_where_it_holds_too_much():
-    """The refused frame of two million empty lists took 2.7 s: now 20,000 of them are looked at, or none."""
+    """Refusing a frame of two million empty lists used to take 2.7 s; now at most 20,000 of them are visited."""
 
     class Counted(bytes):
         looks = 0
@@ -315,7 +315,7 @@ TEXTS = st.recursive(
 
 
 def counted(value):
-    """Count objects and lists, strings that are values, members, and different keys."""
+    """Count objects and lists, string values, members, and distinct keys."""
     if isinstance(value, str):
         return 0, 1, 0, set()
     parts = list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else []

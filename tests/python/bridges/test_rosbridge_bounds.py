@@ -1,4 +1,4 @@
-"""The data that a server keeps for its clients is bounded in bytes, for each and for all, and freed when they leave."""
+"""The data a server stores for its clients is bounded in bytes, per client and in total, and freed on disconnect."""
 
 import gc
 import json
@@ -23,7 +23,7 @@ LIMITS = Limits(client_bytes=5 * MB, mailbox_bytes=2 * MB)
 
 
 class Client:
-    """A session, and why it was given up."""
+    """A session, and the reason it was closed."""
 
     def __init__(self, graph, name, limits=LIMITS):
         self.reasons = []
@@ -61,7 +61,7 @@ def graph():
 
 
 def test_a_topic_has_two_spellings_and_each_client_at_most_two_queues(graph):
-    """10,000 spellings, such as //clock and ///clock, were as many queues of one topic and slowed the simulator."""
+    """10,000 spellings (//clock, ///clock, ...) used to create 10,000 queues of one topic and slow the simulator."""
     reader, publisher = Client(graph, "/reader"), Client(graph, "/publisher")
     for name in ("clock", "/clock", *("/" * k + "clock" for k in range(2, 100)), "/clock/", "a//clock"):
         reader.send("subscribe", topic=name, type="std_msgs/String")
@@ -121,7 +121,7 @@ def test_what_is_kept_for_all_is_bounded_and_the_largest_goes(graph):
     for k, reader in enumerate(readers):
         reader.send("subscribe", topic=f"t{k}", type="std_msgs/String", queue_length=1000)
     for k in range(200):
-        publisher.publish(f"t{(0, 1, 1, 2, 3)[k % 5]}", 300_000)  # the second gets most
+        publisher.publish(f"t{(0, 1, 1, 2, 3)[k % 5]}", 300_000)  # the second client gets the most
         assert graph.ledger.bytes <= graph.ledger.limit + 1 * MB
     assert "of them are yours" in readers[1].reasons[0] and not publisher.reasons
 
@@ -199,7 +199,7 @@ def test_parameters_are_bounded_in_bytes():
 
 
 def test_a_session_is_freed_when_it_ends(graph):
-    """No cycle of references holds it, with what it knew, until the garbage collector comes."""
+    """No reference cycle keeps the session and its data alive until the garbage collector runs."""
     gc.collect()
     gc.disable()
     try:
@@ -251,7 +251,7 @@ def test_a_server_s_sessions_are_freed_when_their_clients_leave():
 
 
 def test_a_slow_reader_is_told_why_it_must_go(caplog):
-    """The reason is in the log, and in the close frame, which it reads after what was on its way."""
+    """The reason is logged and sent in the close frame, which the client reads after messages already in transit."""
     caplog.set_level(logging.WARNING)
     limits = Limits(client_bytes=4 * MB, mailbox_bytes=1 * MB)
     with RosbridgeServer(None, limits=limits) as server, websocket(server.url, max_size=None) as publisher:
@@ -269,13 +269,13 @@ def test_a_slow_reader_is_told_why_it_must_go(caplog):
             with pytest.raises(ConnectionClosed) as closed:
                 while True:
                     reader.recv(10.0)
-            if closed.value.rcvd is not None:  # not where the connection had to be cut
+            if closed.value.rcvd is not None:  # absent if the connection had to be cut
                 assert closed.value.rcvd.code == 1008 and "you read too slowly" in closed.value.rcvd.reason
         wait(lambda: len(server.sessions) == 1 and server.graph.ledger.bytes == 0)
 
 
 def test_a_message_in_very_many_frames_is_refused():
-    """Each frame of a message is an object, even an empty one."""
+    """Each frame of a fragmented message is an object, even an empty one."""
     with RosbridgeServer(None) as server, websocket(server.url) as client:
         with pytest.raises(ConnectionClosed) as closed:
             client.send("" for _ in range(5000))

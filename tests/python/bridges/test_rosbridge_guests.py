@@ -1,4 +1,4 @@
-"""The server's extensions of rosbridge: credit, topics that build up, guests, a change of simulator, admission."""
+"""The server's rosbridge extensions: credit, cumulative topics, guests, a change of simulator, admission."""
 
 import json
 from concurrent.futures import Future
@@ -126,11 +126,11 @@ def test_clients_stay_subscribed_when_another_simulator_comes():
         ("127.0.0.1:9090", None, False, None),
         ("localhost", "http://localhost:8080", True, None),
         ("[::1]:9090", "http://[::1]:9090", True, None),
-        ("192.168.0.7:9090", "http://192.168.0.7:9090", True, None),  # the server's own page, by its address
+        ("192.168.0.7:9090", "http://192.168.0.7:9090", True, None),  # the server's own page, opened by IP address
         ("lab.example", "https://lab.example", True, None),
-        ("simulator:9090", None, True, None),  # a program in a container: no browser
+        ("simulator:9090", None, True, None),  # a program in a container, not a browser
         ("simulator:9090", None, False, 403),
-        ("evil.example", "http://evil.example", True, 403),  # a name that somebody made point here
+        ("evil.example", "http://evil.example", True, 403),  # a hostile name that resolves to this machine
         ("127.0.0.1:9090", "http://evil.example", True, 403),
         ("127.0.0.1:9090", "null", True, 403),
         ("127.0.0.1:9090", "http://evil.example", False, 403),

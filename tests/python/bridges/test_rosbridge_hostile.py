@@ -1,4 +1,4 @@
-"""Hostile input is answered by a status or a closed connection; the server keeps serving and forgets the client."""
+"""Hostile input results in an error status or a closed connection; the server keeps running and forgets the client."""
 
 import json
 import logging
@@ -39,7 +39,7 @@ REQUEST = '{"op": "call_service", "service": "/rosapi/topics", "id": "still ther
 
 
 def works(client):
-    """Return whether the server still answers this client, in order."""
+    """Return True if the server still answers this client, in order."""
     client.send(REQUEST)
     while (answer := json.loads(client.recv(PATIENCE_S))).get("id") != "still there?":
         pass
@@ -71,15 +71,15 @@ def test_what_is_no_websocket_is_closed(server, damage):
             while stranger.recv(4096):
                 pass
         except ConnectionError:
-            pass  # closed while we still sent
+            pass  # the server closed the connection while we were still sending
         assert works(witness)
 
 
 def test_a_disconnect_in_the_middle_of_a_frame(server):
-    until(lambda: not server.sessions)  # those of other tests have left
+    until(lambda: not server.sessions)  # sessions left by other tests have ended
     with connect(server) as client:
         until(lambda: server.sessions)
-        client.socket.sendall(b"\x81\xfe\x10\x00mask{")  # announces 4,096 bytes
+        client.socket.sendall(b"\x81\xfe\x10\x00mask{")  # announces a payload of 4,096 bytes
         client.socket.shutdown(socket.SHUT_RDWR)
         until(lambda: not server.sessions)
     with connect(server) as witness:
@@ -116,7 +116,7 @@ def test_a_flood_is_read_slowly(server):
             flooder.send('{"op": "status", "msg": "flood"}')
         assert works(witness) and time.monotonic() - start_s < 1.0
         assert works(flooder)
-        assert time.monotonic() - start_s > 0.15  # 60 messages beyond the allowance, at 300 a second
+        assert time.monotonic() - start_s > 0.15  # 60 messages beyond the allowance, at 300 per second
 
 
 def test_who_does_not_read_loses_its_own_messages_and_nobody_else_notices(server):
@@ -136,9 +136,9 @@ def test_who_does_not_read_loses_its_own_messages_and_nobody_else_notices(server
 
 def test_who_asks_and_does_not_read_is_disconnected(server, caplog):
     with connect(server, max_queue=1) as asker, connect(server) as witness:
-        assert works(asker) and works(witness)  # both are in the server's list
+        assert works(asker) and works(witness)  # both are in the server's list of clients
         asker.send('{"op": "set_level", "level": "error"}')
-        arguments = {"name": "unknown", "default": "x" * 90_000}  # which is the answer
+        arguments = {"name": "unknown", "default": "x" * 90_000}  # returned as the answer
         question = json.dumps({"op": "call_service", "service": "/rosapi/get_param", "args": arguments})
         before = len(server.sessions)
         try:
@@ -215,7 +215,7 @@ def test_listening_beyond_this_machine_is_warned_of():
         RosbridgeServer(None, host="::1").start().stop()
 
 
-# Fuzz: whatever comes, a session answers or ignores it, foresaw it, and leaves nothing behind.
+# Fuzzing: whatever arrives, a session answers or ignores it, has charged for it beforehand, and leaks nothing.
 
 NAMES = st.sampled_from(["/t", "t", "u", "/rosapi/topics", "service", "", " ", "é"])
 TYPES = st.sampled_from(["std_msgs/String", "std_msgs/msg/UInt8", "sensor_msgs/LaserScan", "nonsense", "a/b"])

@@ -1,4 +1,4 @@
-"""A live simulator on the rosbridge: as its server, as a client of another, and from the command line."""
+"""A live simulator on the rosbridge: as a server, as a client of another server, and from the command line."""
 
 import json
 import re
@@ -32,7 +32,7 @@ def send(client, op, **fields):
 
 
 def receive(client, **wanted):
-    """Return the next operation that has these fields."""
+    """Return the next operation with these field values."""
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         operation = json.loads(client.recv(PATIENCE_S))
@@ -67,7 +67,7 @@ def test_services_and_commands_act_and_what_they_refuse_is_said(live):
     with RosbridgeServer(live) as server, websocket(server.url) as client:
         send(client, "call_service", service="/release", id="1")
         assert receive(client, id="1")["result"] is True
-        send(client, "publish", topic="/key", msg={"position": {"x": 4.0}})  # beyond 1: saturates
+        send(client, "publish", topic="/key", msg={"position": {"x": 4.0}})  # above 1: saturates
         send(client, "call_service", service="/rosapi/get_time", id="2")
         receive(client, id="2")
         deadline = time.monotonic() + PATIENCE_S

@@ -19,7 +19,7 @@ from uwsim.channels.messages import default_message, typed_array
 
 
 class Client:
-    """A session, and what it has been sent."""
+    """A session and the frames it has sent."""
 
     def __init__(self, graph, name="/client", **options):
         self.now_s = 0.0
@@ -128,8 +128,8 @@ def test_throttle_drops_without_a_queue_and_delays_with_one(graph):
         for client, values in heard.items():
             values += texts(client)
             client.now_s += 0.0625
-    assert heard[dropping] == [0, 2, 4, 6, 8]  # every 125 ms of messages that come every 62.5 ms
-    assert len(heard[queueing]) == 7 and heard[queueing][-2:] == [8, 9]  # two wait when the messages end
+    assert heard[dropping] == [0, 2, 4, 6, 8]  # every 125 ms, from messages that arrive every 62.5 ms
+    assert len(heard[queueing]) == 7 and heard[queueing][-2:] == [8, 9]  # two are still queued when the messages stop
     publisher.send("publish", topic="t", msg={"data": 99})
     queueing.now_s -= 0.01
     frame, delay_s = queueing.session.outbox.take()
@@ -142,7 +142,7 @@ def test_the_ids_of_a_subscription_share_the_shortest_throttle_and_end_one_by_on
     two.send("subscribe", topic="t", id="slow", throttle_rate=1250).send("subscribe", topic="t", id="fast")
     for k in range(3):
         one.send("publish", topic="t", msg={"data": k})
-    assert texts(two) == [0, 1, 2]  # each once
+    assert texts(two) == [0, 1, 2]  # each message once
     two.send("unsubscribe", topic="t", id="fast")
     for k in range(3):
         one.send("publish", topic="t", msg={"data": k})
@@ -159,7 +159,7 @@ def scan():
 
 @pytest.fixture
 def compressed(graph):
-    """Return a function: the frame that a subscriber with a compression gets for a scan."""
+    """Return a function that returns the frame a subscriber with a given compression receives for a scan."""
 
     def frame(compression, **options):
         client = Client(graph, f"/{compression}", **options)
@@ -298,7 +298,7 @@ def test_what_is_wrong_is_said(graph, frame, complaint):
     client.session.receive(frame)
     assert complaint in client.complaint()
     client.send("call_service", service="rosapi/none", id="1")
-    assert client.received()[0]["result"] is False  # it serves on
+    assert client.received()[0]["result"] is False  # the session continues
 
 
 def test_types_must_agree(pair):
@@ -320,7 +320,7 @@ def test_limits_hold(graph):
     client = Client(graph, limits=Limits(names=2, fragmented_messages=2, frame_bytes=1000, replies=3))
     client.send("subscribe", topic="a").send("subscribe", topic="b")
     assert "you have 2 topics" in client.send("subscribe", topic="c").complaint()
-    for identity in range(50):  # begun, never ended
+    for identity in range(50):  # started, never finished
         client.send("fragment", id=str(identity), data="x" * 500, num=0, total=3)
     assert len(client.session._fragments._begun) == 2
     client.send("fragment", id="49", data="x" * 501, num=1, total=3)

@@ -1,4 +1,4 @@
-"""rosapi: what clients may ask about the graph, its types and its parameters."""
+"""rosapi: client queries about the graph, its types and its parameters."""
 
 import json
 
@@ -22,7 +22,7 @@ def graph():
 
 @pytest.fixture
 def ask(graph):
-    """Return a function that calls a service of rosapi and returns its values."""
+    """Return a function that calls a rosapi service and returns the response's values."""
     offer_rosapi(graph, Parameters({}), 1, lambda: 12_000_000_034)
     asker = Session(graph, "/asker")
 

@@ -1,4 +1,4 @@
-"""roslib 1.4 and 2.x under node against our rosbridge: tests/js/rosbridge.mjs does what its users do."""
+"""roslib 1.4 and 2.x under node against our rosbridge; tests/js/rosbridge.mjs makes the calls that users make."""
 
 import json
 import subprocess
@@ -10,7 +10,7 @@ import pytest
 from uwsim.bridges import RosbridgeServer
 
 ROOT = Path(__file__).parents[3]
-CLIENTS = ROOT / "build/js"  # made by tools/setup --dev
+CLIENTS = ROOT / "build/js"  # installed by tools/setup --dev
 NODE = Path(sys.prefix) / "bin/node"
 
 

@@ -1,4 +1,4 @@
-"""roslibpy against our rosbridge: it does what its users do, through its public names."""
+"""roslibpy against our rosbridge, through its public API."""
 
 import queue
 import time
@@ -31,7 +31,7 @@ def server():
 
 @pytest.fixture
 def connect(server):
-    """Return a function that connects a client. Twisted's reactor lives as long as the process: clients only close."""
+    """Return a function that connects a client. Twisted's reactor cannot be restarted, so clients only close."""
     clients = []
 
     def new(port=None):
@@ -59,7 +59,7 @@ def test_headers_with_nulls_and_ros_times(connect):
     heard = queue.Queue()
     topic = roslibpy.Topic(client, "/stamped", "geometry_msgs/PoseStamped")
     topic.subscribe(heard.put)
-    topic.publish({"header": roslibpy.Header(frame_id="odom")})  # seq and stamp are null
+    topic.publish({"header": roslibpy.Header(frame_id="odom")})  # with seq and stamp null
     assert take(heard)["header"] == {"seq": 0, "stamp": {"secs": 0, "nsecs": 0}, "frame_id": "odom"}
     topic.publish({"header": roslibpy.Header(seq=1, stamp=roslibpy.Time(12, 34), frame_id="odom")})
     assert take(heard)["header"]["stamp"] == {"secs": 12, "nsecs": 34}

@@ -1,4 +1,4 @@
-"""`uwsim serve --ros2 --foxglove` from the shell: both start, and end with it."""
+"""`uwsim serve --ros2 --foxglove` from the shell: both sinks start and stop with the command."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""A client's WebSocket: one thread reads and writes, encrypted or not, and closing it ends what others wait for."""
+"""The client-side WebSocket: one thread reads and writes, with or without TLS; closing it releases waiting threads."""
 
 import threading
 from pathlib import Path
