@@ -1,4 +1,4 @@
-"""Datasets: labelled frames whose depth, normals, masks and poses agree with each other and with the world."""
+"""Datasets: the depth, normals, masks and poses of labelled frames agree with each other and with the world."""
 
 import json
 from pathlib import Path
@@ -55,7 +55,7 @@ def aquarium(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def data(aquarium: Path, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    """A dataset, its tables and the pictures of its frames."""
+    """A dataset, its tables and its frames' images."""
     out = tmp_path_factory.mktemp("data")
     made = uwsim.make_dataset(aquarium, out, FRAMES, workers=0, **OPTIONS)
     lines = [json.loads(line) for line in (out / "frames.jsonl").read_text().splitlines()]
@@ -71,20 +71,20 @@ def data(aquarium: Path, tmp_path_factory: pytest.TempPathFactory) -> SimpleName
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
-    """All files but the ledger, which is in the order in which frames were finished."""
+    """Return all files except the ledger, whose order is that in which frames were finished."""
     files = [path for path in folder.rglob("*") if path.is_file() and path.name != "ledger.jsonl"]
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def points_m(k: np.ndarray, depth_m: np.ndarray) -> np.ndarray:
-    """(H, W, 3), of the pixels in the optical frame, by a pinhole camera."""
+    """Return the pixels' points (H, W, 3) in the optical frame of a pinhole camera."""
     (fx, _, cx), (_, fy, cy), _ = np.asarray(k)
     v, u = np.indices(depth_m.shape)
     return np.stack([(u - cx) / fx * depth_m, (v - cy) / fy * depth_m, depth_m], axis=-1)
 
 
 def seen_points_m(data: SimpleNamespace) -> list[tuple[np.ndarray, np.ndarray, dict[str, np.ndarray], np.ndarray]]:
-    """Of each frame: world points (H, W, 3), where there is depth (H, W), pictures, rotation to the world (3, 3)."""
+    """Yield for each frame: world points (H, W, 3), depth validity (H, W), images, rotation to the world (3, 3)."""
     found = []
     for line, pictures in zip(data.lines, data.pictures, strict=True):
         pose = np.array(line["world_from_optical"])
@@ -100,7 +100,7 @@ def test_depth_and_pose_give_points_on_the_surfaces_that_the_masks_name(data: Si
         of_ball = hit & (pictures["instances"] == ball)
         seen += of_ball.sum()
         from_centre = np.linalg.norm(points[of_ball] - CENTRE_M, axis=1)
-        assert np.abs(from_centre - RADIUS_M).max() < 2e-3  # depth is in whole millimetres
+        assert np.abs(from_centre - RADIUS_M).max() < 2e-3  # depth is stored in whole millimetres
         of_bed = hit & (pictures["instances"] == terrain)
         assert np.abs(points[of_bed][:, 2] - BED_M).max(initial=0.0) < 2e-3
     assert seen > 200
@@ -246,7 +246,7 @@ def test_the_same_bytes_after_a_stop_and_with_two_workers(
     stopped, asked = tmp_path / "stopped", iter([False, False, True])
     begun = uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, stop_requested=lambda: next(asked), **OPTIONS)
     assert begun.interrupted and begun.finished == 2 and not begun.files
-    (stopped / "depth" / ".000003.png.half").write_bytes(b"half")  # as a kill leaves it
+    (stopped / "depth" / ".000003.png.half").write_bytes(b"half")  # a leftover of a killed process
     (stopped / "images" / "000003.png").write_bytes(b"half")
     with pytest.raises(ValueError, match="holds a dataset already, 2 frames"):
         uwsim.make_dataset(aquarium, stopped, FRAMES, workers=0, **OPTIONS)

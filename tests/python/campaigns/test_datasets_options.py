@@ -1,4 +1,4 @@
-"""Datasets along tracks, and the values that their options refuse."""
+"""Datasets along tracks, and option values that are refused."""
 
 import json
 from pathlib import Path
@@ -59,7 +59,7 @@ def test_a_missions_flight_and_its_file_give_the_same_frames(tmp_path: Path) -> 
     for one, other in zip(lines_of(tmp_path / "file"), lines_of(tmp_path / "flown"), strict=True):
         np.testing.assert_allclose(
             one["world_from_body"], other["world_from_body"], atol=1e-4
-        )  # six digits in the file
+        )  # the file stores six digits
         assert one["time_ns"] == pytest.approx(other["time_ns"], abs=1e4)
 
 

@@ -1,4 +1,4 @@
-"""Fleets: tiles of an area, their surveys, the merged map and its score; in this process."""
+"""Fleets: tiles of an area, their surveys, the merged map and its score, all run in this process."""
 
 import json
 from pathlib import Path
@@ -54,7 +54,7 @@ def test_a_square_that_the_outline_cuts_in_two_has_two_tiles() -> None:
     assert len(tiles) == 2
     places = np.array([[5.0, 80.0, 0.0], [85.0, 80.0, 0.0], [86.0, 80.0, 0.0], [45.0, 80.0, 0.0]], np.float32)
     shared = by_tile(places, grid, tiles)
-    assert sorted(len(part) for part in shared.values()) in ([1, 3], [2, 2])  # each once, those between them, too
+    assert sorted(len(part) for part in shared.values()) in ([1, 3], [2, 2])  # no point twice
 
 
 def test_slivers_are_left_out_and_told_of() -> None:

@@ -1,4 +1,4 @@
-"""Sweeps: their varied values, runs, table and report; in this process."""
+"""Sweeps: varied values, runs, tables and reports, all run in this process."""
 
 import json
 from pathlib import Path
@@ -84,7 +84,7 @@ def test_samples_are_in_range_and_follow_from_the_seed(method: str) -> None:
     assert all(2 <= s["a"] <= 3 and 1 <= s["b"] <= 100 for s in first)
     assert {s["c"] for s in first} == {1, 2, 3, 4}
     assert {s["d"] for s in first} == {"x", "y"}
-    assert 0.35 < np.mean([s["b"] < 10 for s in first]) < 0.65  # as many below 10 as above
+    assert 0.35 < np.mean([s["b"] < 10 for s in first]) < 0.65  # about half of the samples are below 10
 
 
 def test_a_latin_hypercube_has_one_sample_in_each_slice() -> None:
@@ -159,7 +159,7 @@ def test_a_run_that_fails_is_a_row_with_its_error(folder: Path) -> None:
     failed = table[table["mission.effort"] == 1.0]
     assert failed["error"].str.contains(r"push.py:6: too much \(in mission\)").all()
     good = table[table["error"].isna()].set_index(["mission.effort", "faults"])["result.x_m"]
-    assert good[0.6, "none"] > good[0.2, "none"]  # it is pushed farther
+    assert good[0.6, "none"] > good[0.2, "none"]  # a larger effort pushes the vehicle farther
     assert good[0.6, "weak"] != good[0.6, "none"]
     assert (table["scenario_digest"].nunique(), table["build"].nunique()) == (2, 1)
 
@@ -182,13 +182,13 @@ def test_a_report_links_the_worst_run_flown_again(folder: Path) -> None:
         "objective: {metric: result.x_m, best: high}\nworst: 1\nrequire: {collisions: {high: 0}, coverage: {low: 2}}\n",
     )
     flown = run_sweep(path, folder / "out", workers=0)
-    assert flown.missed == {"collisions": 1, "coverage": 4}  # the failed run has neither
+    assert flown.missed == {"collisions": 1, "coverage": 4}  # the failed run has neither value, so counts in both
     page = (folder / "out" / "report.html").read_text()
     for name in ("report.html", "run.mcap", "map.bt", "scenario.yaml"):
         assert (folder / "out" / "worst" / "000001" / name).exists()
         assert f'href="worst/000001/{name}"' in page
     assert "too much" in page and "1 runs failed" in page
-    assert page.count("data:image/png") == 2  # three good runs are too few for sensitivities
+    assert page.count("data:image/png") == 2  # three successful runs are too few for sensitivities
 
 
 def test_a_run_of_a_survey_flown_again_has_the_same_map(folder: Path) -> None:
@@ -216,7 +216,7 @@ def test_resuming_flies_what_is_missing_and_no_more(folder: Path) -> None:
     )
     assert part.interrupted and len(pd.read_parquet(out / TABLE)) == 1
     with (out / LEDGER).open("ab") as ledger:
-        ledger.write(b'{"job": 1, "metr')  # as a kill would leave it
+        ledger.write(b'{"job": 1, "metr')  # a partial line, as left by a kill
     with pytest.raises(ValueError, match="holds a sweep already, 1 runs of it finished: --resume"):
         run_sweep(sweep, out, workers=0)
     with pytest.raises(ValueError, match=r"--resume: .*sweep is .*: was begun with"):

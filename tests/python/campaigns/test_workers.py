@@ -1,4 +1,4 @@
-"""Workers of Dask: the results of jobs, deaths and trials, and sweeps that are interrupted and killed."""
+"""Dask workers: job results, worker deaths and retries, and sweeps that are interrupted or killed."""
 
 import os
 import signal
@@ -73,7 +73,7 @@ def test_a_worker_that_gets_a_signal_costs_no_job(crew: Workers, tmp_path: Path,
     done = work(crew, tell_and_take_long, {k: (k, str(told)) for k in range(6)})
     disturber.join()
     assert {k: each.result for k, each in done.items()} == {k: {"value": k} for k in range(6)}
-    died = number != signal.SIGINT  # which a terminal sends to all; workers leave it to the first process
+    died = number != signal.SIGINT  # sent to the whole group; workers leave SIGINT to the main process
     assert done[0].trials == 1 + died
 
 
@@ -96,7 +96,7 @@ def slow_sweep(folder: Path) -> tuple[Path, Path]:
 
 
 def begun(path: Path, out: Path) -> subprocess.Popen:
-    """Start a sweep in a session of its own and wait until its first runs are finished."""
+    """Start a sweep in its own session and wait until its first runs are finished."""
     command = [*UWSIM, "sweep", str(path), "--out", str(out), "--workers", "2", "--no-report"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -123,7 +123,7 @@ def in_session(session: int) -> list[psutil.Process]:
 def test_ctrl_c_ends_cleanly_and_resumes(tmp_path: Path) -> None:
     path, out = slow_sweep(tmp_path)
     process = begun(path, out)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to all of the group
+    os.killpg(process.pid, signal.SIGINT)  # like a terminal: to the whole process group
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130, said
     assert "--resume continues" in said and "Traceback" not in said

@@ -1,4 +1,4 @@
-"""All stop outranks every command topic and the pilot's hands; its service, its messages, and a full queue."""
+"""All stop overrides every command topic and the pilot's controls; its service, its messages, and a full queue."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ HEARD: dict[str, Any] = {
     "thrusters/cmd_thrusters": floats(*[0.5] * 8), "fins/cmd_thrusters": floats(1.0),
     "fins/cmd_fins": floats(0.1, 0.1, 0.2, 0.2),
 }  # fmt: skip
-"""A message that moves the vehicle on every channel that does."""
+"""For each channel that can move the vehicle, a message that does."""
 LOOKING = {"thrusters/cmd_tilt", "forces/cmd_tilt", "forces/camera/front/cmd_pan", "forces/camera/front/cmd_tilt"}
 
 
@@ -50,7 +50,7 @@ def test_every_topic_that_is_heard_has_been_thought_of(live: LiveSimulator) -> N
 
 
 def is_driven(live: LiveSimulator) -> bool:
-    """Whether something drives a vehicle: a force that no thruster gives shows by what it does."""
+    """Return True if something drives a vehicle; a force not produced by thrusters is detected by its effect."""
     before = live.vehicles["forces"].velocity.linear_body_m_s[0]
     live.step(20)
     return not at_rest(live.simulator) or live.vehicles["forces"].velocity.linear_body_m_s[0] > before + 1e-6

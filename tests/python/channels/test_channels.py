@@ -1,4 +1,4 @@
-"""Every channel publishes the simulator's values in the frames, signs and units of its message."""
+"""Every channel publishes the simulator's values in the frames, signs and units of its message type."""
 
 import subprocess
 import sys
@@ -36,7 +36,7 @@ def test_every_message_is_of_its_channel_s_type_and_can_be_written(scenario: str
             continue
         message = channel.read(sim)
         if message is None:
-            continue  # such as a sensor's sample that was lost
+            continue  # for example, a sensor sample that was lost
         assert message.__msgtype__ == channel.type
         assert to_bytes(message, 1)
         assert to_bytes(message, 2)
@@ -125,7 +125,7 @@ def test_a_ping_is_repeated_until_sound_has_had_time_for_another() -> None:
 def test_the_map_is_that_of_the_chain(tmp_path: Path) -> None:
     sim = Simulator("pool")
     sim.rov.release()
-    sim.rov.sonar.aim(-1.0)  # sweeps down over the bed
+    sim.rov.sonar.aim(-1.0)  # tilt down, sweeping over the bed
     found = table(sim, origin="published")
     channel, depth_strings = found["octomap_binary"], found["depthArray"]
     expected = OccupancyMap(sim.scenario.survey.voxel_m if sim.scenario.survey else 0.2, on_outside="count")
@@ -140,12 +140,12 @@ def test_the_map_is_that_of_the_chain(tmp_path: Path) -> None:
         sim.advance(1.0 / channel.rate_hz)
     message = said[-1]
     path = tmp_path / "said.bt"
-    nodes = 1 + np.unpackbits(message.data.view(np.uint8)).reshape(-1, 2).any(axis=1).sum()  # two bits a child
+    nodes = 1 + np.unpackbits(message.data.view(np.uint8)).reshape(-1, 2).any(axis=1).sum()  # two bits per child
     header = f"# Octomap OcTree binary file\nid OcTree\nsize {nodes}\nres {message.resolution}\ndata\n"
     path.write_bytes(header.encode() + message.data.tobytes())
     got, whole = OccupancyMap.read(path).occupied_voxels(), expected.occupied_voxels()
     assert (message.binary, message.id) == (True, "OcTree")
-    assert got[:, 2].max() > 60.0  # the published world's surface is at 75.3 m
+    assert got[:, 2].max() > 60.0  # the surface of the published world is at 75.3 m
     shared = {tuple(voxel) for voxel in got.round(3)} & {tuple(voxel) for voxel in whole.round(3)}
     assert len(shared) > 0.9 * len(got) > 50
 
@@ -153,7 +153,7 @@ def test_the_map_is_that_of_the_chain(tmp_path: Path) -> None:
 def test_acceleration_includes_gravity_and_the_attitude_is_the_body_s(sim: Simulator) -> None:
     at_rest = Simulator("pool")
     message = table(at_rest)["imu"].read(at_rest)
-    assert message.linear_acceleration.z == pytest.approx(9.81, abs=0.1)  # REP 145: +g upwards
+    assert message.linear_acceleration.z == pytest.approx(9.81, abs=0.1)  # REP 145: +g when level (z up)
 
 
 def test_the_dvl_speaks_in_its_frame_which_points_down() -> None:
@@ -193,7 +193,7 @@ def test_units_are_those_of_the_messages(sim: Simulator) -> None:
 def test_nothing_to_measure_is_infinite_for_a_range() -> None:
     sim = Simulator("lake")
     sim.rov.release()
-    sim.rov.place([0.0, 0.0, 150.0])  # out of the altimeter's reach
+    sim.rov.place([0.0, 0.0, 150.0])  # beyond the altimeter's range
     sim.advance(0.2)
     assert table(sim)["altitude"].read(sim).range == np.inf
 
@@ -204,7 +204,7 @@ def test_importing_uwsim_imports_no_message_types() -> None:
 
 
 def voxels_after(known: set, message) -> set:
-    """Return the occupied voxels that one knows after a MapChanges message."""
+    """Return the occupied voxels that a client knows after applying a MapChanges message."""
     known, at = set() if message.snapshot else set(known), 0
     for block, count in zip(message.blocks.reshape(-1, 3).tolist(), message.counts.tolist(), strict=True):
         for cell in message.cells[at : at + count].tolist():
@@ -235,7 +235,7 @@ def test_map_changes_build_the_occupied_voxels_of_the_map_whenever_one_begins_to
     sim.reset()
     channel.read(sim)
     ping_map.points()
-    assert channel.catch_up(cursors["late"])[0].snapshot  # another map
+    assert channel.catch_up(cursors["late"])[0].snapshot  # a different map, hence a full snapshot
 
 
 def test_telemetry_tells_the_truth_only_where_it_may():

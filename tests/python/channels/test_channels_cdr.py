@@ -1,4 +1,4 @@
-"""ROS 2's bytes of messages: made once, equal to those of rosbags, and described as ROS 2 does."""
+"""ROS 2 message bytes: built once, equal to those of rosbags, and described as ROS 2 does."""
 
 import re
 import threading
@@ -35,7 +35,7 @@ def test_every_channel_s_message_comes_back_from_its_bytes(sim: Simulator) -> No
 def test_a_schema_has_all_that_the_type_contains_and_ros_2_s_hash() -> None:
     scan = cdr.schema("sensor_msgs/msg/LaserScan")
     assert "MSG: std_msgs/Header" in scan.text and "float32[] ranges" in scan.text
-    # As `ros2 topic info -v` of Jazzy prints it for std_msgs/msg/String.
+    # As printed by `ros2 topic info -v` of Jazzy for std_msgs/msg/String.
     known = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
     assert cdr.schema("std_msgs/msg/String").type_hash == known
     hashes = {cdr.schema(name).type_hash for name in ("sensor_msgs/msg/LaserScan", "marine_acoustic_msgs/msg/Dvl")}

@@ -1,4 +1,4 @@
-"""The standard commands and services of the table work, or report why they do not."""
+"""The table's standard commands and services take effect, or report why they cannot."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Covariances are those of the sensors' own noise: readings scatter about the truth accordingly."""
+"""Published covariances match the sensors' noise: readings scatter about the truth accordingly."""
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ def test_readings_of_many_seeds_scatter_as_the_messages_say():
     }
     for name, values in errors.items():
         ratio = np.var(values) / expected[name]
-        assert 0.45 < ratio < 1.8, name  # 99.9 % of chi2 of 60 draws are within 0.5 and 1.7
+        assert 0.45 < ratio < 1.8, name  # of 60 draws, 99.9 % of the ratios lie in 0.5..1.7
 
 
 def test_a_figure_that_is_changed_while_it_runs_changes_the_covariance():
@@ -76,7 +76,7 @@ def test_diagnostics_tell_the_pace():
         values = {pair.key: pair.value for pair in status.values}
         assert (status.level, status.message, values["speed"], values["paused"]) == (0, "paused", "1.0", "True")
         assert (rov.name, rov.level) == ("uwsim: rov", 0)
-        live.speed = 1e6  # beyond any machine
+        live.speed = 1e6  # faster than any machine can run
         live.resume()
         while live.slipped_s == 0.0:
             pass

@@ -1,4 +1,4 @@
-"""Channels of imaging sonars: levels are those of the sonar at the stamp, pictures hold the last pings."""
+"""Channels of imaging sonars: levels are those at the time stamp, pictures show the latest pings."""
 
 import io
 from pathlib import Path
@@ -41,7 +41,7 @@ def test_a_forward_looking_sonar_says_the_look_of_its_stamp(sim):
     np.testing.assert_allclose(port, np.sin(seen.bearings_rad))
     shown = picture(found["ahead/picture/compressed"].read(sim))
     assert shown.shape[0] == imaging.HEIGHT
-    assert shown[-1, 0] < 30  # outside the fan
+    assert shown[-1, 0] < 30  # outside the sonar's fan
     assert shown.max() > 200
 
 
@@ -58,7 +58,7 @@ def test_a_waterfall_grows_by_one_ping_a_period_and_begins_anew_when_time_goes_b
         assert said.image.beam_count == 2
         starboard, port = said.beam_directions
         assert (starboard.y, port.y) == pytest.approx((1.0, -1.0))
-        return int((picture(shown).max(axis=1) > 60).sum())  # night is darker than echoes
+        return int((picture(shown).max(axis=1) > 60).sum())  # the background is darker than echoes
 
     few = rows_after(6)
     assert rows_after(20) >= few + 15
@@ -77,7 +77,7 @@ def test_a_profiler_steps_to_and_fro_and_shows_its_last_echo_in_each_direction(s
     steps = np.abs(np.diff(turned))
     np.testing.assert_allclose(steps[steps > 1e-6], imaging.SWEEP_STEP_RAD)
     assert np.ptp(turned) == pytest.approx(2 * imaging.SWEEP_RAD)
-    assert picture(shown)[: imaging.HEIGHT // 8].max() < picture(shown).max() - 100  # the bed is below, not above
+    assert picture(shown)[: imaging.HEIGHT // 8].max() < picture(shown).max() - 100  # the bed is drawn below, not above
 
 
 def test_their_streams_are_chosen_as_those_of_cameras(sim):

@@ -1,4 +1,4 @@
-"""Pictures on the wall clock: late ones are left out, and nothing waits for them."""
+"""Pictures paced by the wall clock: late ones are skipped, and nothing waits for them."""
 
 from collections.abc import Callable
 from threading import Event
@@ -10,7 +10,7 @@ PERIOD_NS = int(1e9 / RATE_HZ)
 
 
 class SlowCamera:
-    """A camera whose pictures are ready when the test says so; each names the period that it shows."""
+    """A camera whose pictures are ready when the test sets `may_end`; each encodes the period in which it began."""
 
     def __init__(self, sim: SimpleNamespace) -> None:
         self.sim = sim

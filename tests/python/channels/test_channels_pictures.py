@@ -1,4 +1,4 @@
-"""Pictures: one for all readers, one period late, streamed as requested."""
+"""Pictures: rendered once for all readers, delivered one period late, streamed on request."""
 
 import io
 
@@ -31,7 +31,7 @@ def test_all_readers_get_one_picture_of_one_moment(sim: Simulator) -> None:
         assert len({stamp_ns(message) for message in messages}) == 1
         stamps.append(stamp_ns(messages[0]))
         sim.advance(0.1)
-    assert np.diff(stamps).tolist() == [0, 100_000_000]  # the first is waited for, later ones are a period late
+    assert np.diff(stamps).tolist() == [0, 100_000_000]  # waited for; later ones are a period late
 
 
 def test_a_picture_is_of_the_moment_of_its_stamp(sim: Simulator) -> None:
@@ -73,7 +73,7 @@ def test_a_stream_is_chosen_with_its_rate_and_size() -> None:
                 intrinsics = info.read(sim)
                 assert Image.open(io.BytesIO(message.data.tobytes())).size == (320, 180)
                 assert (intrinsics.width, intrinsics.height) == (320, 180)
-                # A ray through the middle stays in the middle: half the pixels, half the focal length.
+                # A ray through the centre stays in the centre: half the pixels, half the focal length.
                 full = sim.rov.cameras["front"].info.k
                 assert intrinsics.k[0] == pytest.approx(0.5 * full[0, 0])
                 assert intrinsics.k[2] == pytest.approx(0.5 * (320 - 1))

@@ -1,4 +1,4 @@
-"""The published protocol: its strings decode, its signs are as published, its commands saturate."""
+"""The published protocol: its strings decode, signs are as published, and commands saturate."""
 
 import math
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ def live() -> Iterator[LiveSimulator]:
 
 
 def key(w: float = 0.0, **efforts: float) -> Any:
-    """Return a `key` message. efforts: x, y, z of the position, pitch, roll, yaw."""
+    """Return a `key` message, with efforts as its position x, y, z and its orientation pitch, roll, yaw, w."""
     given = {"x": 0.0, "y": 0.0, "z": 0.0, "pitch": 0.0, "roll": 0.0, "yaw": 0.0, **efforts}
     turn = given["pitch"], given["roll"], given["yaw"], w
     return build.pose([given["x"], given["y"], given["z"]], turn)
@@ -47,7 +47,7 @@ def test_the_depth_string_decodes_to_the_ping() -> None:
         assert found["modelTrigger"].read(sim).data == str(model)
         assert float(found["hFOV"].read(sim).data) == (85.0 if model < 3 else 170.0)
         decoded = ranging.decode_depth_string(found["depthArray"].read(sim).data, model)
-        np.testing.assert_allclose(decoded, found["scan"].read(sim).ranges, rtol=1e-6)  # of seven digits
+        np.testing.assert_allclose(decoded, found["scan"].read(sim).ranges, rtol=1e-6)  # seven significant digits
         assert np.isfinite(decoded).any()
 
 
@@ -71,7 +71,7 @@ def test_the_state_string_has_the_nine_values_of_the_panel() -> None:
         panel.distance_to_station_m, panel.distance_to_seabed_m, panel.mission_time_s, panel.battery_percent,
     ]  # fmt: skip
     np.testing.assert_allclose(values, expected, rtol=1e-6)
-    assert values[3] == pytest.approx(101.325 + 9.81 * values[4], rel=0.01)  # kPa in fresh water
+    assert values[3] == pytest.approx(101.325 + 9.81 * values[4], rel=0.01)  # kPa, in fresh water
     proximity = float(table(sim)["proximitySensor"].read(sim).data)
     assert proximity == pytest.approx(sim.rov.sensors["proximity_port"].read(), rel=1e-6)
     assert proximity <= 10.0
@@ -130,7 +130,7 @@ def test_functions_of_the_keyboard(live: LiveSimulator) -> None:
     assert (live.rov.lamps["front"].on, live.rov.lamps["down"].on) == (False, True)
     before = live.rov.sonar.elevation_rad
     hear(live, key(6))
-    live.step(400)  # two seconds at 5 degrees a second
+    live.step(400)  # two seconds at 5 degrees per second
     assert live.rov.sonar.elevation_rad - before == pytest.approx(math.radians(-10.0), abs=1e-3)
     hear(live, key(7))
     live.step(200)

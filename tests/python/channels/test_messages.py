@@ -1,4 +1,4 @@
-"""ROS messages as JSON, CBOR and ROS's own bytes: nothing is lost in transit, and errors are named."""
+"""ROS messages as JSON, CBOR and ROS's own serialisation: conversion is lossless, and errors name the field."""
 
 import base64
 import math
@@ -47,7 +47,7 @@ def test_every_type_survives_json_and_cbor(ros):
         message = default_message(name)
         assert to_bytes(from_plain(name, through_json(to_plain(message, ros))), ros) == to_bytes(message, ros)
         assert to_bytes(from_plain(name, through_cbor(to_plain(message, ros, "cbor"))), ros) == to_bytes(message, ros)
-        assert to_bytes(from_plain(name, {}), ros) == to_bytes(message, ros)  # missing fields are defaults
+        assert to_bytes(from_plain(name, {}), ros) == to_bytes(message, ros)  # missing fields get default values
 
 
 def test_the_two_generations_differ_in_header_times_and_camera_matrices():

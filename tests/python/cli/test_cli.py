@@ -1,4 +1,4 @@
-"""The command line: one clear line on a mistake, help with units, and the small commands."""
+"""The command line: one clear line for each user error, help texts with units, and the small commands."""
 
 import os
 import re

@@ -81,7 +81,7 @@ def test_a_geotiff_holds_median_depth_and_count_from_north_to_south(folder, tmp_
 
 
 def test_a_geotiff_of_real_terrain_is_placed_on_earth(tmp_path):
-    """The valley's origin is at 36.60 N, 84.19 W, and a simulated metre there is 20 real ones."""
+    """The valley's origin is at 36.60 N, 84.19 W, and one simulated metre there corresponds to 20 real ones."""
     write_cloud(tmp_path / "bed.ply", [[0.1, 0.1, -20.0], [99.9, 0.1, -21.0]])
     uwsim_map("convert", tmp_path / "bed.ply", tmp_path / "bed.tif", "--cell", "1", "--scenario", "valley")
     with rasterio.open(tmp_path / "bed.tif") as file:
@@ -167,7 +167,7 @@ def test_a_mistake_is_named_and_no_file_is_left(folder, tmp_path, monkeypatch, a
     (tmp_path / "torn.ply").write_bytes((tmp_path / "cloud.ply").read_bytes()[:-1])
     before = {path.name for path in tmp_path.iterdir()}
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(AssertionError, match=message):  # so that pytest searches the message
+    with pytest.raises(AssertionError, match=message):  # to let pytest search the message
         raise AssertionError(error_of(*arguments))
     assert {path.name for path in tmp_path.iterdir()} == before
 

@@ -1,4 +1,4 @@
-"""`uwsim survey` as a user runs it: results on disk, interruptions, and errors in one line."""
+"""`uwsim survey` as a user runs it: files written, interruptions, and one-line errors."""
 
 import signal
 import subprocess
@@ -37,10 +37,10 @@ def test_sigint_ends_the_command_with_a_valid_map(tmp_path: Path) -> None:
         stderr=subprocess.PIPE,
         text=True,
     )
-    while not (tmp_path / "out").exists():  # it is made when the flight begins
+    while not (tmp_path / "out").exists():  # created when the flight begins
         assert process.poll() is None
         time.sleep(0.05)
-    time.sleep(1.0)  # the whole survey takes ten times as long
+    time.sleep(1.0)  # the whole survey takes ten times longer
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=90)
     assert process.returncode == 130, errors

@@ -1,4 +1,4 @@
-"""The completions that a shell offers on Tab, requested by typer's own protocol, as bash, zsh and fish do."""
+"""Shell completions on Tab, requested through typer's own protocol, as bash, zsh and fish do."""
 
 import os
 import re
@@ -11,7 +11,7 @@ from command_line import UWSIM
 
 
 def asked(shell: str, line: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Ask as the shell's function does that `uwsim --install-completion` installs."""
+    """Request completions as the shell function installed by `uwsim --install-completion` does."""
     words = line.split(" ")
     protocol = {
         "bash": {"COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)},
@@ -23,7 +23,7 @@ def asked(shell: str, line: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def offered(shell: str, line: str, cwd: Path) -> list[str]:
-    """Return the words that the shell shows."""
+    """Return the completions that the shell displays."""
     text = asked(shell, line, cwd).stdout.strip()
     return (
         re.findall(r'\(?"([^"]*)"(?::"[^"]*")?', text)

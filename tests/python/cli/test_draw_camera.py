@@ -1,4 +1,4 @@
-"""`uwsim camera` writes pictures side by side, and reports a mistake in one line."""
+"""`uwsim camera` writes images side by side, and reports errors in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`uwsim sonar` and its figures: echoes are drawn in their places, and errors are one line."""
+"""`uwsim sonar` and its figures: echoes are drawn where they belong, and errors take one line."""
 
 import re
 from dataclasses import replace
@@ -17,7 +17,7 @@ from uwsim.instruments.sonars.imaging.pixels import fan_pixels, shown_range
 
 
 def image_of(row: int, column: int, *, beams: int = 91, bins: int = 200, field_of_view_deg: float = 90.0) -> SonarImage:
-    """A dark picture with one bright cell."""
+    """Return a dark image with one bright cell."""
     model = ForwardLooking(beams=beams, range_bins=bins, field_of_view_rad=np.radians(field_of_view_deg))
     level_db = np.full((bins, beams), 20.0, np.float32)
     level_db[row, column] = 80.0

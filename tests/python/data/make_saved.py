@@ -1,8 +1,8 @@
-"""Writes the files of this build that later builds must read into a folder; tests/python/data/v1 was made with it.
+"""Write files with this build that later builds must be able to read; tests/python/data/v1 was created with it.
 
     python tests/python/data/make_saved.py /srv/v1
 
-Run it only when a format's version is raised, and keep its output next to v1. The files contain the folder's name.
+Run it only after raising a format's version, and store its output next to v1. The files contain the folder's name.
 """
 
 import os
@@ -32,24 +32,24 @@ def mission(vehicle):
 
 
 class StopAt(FlightAutosave):
-    """Asks the flight to stop at a pause, and saves it then."""
+    """Ask the flight to stop at a given pause, and save it there."""
 
     def __init__(self, pause: int) -> None:
         super().__init__(1e6)
         self.left = pause
 
     def due(self) -> bool:
-        """Whether a save is due."""
+        """Return True if a save is due."""
         return False
 
     def stop_requested(self) -> bool:
-        """Whether it has come."""
+        """Return True once that pause is reached."""
         self.left -= 1
         return self.left <= 0
 
 
 def main(folder: Path) -> None:
-    """Write one of each."""
+    """Write one file of each format."""
     folder.mkdir(parents=True, exist_ok=True)
     os.chdir(folder)
     pool = load("pool").with_changes(seed=SEED)
@@ -64,7 +64,7 @@ def main(folder: Path) -> None:
     Path("simulator.state").write_bytes(sim.save_state())
     sim = Simulator(SCENARIO)
     sim.rov.undock()
-    _ = sim.rov.estimate  # begins it
+    _ = sim.rov.estimate  # the first access starts the filter
     sim.rov.set_effort(surge=0.6)
     sim.advance(2.0)
     Path("estimate.state").write_bytes(sim.save_state())

@@ -1,4 +1,4 @@
-"""The laws of light hold in pictures, and the checks notice a coefficient that is five percent off."""
+"""Rendered images obey the optical laws, and the checks detect a coefficient that is five percent off."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_coefficient_five_percent_off_fails_the_check(
     def off(light: camera.Light) -> _core.Optics:
         water = light.water
         names = ("diffuse_attenuation", "absorption", "scattering")
-        factor = 0.95 if coefficient == "absorption" else 1.05  # absorption above Kd is refused
+        factor = 0.95 if coefficient == "absorption" else 1.05  # absorption above Kd would be refused
         values = [np.asarray(getattr(water, name)) * (factor if name == coefficient else 1) for name in names]
         index = water.refractive_index * (1.05 if coefficient == "refractive_index" else 1)
         changed = _core.WaterOptics(*values, index)

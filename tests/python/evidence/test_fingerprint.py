@@ -1,4 +1,4 @@
-"""The same input gives the same output for all threads, processors, locales, time zones, hash seeds and addresses."""
+"""The same input gives the same output whatever the threads, processor, locale, time zone, hash seed and addresses."""
 
 import hashlib
 import json
@@ -26,7 +26,7 @@ print(json.dumps([fingerprint("pool", seed=7, threads=int(sys.argv[1])).parts, r
 
 
 def read_all() -> dict[str, str]:
-    """A digest of what each reader makes of the files that its fuzzer begins with."""
+    """Return a digest of each reader's result for the initial files of its fuzzer."""
     digests = {}
     for name in sorted(READERS.keys() - {"mcap"}):
         laws = Laws(name)
@@ -46,14 +46,14 @@ def seven() -> Fingerprint:
 
 @pytest.fixture(scope="module")
 def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """A locale with a decimal comma."""
+    """The environment for a locale with a decimal comma."""
     folder = tmp_path_factory.mktemp("locales")
     subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", folder / "de_DE.UTF-8"], check=True)
     return {"LOCPATH": str(folder), "LC_ALL": "de_DE.UTF-8"}
 
 
 def test_the_same_in_another_process_elsewhere(german: dict[str, str], seven: Fingerprint) -> None:
-    """With other addresses, processors, threads, hash seeds, a time zone and a locale."""
+    """The other process differs in addresses, processors, threads, hash seed, time zone and locale."""
     prefix, threads = ["setarch", "-R", "taskset", "--cpu-list", "0"], 3
     places = [str(Path(__file__).parents[k]) for k in (0, 1, 3)]
     other = {"TZ": "Pacific/Chatham", "PYTHONHASHSEED": str(threads), "UWSIM_CACHE": "", **german}

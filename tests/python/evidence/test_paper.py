@@ -1,4 +1,4 @@
-"""The scenario `paper`: it behaves as the published simulator does, and the published lawn-mower flies it."""
+"""The scenario `paper` behaves like the published simulator, and the published lawn-mower node flies it."""
 
 import json
 import math
@@ -20,7 +20,7 @@ from uwsim.scenario import load
 PATIENCE_S = 30.0
 CONTROL_S = 0.05
 BASIN = {"wall_east": (26, -156, -20), "wall_west": (-4, -156, -20), "wall_south": (10, -163, -20)}
-"""Walls that are nearer, so that lanes are short."""
+"""Walls placed closer, so that lanes are short."""
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def test_released_it_falls_into_the_water_and_rises_until_the_pilot_trims_it(pap
     rov = paper.rov
     rov.release()
     paper.advance(0.3)
-    assert rov.velocity.linear_body_m_s[2] == pytest.approx(-9.81 * 0.3, rel=0.03)  # in the air: free fall
+    assert rov.velocity.linear_body_m_s[2] == pytest.approx(-9.81 * 0.3, rel=0.03)  # free fall in air
     rov.place([0, -100, -20])
     paper.advance(20.0)
     assert 0.1 < rov.velocity.linear_body_m_s[2] < 0.3
@@ -90,7 +90,7 @@ def test_refraction_moves_pictures_by_up_to_the_published_share_of_their_width(p
 
 
 class Wire:
-    """The published nodes' side of a rosbridge, in step with a paused simulator."""
+    """The published nodes' end of a rosbridge, in lockstep with a paused simulator."""
 
     def __init__(self, client, live):
         self.client, self.live, self.newest = client, live, {"/clock": {"clock": {"secs": -1, "nsecs": 0}}}
@@ -111,7 +111,7 @@ class Wire:
         self.client.send(json.dumps({"op": op, **fields}))
 
     def step(self, count):
-        """Let simulated time pass, a multiple of the clock's 0.01 s, and read all that is said until then."""
+        """Advance simulated time by a multiple of the clock's 0.01 s, and read all messages sent until then."""
         until_ns = self.live.simulator.time_ns + round(count * self.live.simulator.step_s * 1e9)
         self.say("call_service", service="/simulation/step", args={"steps": count})
         while self.clock_ns < until_ns:

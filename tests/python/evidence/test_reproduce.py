@@ -1,4 +1,6 @@
-"""The paper's figures, reproduced: pictures with the values behind them, trees and maps as the messages define them."""
+"""The paper's figures, reproduced: pictures with their underlying values, transform trees, and maps per message type.
+
+"""
 
 import json
 import re
@@ -35,7 +37,7 @@ def test_what_a_running_system_tells_is_the_published_tree_and_chain(tmp_path):
         ("scan_publisher", "scan", "laser_to_cloud"), ("laser_to_cloud", "laserPointCloud", "octomap"),
         ("simulator", "propPos", "tf_broadcaster"), ("tf_broadcaster", "tf", "octomap"),
     }  # fmt: skip
-    assert full["odom"].rate_hz == 0.0  # static
+    assert full["odom"].rate_hz == 0.0  # static transform
     assert full["base_footprint"].rate_hz == pytest.approx(50.0, rel=0.05)
 
 

@@ -1,4 +1,4 @@
-"""A check reports all mistakes of a file at once, draws its scene, and warns of surprising values."""
+"""A check reports all errors in a file at once, draws its scene, and warns of unusual values."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ from uwsim.scenario.read.yaml_document import read_yaml
 from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
-EXPECTED = ["paper.yaml:47: vehicle 'rov' starts 1.0 m above the water"]  # as in the paper
+EXPECTED = ["paper.yaml:47: vehicle 'rov' starts 1.0 m above the water"]  # as in the paper's own scenario
 
 
 def edited(path: Path, *edits: tuple[str, str]) -> str:
@@ -29,7 +29,7 @@ def edited(path: Path, *edits: tuple[str, str]) -> str:
 
 
 def test_all_mistakes_come_at_once(tmp_path: Path) -> None:
-    """Those of keys, of values, of rules that join several, of files, of names and of the world that is built."""
+    """Errors in keys, values, rules that involve several keys, referenced files, names, and the resulting world."""
     mistakes = {
         "    size_m: [16": ("    sise_m: [-16", "obstacles[3].sise_m: unknown key; did you mean 'size_m'?"),
         "mission_time_s: 3600": ("mission_time_s: -3600", "mission_time_s = -3600 s: must be in [1, 1000000] s"),
@@ -49,7 +49,7 @@ vehicles:
     edited(path, *((old, new) for old, (new, _) in mistakes.items()), ("vehicles:\n", more))
     report = check_file(path)
     expected = [message for _, message in mistakes.values()] + [
-        "obstacles[3].sise_m[0] = -16 m: must be in [0.01, 10000] m",  # found under the name that was meant
+        "obstacles[3].sise_m[0] = -16 m: must be in [0.01, 10000] m",  # found under the intended key name
         "obstacle 'far': (0, 89) m lies outside the terrain",
         "vehicle 'deep' starts at (0, 0, -30) m: must be above the bed",
     ]
@@ -134,7 +134,7 @@ def test_the_scene_is_measured(tmp_path: Path) -> None:
     assert quay.clearance_m == pytest.approx(0.5, abs=0.02)
     rov = scene.vehicles[0]
     assert rov.net_buoyancy_n == pytest.approx(0.0, abs=1e-6)
-    assert rov.altitude_m == pytest.approx(-3.0 - scene.station_bed_m, abs=1.5)  # it is a slope
+    assert rov.altitude_m == pytest.approx(-3.0 - scene.station_bed_m, abs=1.5)  # the bed is a slope
 
 
 @pytest.mark.parametrize("like", [None, "valley"])

@@ -26,7 +26,7 @@ def test_errors_are_relative_to_their_scale_and_a_nan_is_a_miss() -> None:
 
 @pytest.fixture
 def extra(monkeypatch: pytest.MonkeyPatch) -> list[Check]:
-    """Return the checks that two suites, the only ones, have besides a good one."""
+    """Replace all suites by two that yield one passing check each; return a list of further checks for both."""
     extra: list[Check] = []
 
     def run(out: Path | None) -> list[Check]:
@@ -71,7 +71,7 @@ def test_a_suite_in_a_process_of_its_own_has_the_same_checks() -> None:
 def test_sigterm_ends_the_processes_of_all_suites() -> None:
     command = subprocess.Popen([*UWSIM, "validate", "control", "estimation", "--jobs", "2"], stderr=subprocess.DEVNULL)
     children = Path(f"/proc/{command.pid}/task/{command.pid}/children")
-    while len(pids := children.read_text().split()) < 3:  # two, and the one that tidies up after them
+    while len(pids := children.read_text().split()) < 3:  # two workers, and the process that cleans up after them
         assert command.poll() is None
         time.sleep(0.05)
     command.terminate()

@@ -1,4 +1,4 @@
-"""The validation of thrusters and fins, which tools/docs runs, fails if one of their values is 5 % off."""
+"""The thruster and fin validation, which tools/docs runs, fails if any of their values is 5 % off."""
 
 from collections.abc import Callable, Iterable, Iterator
 
@@ -18,7 +18,7 @@ def misses(checks: list[Check]) -> list[str]:
 
 
 Law = Callable[[str, VehicleModel], Iterable[Check]]
-T200_BAND_US = {4: 1472, 5: 1528}  # index in the table: pulse width at an end of the dead band
+T200_BAND_US = {4: 1472, 5: 1528}  # index in the table: pulse width at one end of the dead band
 KIND_LAWS: dict[str, Law] = {
     "time_constant_s": thrusters.thruster_lag,
     "diameter_m": thrusters.advance_loss,
@@ -29,7 +29,7 @@ KIND_LAWS: dict[str, Law] = {
 
 
 def test_every_field_of_thrusters_and_fins_has_a_case_below() -> None:
-    """A new field in the YAML files needs a law that checks it."""
+    """A new field in the YAML files needs a case, and thus a check."""
     cases = [(name, path) for name, _, path, _ in actuator_figures()]
     for name in (HEAVY, REMUS):
         kind = next(iter(load_vehicle(name).thrusters.values())).model
@@ -40,7 +40,7 @@ def test_every_field_of_thrusters_and_fins_has_a_case_below() -> None:
 
 
 def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]]:
-    """Vehicle, the law that should miss, the figure's path in the file, and the factor that changes it."""
+    """Yield the vehicle, the check that should fail, the value's path in the file, and the factor applied to it."""
     for name in MOUNTS:
         model = load_vehicle(name)
         for thruster, mount in model.thrusters.items():
@@ -50,7 +50,7 @@ def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]
                     alone = k == (0 if mount.axis[1] == mount.axis[2] == 0 else 2)
                     law = thrusters.thruster_heights if alone else thrusters.thruster_wrenches
                     yield name, law, ("thrusters", thruster, "position_m", k), 1.05
-            if horizontal and mount.axis[1]:  # for an axis along x or z, its length has no effect
+            if horizontal and mount.axis[1]:  # the length of an axis along x or z has no effect
                 yield name, thrusters.thruster_wrenches, ("thrusters", thruster, "axis", 0), 1.05
                 yield name, thrusters.thruster_wrenches, ("thrusters", thruster, "axis", 1), 1.05
         if name not in (HEAVY, REMUS):
@@ -61,7 +61,7 @@ def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]
         for k, (_, thrust_n) in enumerate(kind.thrust_n):
             if thrust_n:
                 yield name, thrusters.thrust_tables, ("model", "thrust_n", k, 1), 1.05
-    for band in (4, 5):  # 5 % of the 28 us from the middle of the band
+    for band in (4, 5):  # 5 % of the band's half width of 28 us
         factor = 1 + 0.05 * (T200_BAND_US[band] - 1500) / T200_BAND_US[band]
         yield HEAVY, thrusters.thrust_tables, ("model", "thrust_n", band, 0), factor
     yield HEAVY, thrusters.thrust_tables, ("model", "pwm", "span_us"), 1.05
@@ -75,7 +75,7 @@ def actuator_figures() -> Iterator[tuple[str, Law, tuple[str | int, ...], float]
 
 
 def changed_copy(name: str, path: tuple[str | int, ...], factor: float) -> VehicleModel:
-    """Return the vehicle with one value multiplied by `factor`; one of `model` is that of all its thrusters."""
+    """Return the vehicle with one value multiplied by `factor`; a value of `model` changes for all its thrusters."""
     vehicle = plain(load_vehicle(name))
     tops = [vehicle] if path[0] != "model" else list(vehicle["thrusters"].values())
     for node in tops:

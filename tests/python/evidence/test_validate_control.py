@@ -1,4 +1,4 @@
-"""The validation of the control loops, which tools/docs runs, would miss with bad gains."""
+"""The validation of the control loops, which tools/docs runs, fails with bad gains."""
 
 from pathlib import Path
 

@@ -19,7 +19,7 @@ def misses(checks: list[Check]) -> list[str]:
 
 
 def coefficients(name: str) -> Iterator[tuple[str, dict[str, object]]]:
-    """Each coefficient of motion in a vehicle's file, 5 % larger; and the mass, where it follows from the volume."""
+    """Yield each dynamic coefficient in a vehicle's file, 5 % larger, and the mass if it is derived from the volume."""
     model = load_vehicle(name)
     if model.mass_kg is None:
         yield "mass", {"buoyancy": None, "mass_kg": 1.05 * PUBLISHED[name].mass_kg}
@@ -44,7 +44,7 @@ def coefficients(name: str) -> Iterator[tuple[str, dict[str, object]]]:
 
 
 def is_slender(inertia_kg_m2: tuple[float, ...]) -> bool:
-    """Whether pitch and yaw inertia cannot differ by 5 %, because no body has such moments."""
+    """Return True if a 5 % difference between pitch and yaw inertia would be physically impossible."""
     return inertia_kg_m2[0] < 0.05 * inertia_kg_m2[1]
 
 
@@ -68,7 +68,7 @@ def test_a_coefficient_five_percent_off_is_a_miss(name: str, change: dict[str, o
 
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_the_mass_check_measures_the_mass(name: str) -> None:
-    """A mass 5 % larger is measured as 5 % larger; for a neutral vehicle the volume is changed."""
+    """A mass 5 % larger is measured as 5 % larger; for a neutrally buoyant vehicle the volume is changed."""
     model = load_vehicle(name)
     key = "volume_m3" if model.mass_kg is None else "mass_kg"
     heavier = model.model_copy(update={key: 1.05 * getattr(model, key)})

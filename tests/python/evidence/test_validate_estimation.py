@@ -1,4 +1,4 @@
-"""The validation of the navigation, with few flights; `uwsim validate estimation` flies 50."""
+"""The validation of the navigation filter, with few flights; `uwsim validate estimation` runs 50."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def test_the_closed_form_grows_with_the_cube_of_time_at_last() -> None:
     sim = Simulator("lake")
     navigator, _ = estimation.start_navigation(sim, 0)
     early, late = (np.trace(estimation.closed_form(sim, navigator, t)) for t in (500.0, 1000.0))
-    assert 2.0**6 < late / early < 2.0**7  # a gyroscope's bias: t^3; its drift: t^3.5
+    assert 2.0**6 < late / early < 2.0**7  # a gyroscope's bias grows as t^3, its drift as t^3.5
 
 
 def test_after_contacts_the_filter_errs_by_no_more_than_it_says() -> None:

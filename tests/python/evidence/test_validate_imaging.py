@@ -1,4 +1,4 @@
-"""The imaging suite, which tools/docs runs, fails if a value of a model is wrong."""
+"""The imaging suite, which tools/docs runs, fails if a model parameter is wrong."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -14,7 +14,7 @@ from uwsim.instruments.sonars.imaging import ForwardLooking, SideScan
 
 @pytest.fixture(autouse=True, scope="module")
 def looked_once() -> Iterator[None]:
-    """Look once with each model at the flat bed: what is expected of the image differs, not the image."""
+    """Cache each model's image of the flat bed: tests vary the expected image, not the rendered one."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("look_ahead", "look_aside"):
             patch.setattr(imaging, name, once_at_an_even_bed(getattr(imaging, name)))
@@ -25,7 +25,7 @@ def once_at_an_even_bed(look: Callable[..., Any]) -> Callable[..., Any]:
     images: dict[Any, Any] = {}
 
     def from_memory(place: suite.Basin, poses: Any, model: Any) -> Any:
-        if len(place.strengths_db) > 1:  # boxes
+        if len(place.strengths_db) > 1:  # there are boxes
             return look(place, poses, model)
         key = np.asarray(poses).tobytes(), model
         if key not in images:

@@ -1,4 +1,4 @@
-"""A check builds the vehicle and reports trim, stability and mounts; it warns of an unsound one."""
+"""The vehicle check builds the vehicle and reports its trim, stability and mounts, with warnings if it is unsound."""
 
 import json
 from pathlib import Path
@@ -22,7 +22,7 @@ REMUS = assets_folder() / "vehicles" / "remus100.yaml"
 
 
 def checked(folder: Path, **changes: Any) -> CheckReport:
-    """Return the check of the vehicle's own file; a scenario with it must say the same of it."""
+    """Return the check of the vehicle file alone, after comparing it with the check of a scenario that contains it."""
     model = vehicle_file(folder, **changes)
     report = check_part(model, "vehicle")
     whole = check_file(scenario_file(folder, model))
@@ -62,7 +62,7 @@ def test_the_sound_vehicle_is_told_of_in_figures(tmp_path: Path) -> None:
 
 
 def test_a_hull_that_cannot_be_built_is_a_mistake_of_the_file(tmp_path: Path) -> None:
-    """The file alone is sound: only building it shows what is wrong with its mesh, its pieces or its centre of mass."""
+    """The file itself is valid: only building it reveals errors in its mesh, its pieces or its centre of mass."""
     assert any("centre_of_mass_m" in told for told in checked(tmp_path, centre_of_mass_m=[3, 0, 0]).mistakes)
     model = vehicle_file(tmp_path)
     lines = (tmp_path / "hull.obj").read_text().splitlines()
@@ -105,7 +105,7 @@ def test_a_centre_of_mass_above_that_of_buoyancy_is_warned_of(tmp_path: Path) ->
 
 
 def test_ballast_and_trim_move_the_centre_of_mass(tmp_path: Path) -> None:
-    """Half of the mass again, 0.3 m ahead: the whole is 0.1 m ahead."""
+    """Ballast of half the vehicle's mass, 0.3 m ahead, moves the centre of mass 0.1 m ahead."""
     report = checked(tmp_path, ballast_kg=336.0, ballast_position_m=[0.3, 0, -0.1])
     assert figures(report).centre_of_mass_m == pytest.approx((0.1, 0, -0.1))
     assert any("nose down 45.0 deg" in warning for warning in report.warnings)
@@ -118,7 +118,7 @@ def test_a_centre_of_mass_ahead_is_warned_of(tmp_path: Path) -> None:
 
 
 def test_inertia_out_of_scale_is_warned_of(tmp_path: Path) -> None:
-    """Of the box 672/12 (b2 + c2): 63, 108 and 117 kg m2."""
+    """For the box, m/12 (b2 + c2) with m = 672 kg: 63, 108 and 117 kg m2."""
     assert checked(tmp_path, inertia_kg_m2=[63, 108, 117]).warnings == ()
     grams = checked(tmp_path, inertia_kg_m2=[63e3, 108e3, 117e3]).warnings
     assert len(grams) == 3 and all("no point of its hull is farther than" in warning for warning in grams)
@@ -140,7 +140,7 @@ ALTITUDE = {"kind": "altitude", "position_m": [0, 0, -0.36]}
         ({"dvl": DVL | {"position_m": [0, 0, 0.36]}}, "sensors.dvl looks into its own hull"),
         ({"dvl": DVL | {"position_m": [0, 0, -36.15]}}, "sensors.dvl is 35.8 m away from its hull of 1.2 x 0.8"),
         ({"altitude": ALTITUDE}, None),
-        ({"altitude": {"kind": "altitude"}}, None),  # somewhere in the frame
+        ({"altitude": {"kind": "altitude"}}, None),  # inside the frame
         ({"altitude": ALTITUDE | {"position_m": [0, 0, 0.36]}}, "sensors.altitude looks into its own hull"),
         ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [0.7, 0, 0]}}, None),
         ({"p": {"kind": "proximity", "range_max_m": 9, "position_m": [-0.7, 0, 0]}}, "sensors.p looks into its own"),
@@ -174,14 +174,14 @@ def test_a_ray_enters_a_surface_only_from_outside() -> None:
     corners = np.asarray(box.triangles)
     ahead, aslant = np.array([1.0, 0, 0]), np.array([1.0, 0.1, 0.2])
     assert enters(np.array([-3.0, 0.2, 0.3]), ahead, corners) and enters(np.array([-3.0, 0, 0]), aslant, corners)
-    assert not enters(np.array([0.1, 0.2, 0.3]), ahead, corners)  # from inside
-    assert not enters(np.array([1.0, 0.2, 0.3]), ahead, corners)  # from its skin
-    assert not enters(np.array([-3.0, 1.2, 0.3]), ahead, corners)  # beside it
-    assert not enters(np.array([3.0, 0.2, 0.3]), ahead, corners)  # behind it
+    assert not enters(np.array([0.1, 0.2, 0.3]), ahead, corners)  # from inside the hull
+    assert not enters(np.array([1.0, 0.2, 0.3]), ahead, corners)  # from its surface
+    assert not enters(np.array([-3.0, 1.2, 0.3]), ahead, corners)  # passes it to the side
+    assert not enters(np.array([3.0, 0.2, 0.3]), ahead, corners)  # lies behind it
 
 
 def remus(folder: Path, **changes: Any) -> Path:
-    """Write a REMUS 100 without gains, changed; None takes a key away."""
+    """Write a REMUS 100 without control gains, with changes applied; None removes a key."""
     values = yaml.safe_load(REMUS.read_text())
     values.pop("control")
     fins = values["fins"]
@@ -205,7 +205,7 @@ def test_a_vehicle_without_a_tail_is_warned_of(tmp_path: Path) -> None:
     assert "it does not keep its course under way: a yaw doubles in" in told
     fixed = {name: {"deflection_max_deg": 0} for name in TAIL}
     told = "\n".join(check_part(remus(tmp_path, fins=fixed), "vehicle").warnings)
-    assert "nothing turns it" in told and "keep its course" not in told  # it has a tail, but no rudder
+    assert "nothing turns it" in told and "keep its course" not in told  # it has a tail but no rudder
 
 
 def test_a_tail_at_the_bow_does_not_hold_the_course(tmp_path: Path) -> None:
@@ -248,8 +248,8 @@ def test_still_water_is_no_current_to_swim_against(speed_m_s: float, tmp_path: P
 @pytest.mark.parametrize(
     ("water", "speed_m_s"),
     [
-        ({"current": {"kind": "tidal", "amplitude_m_s": [4, 0, 0], "period_s": 7200}}, 3.9),  # slack at the start
-        ({"surface": {"kind": "airy", "amplitude_m": 2, "period_s": 9}}, None),  # orbits of 1.4 m/s are no current
+        ({"current": {"kind": "tidal", "amplitude_m_s": [4, 0, 0], "period_s": 7200}}, 3.9),  # slack water at the start
+        ({"surface": {"kind": "airy", "amplitude_m": 2, "period_s": 9}}, None),  # orbital velocity is not a current
     ],
 )
 def test_a_tide_counts_as_a_current_and_waves_do_not(
@@ -279,7 +279,7 @@ def test_what_reaches_over_the_terrain_has_a_height_over_the_rest(tmp_path: Path
     assert done.returncode == 0 and "nan" not in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("kind", sorted(FILES.keys() - {"scenario"}))  # those are checked in test_scenario_check.py
+@pytest.mark.parametrize("kind", sorted(FILES.keys() - {"scenario"}))  # scenarios are checked in test_scenario_check.py
 def test_every_packaged_part_can_be_built(kind: str) -> None:
     folder = kind if kind.endswith("s") else f"{kind}s"
     for name in packaged_names(folder):

@@ -1,4 +1,4 @@
-"""Every example runs and prints something."""
+"""Every example runs and prints output."""
 
 import importlib
 import pkgutil

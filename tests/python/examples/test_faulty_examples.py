@@ -1,4 +1,4 @@
-"""The examples' missions, flown with faults: each ends as docs/guides/faults.md states."""
+"""The examples' missions flown with faults: each outcome is the one stated in docs/guides/faults.md."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def scenario_of(name: str, *faults: dict, **failsafe: object) -> Scenario:
 
 
 def times(sim: Simulator) -> dict[str, float]:
-    """When each fault began, and the failsafe."""
+    """Return the times at which each fault and the failsafe began."""
     return {
         event.values["fault"] if event.name == "fault" else event.name: event.time_s
         for event in sim.events
@@ -52,7 +52,7 @@ def test_the_dive_ends_at_the_surface_when_water_comes_in_and_the_depth_sensor_s
         depths_m = uwsim.fly(m01_hello_dive.mission, sim, report="none", time_limit_s=8.0).samples["rov"]["depth_m"]
     sound = uwsim.fly(m01_hello_dive.mission, "lake", seed=3, report="none").samples["rov"]["depth_m"]
     assert sound.max() == pytest.approx(8.0, abs=0.3)
-    assert depths_m[-1] < sound[len(depths_m) - 1] - 0.3  # by then it climbs, while the sound one still dives
+    assert depths_m[-1] < sound[len(depths_m) - 1] - 0.3  # this vehicle climbs, the sound one dives
     assert times(sim)["leak"] == 3.0 < times(sim)["failsafe"] < times(sim)["sensor"] == 5.0
     before_m, climbed_s = sim.rov.pose.position_world_m, 4.0
     sim.advance(climbed_s)

@@ -1,4 +1,4 @@
-"""The 3D renderer of figures: its view, its voxel cubes and its clip prism."""
+"""The 3D renderer for figures: its view, voxel cubes and clipping prism."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def test_a_point_behind_the_eye_has_no_pixel():
 
 
 def boxes_hit_m(centres_m, edge_m, origins_m, directions):
-    """The distance to the first of many cubes and the axis of its face, by the slab method for each ray and cube."""
+    """Return the distance to the nearest cube and the axis of the face hit, by the slab method per ray and cube."""
     with np.errstate(divide="ignore"):
         walls = (centres_m[None, :, None] + [[-edge_m / 2], [edge_m / 2]] - origins_m[:, None, None]) / directions[
             :, None, None

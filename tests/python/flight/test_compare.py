@@ -1,4 +1,4 @@
-"""`uwsim compare`: one table over missions and seeds, with the values of the flights."""
+"""`uwsim compare`: one table of the flights' values over missions and seeds."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Flights of missions: their records and ends, and that a resumed one gives the same map."""
+"""Mission flights: their records, how they end, and that a resumed flight produces the same map."""
 
 import json
 import signal
@@ -181,7 +181,7 @@ def test_a_mission_that_is_stuck_says_so() -> None:
 
 
 class StopAfter(FlightAutosave):
-    """Asks the flight to stop at a number of pauses, as Ctrl-C would."""
+    """Ask the flight to stop after a number of pauses, as Ctrl-C would."""
 
     def __init__(self, pauses: int) -> None:
         super().__init__(1e6)

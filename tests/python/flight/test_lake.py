@@ -1,4 +1,4 @@
-"""The whole default survey meets its promised values."""
+"""The complete default survey achieves the promised values."""
 
 from uwsim import Simulator
 from uwsim.flight.record import DONE

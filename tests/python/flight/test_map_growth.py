@@ -1,4 +1,4 @@
-"""A flight measures its map against the true surface while the map grows."""
+"""During a flight, the growing map is compared with the true surface."""
 
 import json
 from itertools import pairwise

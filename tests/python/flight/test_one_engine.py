@@ -1,4 +1,4 @@
-"""`uwsim survey` and `uwsim run` are one engine: the same flight has the same results with either command."""
+"""`uwsim survey` and `uwsim run` share one engine: the same flight gives the same results with either command."""
 
 import inspect
 import json
@@ -28,7 +28,7 @@ KEYS_OF_A_SURVEY = """
     seabed_error_mean_m seabed_error_p95_m s44_order s44_share_exclusive s44_share_special s44_share_1a s44_share_1b
     s44_share_2 warnings
 """
-"""The keys of a survey's summary.json before there was one engine: readable for one version."""
+"""Keys of a survey's summary.json from before the engines were merged; still accepted for one version."""
 
 
 def mowing(vehicle: Any) -> Any:
@@ -40,7 +40,7 @@ def idle(vehicle: Any) -> Any:
 
 
 def test_the_lawn_mower_as_a_mission_is_the_survey(tmp_path: Path) -> None:
-    """The same map, end, score, and summary."""
+    """The map, outcome, score and summary are the same."""
     surveyed = uwsim.run_survey("pool", tmp_path / "survey", report="json")
     flown = fly(mowing, "pool", tmp_path / "flight", map=True, report="json")
     assert flown.occupancy.to_bytes("ot") == surveyed.occupancy.to_bytes("ot")
@@ -96,7 +96,7 @@ def test_a_map_is_scored_over_the_survey_s_area_or_else_where_the_sonar_was() ->
 
 
 def test_both_commands_have_the_same_options() -> None:
-    """Apart from those that choose what is flown, and by which vehicle."""
+    """Except for the options that select the mission and the vehicle."""
     of_run, of_survey = set(inspect.signature(run).parameters), set(inspect.signature(survey).parameters)
     assert of_survey <= of_run
     assert of_run - of_survey == {"make_map", "vehicle", "argument", "function", "connect", "lockstep", "odometry"}

@@ -1,4 +1,4 @@
-"""The same mission in process and over a rosbridge; a remote vehicle has the readings of the simulated one."""
+"""The same mission in process and over a rosbridge; a remote vehicle has the same readings as the simulated one."""
 
 import json
 from pathlib import Path
@@ -18,7 +18,7 @@ from uwsim.missions import dive_to, goto, run, wait
 
 
 def there(vehicle):
-    """Fly to a place by pose, altitude, sonar, panel and lamps."""
+    """Fly to a point using pose, altitude, sonar, panel and lamps."""
     vehicle.undock()
     vehicle.lamps["front"].on = True
     vehicle.sonar.aim(-0.6)
@@ -45,7 +45,7 @@ def test_a_mission_flies_remotely_as_in_process(tmp_path: Path) -> None:
     ]
     assert np.max(apart_m) < 0.5
     assert here.occupancy is not None and far.occupancy is not None
-    # Columns, as the bed lies on the border of two layers of voxels.
+    # Compare columns, because the bed lies on the boundary between two voxel layers.
     columns = [len(np.unique(flown.occupancy.occupied_voxels()[:, :2], axis=0)) for flown in (far, here)]
     assert columns[0] > 0.5 * columns[1]
     off_m = Simulator("pool").scene.distance_m(far.occupancy.occupied_voxels())

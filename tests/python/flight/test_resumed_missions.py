@@ -1,4 +1,4 @@
-"""A mission restored from a saved state flies on as if nothing had happened."""
+"""A mission restored from a saved state continues as if it had not been interrupted."""
 
 import copy
 import itertools
@@ -25,7 +25,7 @@ from uwsim.missions.run import made, steps_of
 
 
 class SavingClock:
-    """Keeps, at the end of every wait, the state that the mission would save and a copy of the vehicle."""
+    """Clock that records, after every wait, the state the mission would save and a copy of the vehicle."""
 
     def __init__(self, vehicle: ScriptedVehicle) -> None:
         self.vehicle = vehicle
@@ -62,7 +62,7 @@ def test_a_mission_resumed_at_any_moment_flies_the_same_path(beams_m: float, leg
 
 
 def test_a_simulated_mission_resumes_to_the_last_bit() -> None:
-    """Obstacle memory, autopilot and sensor noise included, during undocking and after it."""
+    """Covers obstacle memory, autopilot and sensor noise, during and after undocking."""
     plan = LawnMowerPlan(area_m=[[-104, -80], [56, -80], [56, 24], [-104, 24]])
     sim = Simulator("lake", mission_time_s=120.0)
     saved: list[tuple[str, bytes]] = []
@@ -102,7 +102,7 @@ def test_remembered_obstacles_are_saved_the_oldest_first() -> None:
 
 
 class Zigzag:
-    """A mission of one's own: as many legs as its state has left."""
+    """A user-defined mission that flies as many legs as its state says are left."""
 
     def __init__(self, vehicle: OwnVehicle, legs: int = 5) -> None:
         self.vehicle, self.left = vehicle, legs

@@ -1,4 +1,4 @@
-"""A survey on a failing disk: the flight goes on, failures are reported once, and the map is saved somewhere."""
+"""A survey on a failing disk: the flight continues, failures are reported once, and the map is saved elsewhere."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from uwsim.mapping import OccupancyMap
 
 @pytest.fixture(autouse=True)
 def no_files(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skip all results but the map: they take longer than the flights, and other tests cover them."""
+    """Skip all results except the map: they take longer than the flights and are tested elsewhere."""
     monkeypatch.setattr(results, "_write_files", lambda *arguments: None)
     monkeypatch.setattr(results, "scored", lambda flown, *arguments: flown)
 
@@ -50,7 +50,7 @@ def test_a_lost_folder_is_reported_once_and_the_flight_continues(
         on_pause(flight, show)
         pauses[0] += 1
         if pauses[0] == 20:
-            out.rename(tmp_path / "lost")  # at once: an autosave on its own thread may be writing in it
+            out.rename(tmp_path / "lost")  # done before anything else: an autosave thread may be writing in it
             out.write_text("in the way")
         if pauses[0] > 40 and messages and out.is_file():
             out.unlink()

@@ -1,4 +1,4 @@
-"""A survey of the pool: every ping passes through the chain, the map is reproducible, and every end is clean."""
+"""A survey of the pool: every ping passes through the whole chain, maps are reproducible, and every exit is clean."""
 
 import os
 import signal
@@ -60,7 +60,7 @@ def test_both_engines_give_the_same_map_to_the_byte() -> None:
 
 
 def test_a_survey_keeps_one_sample_ping_only() -> None:
-    """Hours of pings would fill the memory."""
+    """Hours of pings would exhaust the memory."""
     sim = Simulator("pool", mission_time_s=20.0)
     pings: list[weakref.ref[object]] = []
     fly_survey(sim, on_progress=lambda share: pings.append(weakref.ref(sim.rov.sonar.ping().ranges_m)))
@@ -82,7 +82,7 @@ def test_scans_before_a_refused_one_are_in_the_map() -> None:
 
 
 def test_a_corrupted_depth_string_corrupts_the_map() -> None:
-    """The map is made only from the transmitted strings."""
+    """The map is built only from the transmitted strings."""
 
     def nearer(text: str) -> str:
         values = text.split("a")

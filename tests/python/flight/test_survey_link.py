@@ -1,4 +1,4 @@
-"""A survey over a link: the map aboard is as without one, the station's has the pings that arrived."""
+"""A survey over a link: the on-board map is the same as without one; the station's has the pings that arrived."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def pool(link: str | None = "s2cm_hs") -> Simulator:
 
 
 class StopAt(FlightAutosave):
-    """Saves a flight at a pause, and ends it."""
+    """Save a flight at a pause, then stop it."""
 
     def __init__(self, pause: int) -> None:
         super().__init__(1e6)

@@ -78,7 +78,7 @@ def record(world):
 
 
 class Occupied(OccupancyMap):
-    """A map of given voxels."""
+    """A map with the given occupied voxels."""
 
     def __init__(self, voxels=NO_VOXELS):
         super().__init__(0.5)
@@ -89,7 +89,7 @@ class Occupied(OccupancyMap):
 
 
 def scored(world, record, voxels=None):
-    """Return the record with the score of a map of voxels, by default all that are in sight."""
+    """Return the record with the score of a map of the given voxels; by default, of all visible ones."""
     path = record.path_world_m
     if voxels is None:
         voxels = score_map(world, NO_VOXELS, 0.5, path, AREA, 15.0).visible_centres_m
@@ -98,7 +98,7 @@ def scored(world, record, voxels=None):
 
 
 def survey(world, record, folder, voxels=None):
-    """Write the report of a record; return it scored, its figures and the page."""
+    """Write the report of a record; return the scored record, its figures and the page."""
     flown = scored(world, record, voxels)
     figures = map_figures(folder, flown, world, _core.RayScene(world))
     write_page(folder / "report.html", flown, figures)
@@ -107,7 +107,7 @@ def survey(world, record, folder, voxels=None):
 
 @pytest.fixture(scope="module")
 def surveyed(world, record, tmp_path_factory):
-    """Return the record scored, its figures, the page and the folder."""
+    """Return the scored record, its figures, the page and the folder."""
     folder = tmp_path_factory.mktemp("surveyed")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(truth_and_map, "PANEL_PIXELS", 160)

@@ -1,4 +1,4 @@
-"""The extent of a survey's report: everything, values as JSON, or nothing but the map."""
+"""The extent of a survey's results: everything, values as JSON only, or just the map."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A survey that is killed at any moment and resumed ends with the same map as an uninterrupted one."""
+"""A survey that is killed at any time and resumed produces the same map as an uninterrupted one."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ from uwsim.scenario.dump import write_scenario
 
 @pytest.fixture(autouse=True)
 def no_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skip the results: they take longer than the flights, and other tests cover them."""
+    """Skip the results: they take longer than the flights and are tested elsewhere."""
     monkeypatch.setattr("uwsim.flight.engine.write_results", only_the_map)
 
 
@@ -34,7 +34,7 @@ def only_the_map(flown: FlightRecord, sim: object, out: Path, *arguments: object
 
 
 class SaveAt(FlightAutosave):
-    """Saves a flight at the given pauses, counted from 1, and stops it at the last."""
+    """Save a flight at the given pauses, counted from 1, and stop it at the last."""
 
     def __init__(self, *pauses: int) -> None:
         super().__init__(1e6)
@@ -77,7 +77,7 @@ def test_a_survey_resumed_from_any_pause_is_the_same(
 
 
 def without_aim(flown: FlightRecord) -> list[Event]:
-    """Return the events, apart from the sonar's tilt, which a restored lawn-mower commands once more."""
+    """Return the events except sonar tilt commands, which a restored lawn-mower repeats."""
     return [event for event in flown.events if event.name != "aim"]
 
 
@@ -103,7 +103,7 @@ def saved_state(out: Path) -> bytes | None:
 
 
 def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) -> None:
-    """At 0.1 m, so that saving takes a good part of the time in which it may be killed."""
+    """At 0.1 m, so that a good part of the time is spent saving, when the process may be killed."""
     options = ("pool", "--voxel", "0.1", "--seed", "3", "--report", "json")
     run_survey("pool", tmp_path / "whole", voxel_m=0.1, seed=3, autosave_s=0.0)
     expected = hashlib.sha256((tmp_path / "whole" / "map.bt").read_bytes()).hexdigest()
@@ -112,15 +112,15 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
     killed = 0
     for after_s in (0.0, 0.17, 0.37):
         before = saved_state(out)
-        while process.poll() is None and saved_state(out) == before:  # until another save is done
+        while process.poll() is None and saved_state(out) == before:  # until another save is complete
             time.sleep(0.01)
         time.sleep(after_s)
         process.kill()
-        if process.wait() == 0:  # it has ended before
+        if process.wait() == 0:  # it finished before the kill
             break
         process.communicate()
         killed += 1
-        OccupancyMap.read(out / "map.bt")  # raises if it is damaged
+        OccupancyMap.read(out / "map.bt")  # raises an error if the file is damaged
         process = start_survey(out, "--resume", "--report", "json")
     assert killed >= 1
     output, errors = process.communicate(timeout=600)
@@ -134,7 +134,7 @@ def test_a_survey_killed_several_times_ends_with_the_same_map(tmp_path: Path) ->
 @pytest.mark.parametrize("name", ["track.npz", "report.html", "map_from_above.png"])
 def test_results_of_an_earlier_survey_are_removed(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"of an earlier survey")
-    run_survey("pool", tmp_path, mission_time_s=1.0)  # the results are skipped here, see no_results
+    run_survey("pool", tmp_path, mission_time_s=1.0)  # results are skipped, see no_results
     assert not (tmp_path / name).exists()
 
 

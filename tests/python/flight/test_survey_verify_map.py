@@ -1,4 +1,4 @@
-"""--verify-map compares the map with stock OctoMap's byte for byte."""
+"""--verify-map compares the map with that of stock OctoMap byte for byte."""
 
 import itertools
 import signal
@@ -14,7 +14,7 @@ from uwsim.mapping import OccupancyMap
 
 @pytest.fixture
 def no_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Skip the results: they take longer than the flights, and other tests cover them."""
+    """Skip the results: they take longer than the flights and are tested elsewhere."""
     monkeypatch.setattr("uwsim.flight.engine.write_results", lambda flown, *arguments, **more: flown)
 
 

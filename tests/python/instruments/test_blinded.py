@@ -1,4 +1,4 @@
-"""Sonars and cameras that fail: no echoes, black pictures, until the fault ends."""
+"""Sonars and cameras that fail: no echoes and black images until the fault ends."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Cameras and lamps as scripts use them: frames, lamps, light, files, errors."""
+"""Cameras and lamps as used from scripts: frames, lamps, light, files, errors."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_depth_and_intrinsics_recover_the_box_in_the_world(pool: Simulator) -> N
     k, depth = frame.info.k, frame.depth_m[v, u].astype(np.float64)
     optical = np.column_stack([(u - k[0, 2]) / k[0, 0] * depth, (v - k[1, 2]) / k[1, 1] * depth, depth])
     points = optical @ frame.world_from_optical[:3, :3].T + frame.world_from_optical[:3, 3]
-    points = points[frame.normals_world[v, u, 0] < -0.9]  # its near face
+    points = points[frame.normals_world[v, u, 0] < -0.9]  # the near face
     assert points.min(axis=0) == pytest.approx([2.5, -0.5, -5.0], abs=0.02)
     assert points.max(axis=0) == pytest.approx([2.5, 0.5, -4.0], abs=0.02)
 
@@ -179,7 +179,7 @@ def test_the_chase_camera_follows_place_and_heading_alone(pool: Simulator) -> No
 
 
 def test_turbulence_bends_rays_by_its_closed_form(pool: Simulator) -> None:
-    """As Chernov's formula: in proportion to the temperature's deviation, about a pixel at 2 K, none at 0."""
+    """Chernov's formula: proportional to the temperature deviation; about a pixel at 2 K, zero at 0 K."""
 
     def bent_px(turbulence_k: float) -> float:
         pool.set_optics(turbulence_k=turbulence_k)
@@ -187,7 +187,7 @@ def test_turbulence_bends_rays_by_its_closed_form(pool: Simulator) -> None:
         for _ in range(4):
             pool.advance(0.5)
             with_it, without = (camera.capture(on, geometry_only=True) for on in (["wobble"], []))
-            with np.errstate(invalid="ignore"):  # infinite depths
+            with np.errstate(invalid="ignore"):  # depths may be infinite
                 slope = np.gradient(without.depth_m.astype(np.float64), axis=0)
                 shift_px = (with_it.depth_m - without.depth_m) / slope
             level = (with_it.labels == 1) & (without.labels == 1) & (np.abs(slope) > 1e-4)
@@ -262,7 +262,7 @@ def test_a_camera_below_ground_is_refused_and_one_in_a_solid_sees_its_inner_side
     pool.rov.place((0.0, 0.0, -4.8))
     with pytest.raises(ValueError, match=r"camera 'rov/down' position_m = .*: must be above the ground"):
         pool.rov.cameras["down"].capture()
-    pool.rov.place((2.4, 0.0, -4.5))  # the lens is 0.6 m ahead: in the box
+    pool.rov.place((2.4, 0.0, -4.5))  # the lens is 0.6 m ahead, hence inside the box
     frame = pool.rov.cameras["front"].capture("off")
     assert (frame.labels == frame.label_names.index("box")).all()
     assert (frame.depth_m < 1).all()

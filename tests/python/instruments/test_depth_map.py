@@ -1,4 +1,4 @@
-"""The depth-map method against one ray for each beam: its errors, and the values that it refuses."""
+"""The depth-map method against one exact ray per beam: its errors, and the settings it refuses."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -18,7 +18,7 @@ HEAD = imaging.pose_matrix((0.0, 1.0, BED_M + 3.0), yaw_rad=0.3, pitch_rad=0.2, 
 
 @pytest.fixture(scope="module")
 def sim() -> SimpleNamespace:
-    """A basin with four walls and a box ahead; the head is rolled so that all columns differ."""
+    """A basin with four walls and a box ahead; the sonar head is rolled so that all columns differ."""
     walls = [((x, y, -15.0), size) for x, y, size in ((21, 0, (2, 44, 12)), (-21, 0, (2, 44, 12)),
                                                        (0, 21, (44, 2, 12)), (0, -21, (44, 2, 12)))]  # fmt: skip
     return basin(*walls, ((9.0, 3.0, BED_M + 1.0), (1.0, 1.0, 3.0)))
@@ -26,7 +26,7 @@ def sim() -> SimpleNamespace:
 
 @pytest.fixture(scope="module")
 def exact(sim: SimpleNamespace) -> np.ndarray:
-    """(beams,) ranges of one ray for each beam."""
+    """Return the ranges (beams,) from one ray per beam."""
     flat = np.stack([np.cos(ANGLES), np.sin(ANGLES), np.zeros(SONAR.beams)], axis=1)
     ranges: np.ndarray = sim.scene.cast(HEAD[None, :3, 3], flat @ HEAD[:3, :3].T, SONAR.range_max_m).ranges_m
     assert np.isfinite(ranges).all()
@@ -43,7 +43,7 @@ def test_the_mean_error_falls_with_the_width_of_a_pixel(sim: SimpleNamespace, ex
     assert coarse.beams == np.isfinite(exact).sum() == 513
     assert coarse.mean_m > 2.5 * middle.mean_m > 6.0 * fine.mean_m > 0.0
     half_pixel_rad = np.tan(SONAR.field_of_view_rad / 2) / 4096  # at the centre, where pixels are widest
-    steepest_m_rad = np.percentile(np.abs(np.gradient(exact, ANGLES)), 98)  # except at edges
+    steepest_m_rad = np.percentile(np.abs(np.gradient(exact, ANGLES)), 98)  # ignoring edges
     assert fine.percentile_95_m < half_pixel_rad * steepest_m_rad
 
 

@@ -1,4 +1,4 @@
-"""The highest points of a ping ahead, and the points above a height: the same as by NumPy, in one pass."""
+"""A ping's highest points ahead, and its points above a height: computed in one pass, equal to NumPy's."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ POSITION, HEADING_RAD, HALF_WIDTH_M, AHEAD_M = np.array([3.0, -2.0, -5.0]), 0.7,
 
 
 def _scene(seed: int, dtype: type) -> tuple[NDArray[np.floating], NDArray[np.float64], NDArray[np.float64]]:
-    """Points, some of them NaN, in a frame that is turned and moved; and the same points in the world."""
+    """Return points, some of them NaN, in a rotated and translated frame, and the same points in the world."""
     random = np.random.default_rng(seed)
     points = random.uniform(-30, 30, (500, 3)).astype(dtype)
     points[random.random(500) < 0.1] = np.nan

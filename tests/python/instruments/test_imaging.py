@@ -23,7 +23,7 @@ def test_surfaces_scatter_as_their_materials_unless_the_model_gives_a_strength()
     usual_db = imaging.look_ahead(sim, HEAD, even).level_db
     sim.strengths_db = {"terrain": -40.0, "box0": -12.0}
     softer_db = imaging.look_ahead(sim, HEAD, even).level_db - usual_db
-    wall = (slice(47, 48), slice(31, 33))  # the box's face, 9.5 m ahead; other bins contain only the bed
+    wall = (slice(47, 48), slice(31, 33))  # the box's face, 9.5 m ahead; all other bins contain only the bed
     assert softer_db[wall] == pytest.approx(3.0, abs=0.5)
     assert softer_db[100:150, :10] == pytest.approx(-10.0, abs=1e-3)
     given = replace(even, bottom_strength_db=-30.0, strengths_db={"box0": -15.0})
@@ -208,7 +208,7 @@ def test_bad_angles_and_numbers_are_refused() -> None:
 
 
 def test_labels_tell_which_surface_a_cell_shows() -> None:
-    """A box of 2 m stands 10 m to port on the bed, 5 m under the head."""
+    """A 2 m box stands on the bed, 10 m to port and 5 m below the sonar head."""
     sim = basin(((0.0, 10.0, BED_M + 1.0), (2.0, 2.0, 2.0)))
     nothing, terrain, box = (sim.world.label_names.index(name) for name in ("nothing", "terrain", "box0"))
     head = imaging.pose_matrix((0.0, 0.0, BED_M + 5.0))
@@ -217,9 +217,9 @@ def test_labels_tell_which_surface_a_cell_shows() -> None:
     face_m = np.hypot(9.0, 4.0)
     assert lines.port_labels[0, int(face_m / 0.1)] == box
     assert set(np.unique(lines.starboard_labels)) == {nothing, terrain}
-    assert (lines.port_labels[0, lines.ranges_m < 4.5] == nothing).all()  # the water column
+    assert (lines.port_labels[0, lines.ranges_m < 4.5] == nothing).all()  # the water column shows no surface
     beams = imaging.profile(sim, head, [np.pi / 2], SingleBeam(range_bins=200), with_labels=True)
-    assert beams.labels is not None and not (beams.labels == box).any()  # level: it passes over the box
+    assert beams.labels is not None and not (beams.labels == box).any()  # level beams pass over the box
     down = imaging.pose_matrix((0.0, 10.0, BED_M + 5.0), pitch_rad=np.pi / 2)
     beams = imaging.profile(sim, down, [0.0], SingleBeam(range_bins=200), with_labels=True)
     assert beams.labels is not None and beams.labels[0, int(3.0 / 0.1)] == box

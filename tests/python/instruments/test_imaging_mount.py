@@ -21,7 +21,7 @@ imaging_sonars:
 
 
 def pool_with(tmp_path: Path, sonars: str) -> Path:
-    """The pool with a vehicle that carries these sonars."""
+    """Return the pool with a vehicle that carries these sonars."""
     text = (assets_folder() / "vehicles" / "rov.yaml").read_text()
     (tmp_path / "diver.yaml").write_text(re.sub(r"\nimaging_sonars:\n(  .*\n)+", "\n", text) + sonars)
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()

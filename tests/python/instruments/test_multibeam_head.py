@@ -1,4 +1,4 @@
-"""The head of the multibeam: its elevation, its ping rate, and batches of pings."""
+"""The multibeam head: its elevation, its ping rate, and batches of pings."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_the_head_starts_at_the_scenarios_tilt_and_turns_at_five_degrees_per_sec
 
 def test_the_two_way_travel_time_limits_the_ping_rate() -> None:
     deep, near = Simulator("pool", sonar_model=1).rov.sonar, Simulator("pool", sonar_model=2).rov.sonar
-    assert deep.ping_rate_max_hz == pytest.approx(7.7, abs=0.15)  # 1,440 to 1,490 m/s in fresh water, over 190 m
+    assert deep.ping_rate_max_hz == pytest.approx(7.7, abs=0.15)  # fresh water, 190 m there and back
     assert near.ping_rate_max_hz / deep.ping_rate_max_hz == pytest.approx(95 / 55)
 
 

@@ -1,4 +1,4 @@
-"""Cameras with a motor: they turn at a finite rate, frames and pictures follow, commands are logged and replayed."""
+"""Pan-tilt cameras: they turn at a finite rate, frames and images follow, commands are logged and replayed."""
 
 import math
 
@@ -27,7 +27,7 @@ def sim(shared):
 
 
 def optical_axes(camera):
-    """Return right, down, ahead of a camera that looks along its x."""
+    """Return the right, down and forward axes of a camera that looks along its x."""
     ahead, left, up = camera.world_from_camera[:3, :3].T
     return np.stack([-left, -up, ahead], axis=1)
 
@@ -43,7 +43,7 @@ def test_it_turns_at_its_rate_and_stops_at_its_aim(sim):
     camera.aim(tilt_rad=0.4)
     sim.advance(3.0)
     np.testing.assert_allclose(camera.aim_rad, [0.5, 0.4])
-    turned = Rotation.from_euler("ZY", [0.5, 0.4]).as_matrix()  # about its own z, then y
+    turned = Rotation.from_euler("ZY", [0.5, 0.4]).as_matrix()  # about the camera's z, then its y
     np.testing.assert_allclose(camera.world_from_camera[:3, :3], before @ turned, atol=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""Physics mode in the simulator: repeatable, with time and motion; soundings with true and wrong profiles."""
+"""Physics mode in the simulator: repeatable, with delays and motion; soundings with correct and wrong profiles."""
 
 from __future__ import annotations
 
@@ -84,15 +84,15 @@ def test_soundings_with_the_wrong_profile_bend_up_and_with_the_true_one_do_not(t
     ping = sim.rov.sonar.ping()
     assert isinstance(ping, _core.PhysicsPing)
     profile = sound_speed_profile(sim.world.water)
-    assert profile.at(0) - profile.at(40) > 50  # slower below: sound bends down
+    assert profile.at(0) - profile.at(40) > 50  # sound is slower at depth, so rays bend down
     depth = -float(ping.world_from_sonar[2, 3])
     right_m = sound_points(ping, profile)[:, 2]
     wrong_m = sound_points(ping, SoundSpeedProfile.even(profile.at(depth)))[:, 2]
     outer, inner = slice(0, 20), slice(180, 220)
     assert np.median(right_m[outer]) == pytest.approx(-40, abs=0.15)
     assert np.median(right_m[inner]) == pytest.approx(-40, abs=0.05)
-    assert np.median(wrong_m[inner]) < -40.2  # the assumed speed is too high: too deep
-    assert np.median(wrong_m[outer]) - np.median(wrong_m[inner]) > 0.8  # bent up at the ends
+    assert np.median(wrong_m[inner]) < -40.2  # the assumed speed is too high, so soundings are too deep
+    assert np.median(wrong_m[outer]) - np.median(wrong_m[inner]) > 0.8  # outer beams are bent upwards
 
 
 def test_invalid_soundings_are_refused(tmp_path: Path) -> None:
@@ -113,6 +113,6 @@ def test_a_head_above_the_water_detects_nothing_and_one_under_the_bed_gives_no_n
     sim.rov.release()
     sim.rov.place((0.0, 5.0, 3.0))
     assert not sim.rov.sonar.ping().valid.any()
-    sim.rov.place((0.0, 5.0, -4.99))  # the head is below the bed
+    sim.rov.place((0.0, 5.0, -4.99))  # puts the head below the bed
     ping = sim.rov.sonar.ping()
     assert not np.isnan(ping.ranges_m).any()

@@ -1,4 +1,4 @@
-"""A stream gives each sample of a sensor once, as it arrives."""
+"""A stream yields each sample of a sensor once, when it arrives."""
 
 import numpy as np
 import pytest

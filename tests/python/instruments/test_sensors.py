@@ -1,4 +1,4 @@
-"""Sensors in Python: readings, samples, units, and their values in a vehicle's YAML file."""
+"""Sensors in Python: readings, samples, units, and their settings in a vehicle's YAML file."""
 
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ def mount(**keys: Any) -> SensorMount:
 
 
 def pool_with(sensors: dict[str, SensorMount], *, kept: bool = False, seed: int = 0) -> Simulator:
-    """The pool with a vehicle that carries these sensors, and its own if kept."""
+    """Return the pool with a vehicle that carries these sensors, in addition to its own if `kept`."""
     scenario = load("pool")
     vehicle = scenario.vehicles[0]
     carried = {**(vehicle.model.sensors if kept else {}), **sensors}
@@ -46,7 +46,7 @@ def flat(value: float | Reading) -> list[float]:
 
 
 def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[float]]:
-    """The readings of the sensors at regular intervals."""
+    """Return the sensors' readings at regular intervals."""
     sim.rov.release()
     sim.rov.set_effort(surge=0.4, yaw=0.1)
     rows = []
@@ -56,7 +56,7 @@ def log(sim: Simulator, names: list[str], every: int, steps: int) -> list[list[f
     return rows
 
 
-# The published vehicle carries the published instruments alone.
+# The published vehicle carries only the published instruments.
 VEHICLES = sorted(path for path in (assets_folder() / "vehicles").glob("*.yaml") if path.stem != "paper")
 
 

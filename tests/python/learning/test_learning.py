@@ -1,4 +1,4 @@
-"""Environments keep Gymnasium's rules, and a member of a vector environment is the lone one of its seed."""
+"""Environments follow Gymnasium's rules; a vector environment's member equals the single environment of its seed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STATION = "uwsim/StationKeeping-v0"
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether two observations are the same bytes."""
+    """Return True if two observations have the same bytes."""
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
     return bool(one.dtype == other.dtype and one.tobytes() == other.tobytes())
@@ -57,7 +57,7 @@ def test_a_member_has_the_episodes_of_the_lone_environment_of_its_seed(name: str
         if has_failed or is_over:
             ends += 1
             own, _ = lone.reset()
-            seen, reward, terminated, truncated, info = vector.step(actions)  # which begins the next episode
+            seen, reward, terminated, truncated, info = vector.step(actions)  # starts the next episode
             assert same(member(seen, 1), own)
             assert (reward[1], terminated[1], truncated[1]) == (0.0, False, False)
 
@@ -130,7 +130,7 @@ def test_episodes_with_faults_and_a_sonar_in_physics_mode_follow_from_the_seed()
     vector, lone = gymnasium.make_vec(pipeline, num_envs=2, **options), gymnasium.make(pipeline, **options)
     plain = gymnasium.make_vec(pipeline, num_envs=2, sonar_mode="geometry")
     (seen, _), (well, _), (own, _) = vector.reset(seed=6), plain.reset(seed=6), lone.reset(seed=7)
-    assert not np.array_equal(seen[:, :64], well[:, :64])  # echoes in noise
+    assert not np.array_equal(seen[:, :64], well[:, :64])  # noise changes the echoes
     actions = np.full((2, 4), 0.5, np.float32)
     for _ in range(10):
         seen, well, own = vector.step(actions)[0], plain.step(actions)[0], lone.step(actions[1])[0]
@@ -185,7 +185,7 @@ def test_render_gives_a_picture_of_each_member() -> None:
 )
 def test_wrong_options_are_named(make: dict[str, Any], message: str) -> None:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Gymnasium's own, on unknown render modes
+        warnings.simplefilter("ignore")  # Gymnasium warns about unknown render modes
         with pytest.raises(ValueError, match=message):
             gymnasium.make_vec(STATION, **{"num_envs": 1, **make})
 
@@ -232,7 +232,7 @@ def test_one_whose_motion_diverges_ends_and_the_others_go_on() -> None:
 
 
 def test_gymnasium_imports_what_registers_them_by_their_long_name() -> None:
-    """Gymnasium 1 has no entry points any more; this is its way to make an environment without an import."""
+    """Gymnasium 1 no longer uses entry points; "module:id" creates an environment without a prior import."""
     program = f"import gymnasium; print(gymnasium.make('uwsim.learning:{STATION}').spec.id)"
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == STATION

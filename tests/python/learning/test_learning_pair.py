@@ -1,4 +1,4 @@
-"""Two vehicles keep PettingZoo's rules."""
+"""Environments of two vehicles follow PettingZoo's API rules."""
 
 from __future__ import annotations
 

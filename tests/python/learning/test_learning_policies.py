@@ -1,4 +1,4 @@
-"""A policy is found by CMA-ES, and the packaged one holds its place better than the PID of the vehicle's file."""
+"""CMA-ES finds a policy, and the packaged one keeps station better than the PID gains in the vehicle's file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HELD_OUT = range(1_000_000, 1_000_006)
 
 
 def settled_m(flown: Flown) -> float:
-    """Distance from the place after 10 s, rms."""
+    """Return the rms distance from the target position after the first 10 s."""
     return float(np.sqrt((flown.figures["distance_m"][200:] ** 2).mean()))
 
 
@@ -27,7 +27,7 @@ def test_the_packaged_policy_beats_the_pid_of_the_vehicles_file_in_gusts() -> No
     arena = Episodes(StationKeeping, len(HELD_OUT), EpisodeOptions(threads=1))
     pid = fly(arena, Pid(arena, StationKeeping.place_m), HELD_OUT)
     learned = fly(arena, LinearPolicy.load("station_keeping"), HELD_OUT)
-    assert pid.total.min() > 250.0  # of 400: the PID does hold its place
+    assert pid.total.min() > 250.0  # out of 400: the PID controller does keep station
     assert (learned.total > pid.total).all()
     assert learned.total.mean() > pid.total.mean() + 10.0
     assert settled_m(learned) < settled_m(pid)
@@ -36,7 +36,7 @@ def test_the_packaged_policy_beats_the_pid_of_the_vehicles_file_in_gusts() -> No
 def test_a_few_generations_find_a_better_policy() -> None:
     weights = np.zeros((6, 21))
     for axis in range(3):
-        weights[axis, axis], weights[axis, 9 + axis] = 0.5, -0.5  # a weak pull towards the place, with damping
+        weights[axis, axis], weights[axis, 9 + axis] = 0.5, -0.5  # a weak pull towards the target, with damping
     start, options, course = LinearPolicy(weights, np.zeros(6)), EpisodeOptions(threads=1, duration_s=4.0), []
     search = {"candidates": 10, "episodes_each": 3, "start": start, "spread": 0.1}
     found = evolve(StationKeeping, options, generations=12, **search, told=course.append)

@@ -1,4 +1,4 @@
-"""Stable-Baselines3 learns on a batch; it is not installed where these tests usually run, as torch is large."""
+"""Stable-Baselines3 trains on a batch; it is rarely installed where these tests run, because it needs torch."""
 
 from __future__ import annotations
 

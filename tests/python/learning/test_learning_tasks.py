@@ -1,4 +1,4 @@
-"""Each task can be solved: a simple pilot that knows the truth solves it, and is rewarded more than an idle one."""
+"""Each task is solvable: a simple pilot that knows the true state solves it and earns more than an idle one."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from uwsim.learning.tasks import Coverage, Docking, GatePassing, PipelineFollowi
 
 SEEDS = range(3)
 Target = Callable[[Any, Motion], tuple[Any, Any]]
-"""From a task and the motion to places (n, 3) and headings (n, 2)."""
+"""A function from the task and the motion to target positions (n, 3) and headings (n, 2)."""
 
 EAST = np.array([1.0, 0.0])
 
 
 class Pilot:
-    """Goes to a target by proportional control with damping, level."""
+    """Proportional control towards a target, with damping, keeping the vehicle level."""
 
     def __init__(self, episodes: Episodes, target: Target, gain: float = 0.6) -> None:
         self.episodes, self.target, self.gain = episodes, target, gain
@@ -59,7 +59,7 @@ def waypoint(task: Waypoint, now: Motion) -> tuple[Any, Any]:
 
 
 def dock(task: Docking, now: Motion) -> tuple[Any, Any]:
-    """Ahead of the dock as long as it is not straight behind, so that no post is in the way."""
+    """Return a point in front of the dock until the dock is straight behind, to keep clear of the posts."""
     aside = np.linalg.norm((now.position_world_m - task._dock_m)[:, 1:], axis=1)
     wait_m = np.where(aside > 0.3, np.maximum(now.position_world_m[:, 0], 3.0), 0.0)
     return task._dock_m + wait_m[:, None] * task._ahead, EAST
@@ -77,7 +77,7 @@ def pipeline(task: PipelineFollowing, now: Motion) -> tuple[Any, Any]:
 
 
 def lanes() -> Target:
-    """To and fro, each lane 4 m beside the last; the sonar looks some 2 m ahead."""
+    """Return a target that flies lanes to and fro, 4 m apart; the sonar looks about 2 m ahead."""
     ends = np.array(
         [(x, y) for k, y in enumerate((-8.0, -4.0, 0.0, 4.0, 8.0)) for x in ((-12.5, 9.0)[:: 1 - 2 * (k % 2)])]
     )

@@ -1,4 +1,4 @@
-"""The map that the station makes of the pings that a modem has carried."""
+"""The map that the station builds from the pings carried by a modem."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 def lake(modem: str | None, **changes: object) -> Simulator:
-    """Return a vehicle over the lake's bed."""
+    """Return the lake scenario with a link."""
     scenario = load("lake").with_changes(modem=modem)
     if changes:
         scenario = scenario.model_copy(update={"link": scenario.link.model_copy(update=changes)})
@@ -49,7 +49,7 @@ def test_a_placed_ping_gives_the_points_of_the_map_aboard_thinned_and_rounded() 
     assert len(payload) == 36 + 2 * 65
     thin, _ = placed_points(PACKINGS["placed"].unpack(payload, channel))
     kept = placed_points(_every_eighth(message))[0]
-    assert np.abs(thin - kept).max() < 0.012  # half a centimetre of range, and what turns a beam of 55 m by 3e-5
+    assert np.abs(thin - kept).max() < 0.012  # half a centimetre of range, plus 3e-5 rad of beam direction at 55 m
 
 
 def _every_eighth(message: object) -> object:

@@ -1,4 +1,4 @@
-"""The table of docs/guides/link.md lists exactly the data that bypass the link."""
+"""The table in docs/guides/link.md lists exactly the data that bypass the link."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from uwsim.simulator.simulator import Simulator
 
 PAGE = page_named("link").read_text()
 OVER = {"station/drive", "station/all_stop", "station/command"}
-"""The station's services that put commands on the link: see the last test."""
+"""The station's services that send commands over the link; see the last test."""
 TOLD = ("track", "map")
-"""Foxglove's scenes that are made of what has arrived: see test_foxglove."""
+"""Foxglove scenes built from data that arrived over the link; see test_foxglove."""
 
 
 CARRIED = {name for name, command in COMMANDS.items() if command.crosses_link}
 REQUESTS = {
     "set_wrench": {"force_body_n": [1.0, 0.0, 0.0]}, "set_thrusters": {"commands": {}}, "set_fins": {"angles_rad": {}},
 }  # fmt: skip
-"""The requests of command services that take more than `data`."""
+"""Requests for command services whose arguments are not just `data`."""
 
 
 def table() -> list[str]:
@@ -41,19 +41,19 @@ def table() -> list[str]:
 
 
 def own_name(name: str, sim: Simulator) -> str:
-    """Return a name without its vehicle, where there are several."""
+    """Return a name without its vehicle prefix, which is present if there are several vehicles."""
     first, _, rest = name.partition("/")
     return rest if rest and first in sim.vehicles else name
 
 
 def is_order(service: str) -> bool:
-    """Whether a service is a command to a vehicle."""
+    """Return True if a service commands a vehicle."""
     name = service.rpartition("/")[2]
     return name in CARRIED or "lights/" in service
 
 
 def bypassing(scenario: str) -> set[str]:
-    """Return all that clients see and call beside the link of a scenario."""
+    """Return the names of everything that clients can see or call that bypasses the scenario's link."""
     sim = Simulator(scenario, link="tether")
     live = LiveSimulator(sim)
     table = served_table(live)
@@ -69,7 +69,7 @@ def bypassing(scenario: str) -> set[str]:
 
 
 class Node:
-    """The end of a graph that a Station has."""
+    """Stand-in for the node that a Station uses."""
 
 
 def test_all_that_bypasses_the_link_is_in_the_table_and_nothing_else() -> None:
@@ -111,5 +111,5 @@ def test_the_pilot_s_hands_and_commands_at_the_station_are_messages_of_the_link(
 
 
 def given(sim: Simulator) -> int:
-    """Return how many messages the station has given to its modem."""
+    """Return how many messages the station has passed to its modem."""
     return sum(one.given for one in sim.link.counts() if one.sender == STATION)

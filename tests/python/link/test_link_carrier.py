@@ -1,4 +1,4 @@
-"""A live simulator over a link: only carried data arrive, late or never, and runs repeat to the same bytes."""
+"""A live simulator over a link: only carried data arrive, possibly late or never, and runs repeat byte for byte."""
 
 from __future__ import annotations
 

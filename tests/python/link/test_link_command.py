@@ -1,4 +1,4 @@
-"""`uwsim link`, `uwsim validate link`, `uwsim serve --link` and the start screen's choice of a modem."""
+"""`uwsim link`, `uwsim validate link`, `uwsim serve --link` and the start screen's choice of modem."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_a_trial_s_delay_is_path_over_c_and_a_blackout_shows() -> None:
     fault = LinkFault(from_s=1.0, until_s=6.0)
     scenario = load("pool").model_copy(update={"link": LinkSetup(modem="s2cm_hs", faults=(fault,))})
     trial = run_trial(scenario, None, depth_m=2.0)
-    speed = 1482.5  # of fresh water at 20 deg C
+    speed = 1482.5  # fresh water at 20 deg C
     for leg in trial.legs:
         assert leg.delay_s == pytest.approx(leg.range_m / speed, rel=0.01)
     dark = [leg for leg in trial.legs if fault.from_s < leg.time_s < fault.until_s - 3.0]

@@ -16,7 +16,7 @@ MODEMS = ("none", "tether", "ideal_acoustic", "micromodem", "s2cm_hs")
 
 
 def lake(modem: str, **changes: object) -> Simulator:
-    """Return the pair's basin with a link."""
+    """Return the pair scenario's basin with a link."""
     scenario = load("pair").with_changes(modem=modem)
     if changes:
         scenario = scenario.model_copy(update={"link": scenario.link.model_copy(update=changes)})
@@ -137,7 +137,7 @@ def _file(folder, text: str) -> str:
 
 
 def test_a_modem_s_figures_reach_the_core() -> None:
-    """Every figure of a modem changes something in the core's spec."""
+    """Every parameter of a modem changes something in the core's specification."""
     from uwsim.scenario.build.link import modem_spec
 
     modem = load_modem("s2cm_hs")

@@ -1,4 +1,4 @@
-"""A USBL that shares its vehicle's modem: pings and fixes are packets, with air time, turns and losses."""
+"""A USBL that shares its vehicle's modem: pings and fixes are packets with air time, turnaround and losses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TOPIC = "ranging/usbl"
 def lake(
     modem: str = "s2cm_hs", *, shares: bool = True, usbl: dict[str, object] | None = None, **link: object
 ) -> Simulator:
-    """Return the lake with a link and a USBL without errors."""
+    """Return the lake scenario with a link and an error-free USBL."""
     scenario = load("lake")
     entry = scenario.vehicles[0]
     changes = {"drop_out": 0.0, "channels": {}, "position_m": (0.0, 0.0, 0.0), **(usbl or {})}

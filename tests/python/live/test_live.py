@@ -1,4 +1,4 @@
-"""A live simulator steps like a simulator, answers while it is paused, and outlives every error."""
+"""A live simulator steps like a simulator, responds while paused, and survives every error."""
 
 import signal
 import subprocess
@@ -16,7 +16,7 @@ from uwsim import Simulator
 from uwsim.live import Entry, LiveSimulator, NotRunningError, replay
 from uwsim.navigation.control import Autopilot, Clock, SteeredVehicle
 
-PATIENCE_S = 20.0  # for what happens at once on an idle machine
+PATIENCE_S = 20.0  # time limit for events that are immediate on an idle machine
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_what_several_threads_command_replays_to_the_same_bytes(live: LiveSimula
 
 
 def test_a_command_takes_effect_before_steps_that_are_asked_for_later(live: LiveSimulator) -> None:
-    live.every(0.005, lambda sim: None, lambda _: time.sleep(0.002))  # commands come while it is busy
+    live.every(0.005, lambda sim: None, lambda _: time.sleep(0.002))  # commands arrive while it is busy
     for k in range(50):
         live.command("set_effort", vehicle="rov", surge=0.01 * k)
         live.step(1)
@@ -108,7 +108,7 @@ def test_entries_out_of_order_are_not_replayed() -> None:
 
 def test_readings_come_at_multiples_of_their_period_in_simulated_time(live: LiveSimulator) -> None:
     ticks: list[int] = []
-    live.every(0.012, lambda sim: sim.tick, ticks.append)  # 2.4 steps: the first at or after each multiple
+    live.every(0.012, lambda sim: sim.tick, ticks.append)  # every 2.4 steps: at the next step each time
     assert eventually(lambda: ticks == [0])
     live.step(13)
     result(live.read(lambda sim: None))
@@ -242,7 +242,7 @@ def test_after_a_failed_step_it_stands_still_until_it_is_reset() -> None:
 
 
 def dive(vehicle: SteeredVehicle, clock: Clock) -> None:
-    """A mission: turn to the north and go down 1 m."""
+    """A mission that turns north and descends 1 m."""
     autopilot = Autopilot(vehicle)
     z_m = float(vehicle.pose.position_world_m[2]) - 1.0
     for _ in range(150):
@@ -259,13 +259,13 @@ def test_a_mission_flies_as_on_a_simulator(live: LiveSimulator) -> None:
         live.resume()
         dive(live.rov, clock)
         assert live.simulator.save_state() == sim.save_state()
-    assert eventually(lambda: live.simulator.tick > sim.tick)  # free again
+    assert eventually(lambda: live.simulator.tick > sim.tick)  # the simulator runs again
 
 
 def test_a_clock_keeps_its_period_while_the_mission_thinks(live: LiveSimulator) -> None:
     clock = live.clock
     clock.wait(0.0)
-    live.step(3)  # it thinks
+    live.step(3)  # the mission is computing
     waiter = threading.Thread(target=clock.wait, args=[0.05])
     waiter.start()
     live.step(6)
@@ -278,7 +278,7 @@ def test_a_clock_keeps_its_period_while_the_mission_thinks(live: LiveSimulator) 
 
 def test_ctrl_c_ends_a_program_that_waits() -> None:
     program = "import signal\nfrom uwsim.live import LiveSimulator\n"
-    program += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # whoever started this may ignore it
+    program += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # the parent process may ignore SIGINT
     program += "with LiveSimulator('pool') as live:\n    print('up', flush=True)\n    live.clock.wait(1000.0)\n"
     child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:

@@ -1,4 +1,4 @@
-"""The pace's schedule, on a clock that the test sets."""
+"""The pace's schedule, on a clock set by the test."""
 
 import math
 
@@ -12,9 +12,9 @@ STEP_S = 0.005
 def run(
     pace: Pace, wall_s: float, *, step_cost_s: float = 0.0, start_s: float = 100.0, awaited: int | None = 1
 ) -> tuple[int, float]:
-    """Step as the loop does for wall_s seconds; return the steps made and the time at the end.
+    """Step as the loop does for wall_s seconds; return the number of steps and the time at the end.
 
-    awaited: after so many steps somebody waits for them.
+    awaited: the number of steps that a caller waits for.
     """
     now_s, steps = start_s, 0
     while now_s < start_s + wall_s:
@@ -39,7 +39,7 @@ def test_a_machine_that_is_fast_enough_makes_exactly_the_scheduled_steps(speed: 
 
 
 def test_a_machine_that_is_too_slow_slips_and_says_so() -> None:
-    pace = Pace(1.0, STEP_S)  # each step takes twice its simulated time
+    pace = Pace(1.0, STEP_S)  # each step costs twice its simulated duration
     steps, now_s = run(pace, 4.0, step_cost_s=2 * STEP_S)
     assert steps == pytest.approx(2.0 / STEP_S, abs=2)
     assert pace.factor == pytest.approx(0.5, rel=0.03)
@@ -63,10 +63,10 @@ def test_short_delays_are_made_up_for_and_long_ones_are_not(delay_s: float, made
 
 def test_steps_that_nobody_waits_for_rest_without_being_late() -> None:
     pace = Pace(1.0, STEP_S)
-    assert pace.due(100.0) == 1  # the first
+    assert pace.due(100.0) == 1  # the first step
     pace.made(1, 100.0, 100.0)
-    assert pace.wait_s(100.0, None) == pytest.approx(REST_S)  # a wake makes several
-    assert pace.wait_s(100.0, 2) == pytest.approx(2 * STEP_S)  # somebody waits for the second
+    assert pace.wait_s(100.0, None) == pytest.approx(REST_S)  # one wake-up runs several steps
+    assert pace.wait_s(100.0, 2) == pytest.approx(2 * STEP_S)  # a caller waits for the second step
     assert pace.wait_s(100.0, None) == pytest.approx(REST_S)
     assert pace.due(100.0 + REST_S + 1e-6) == round(REST_S / STEP_S)
     assert pace.lateness_s < 1e-5
