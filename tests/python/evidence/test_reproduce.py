@@ -1,6 +1,4 @@
-"""The paper's figures, reproduced: pictures with their underlying values, transform trees, and maps per message type.
-
-"""
+"""The paper's figures, reproduced: pictures and their underlying values, transform trees, and maps per message type."""
 
 import json
 import re

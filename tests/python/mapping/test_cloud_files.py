@@ -1,4 +1,4 @@
-"""Point clouds in files: they are read as written, PCL's own files are read, damaged ones are refused."""
+"""Point cloud files: they round-trip, PCL's own files are read, damaged ones are refused."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Laws of the filters and fits: known centroids, planes and motions are recovered."""
+"""Cloud filters and fits: known centroids, planes and motions are recovered."""
 
 import math
 
@@ -18,7 +18,7 @@ def some_points(n: int, seed: int = 0, half_m: float = 5.0) -> np.ndarray:
 
 
 def bumpy_bed(n: int, seed: int = 0) -> np.ndarray:
-    """Points on a bed whose slopes hold a cloud in place along every axis."""
+    """Return points on a bed with slopes in enough directions to constrain registration along every axis."""
     xy = np.random.default_rng(seed).uniform(-8.0, 8.0, (n, 2))
     z = 1.2 * np.sin(xy[:, 0] / 1.7) + 1.0 * np.cos(xy[:, 1] / 1.3) + 0.3 * np.sin(xy.sum(axis=1))
     return np.column_stack([xy, z])
@@ -45,14 +45,14 @@ def test_the_voxel_grid_gives_the_centroid_of_each_cube(n, seed, voxel_m, far):
     points = (some_points(n, seed) + far * FAR).astype(np.float32)
     wide = points.astype(np.float64)
     edge_m = np.abs(wide / voxel_m - np.round(wide / voxel_m)).min(axis=1) * voxel_m
-    points, wide = points[edge_m > 1e-3], wide[edge_m > 1e-3]  # rounding to float32 may move a point across a face
+    points, wide = points[edge_m > 1e-3], wide[edge_m > 1e-3]  # rounding to float32 may move a point across a cell face
     keys, cube, count = np.unique(np.floor(wide / voxel_m), axis=0, return_inverse=True, return_counts=True)
     expected = np.zeros((len(keys), 3))
     np.add.at(expected, cube, wide)
     got = clouds.voxel_grid(points, voxel_m)
     assert got.dtype == np.float32
     assert len(got) == len(keys)
-    order = np.lexsort(keys.T)  # z slowest, x fastest
+    order = np.lexsort(keys.T)  # z varies slowest, x fastest
     assert np.abs(got - (expected / count[:, None])[order]).max(initial=0.0) < (3e-4 if far else 3e-6)
 
 

@@ -1,4 +1,4 @@
-"""Laws of the depth grid."""
+"""Properties of the depth grid."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Loop closure: a drifted track is bent until its submaps fit each other, as far as the ground tells."""
+"""Loop closure: a drifting track is bent until its submaps match, as far as the terrain constrains them."""
 
 import json
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from uwsim.mapping.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.missions import OwnVehicle, Steps, goto
 
 LANE_M, SPACING_M, LANES, SPEED_M_S, HEIGHT_M = 80.0, 15.0, 5, 1.0, 12.0
-ACROSS_M = np.linspace(-20.0, 20.0, 161)  # where the fan meets the ground, about its middle
+ACROSS_M = np.linspace(-20.0, 20.0, 161)  # where the fan meets the ground, across the track
 
 
 def hills(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -26,7 +26,7 @@ def plain(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def lawn_mower(ground: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> tuple[PingTrack, np.ndarray]:
-    """Fly lanes whose estimate drifts by up to 3 m; return the track and the true positions (n, 2)."""
+    """Fly lanes with an estimate that drifts by up to 3 m; return the track and the true positions (n, 2)."""
     track, truth = PingTrack(), []
     for k in range(int(LANES * LANE_M / SPEED_M_S)):
         lane, along_m = divmod(k * SPEED_M_S, LANE_M)
@@ -51,7 +51,7 @@ def bent_by(closed: ClosedTrack, track: PingTrack) -> np.ndarray:
 
 
 def misfit_m(poses: list[np.ndarray], truth: np.ndarray) -> float:
-    """Return the rms error but for the mean, which no match can tell."""
+    """Return the rms error about its mean, because matching cannot determine the mean."""
     error = np.array([pose[:2, 3] for pose in poses]) - truth
     return float(np.sqrt(np.mean(np.sum((error - error.mean(axis=0)) ** 2, axis=1))))
 
@@ -66,7 +66,7 @@ def test_hills_take_out_most_of_the_drift() -> None:
 def test_what_the_estimate_corrects_in_a_jump_is_corrected_before_it_too() -> None:
     track, truth = lawn_mower(hills)
     half = len(track) // 2
-    for k, true in enumerate(truth):  # it drifts by 3 m, jumps back, and is right from then on
+    for k, true in enumerate(truth):  # the estimate drifts by 3 m, jumps back, and is correct from then on
         off_m = np.array([0.0, 3.0 * k / half]) if k < half else np.zeros(2)
         track.world_from_body[k][:2, 3] = true + off_m
         track.std_m[k] = 0.1 + float(off_m[1]) / 2.0

@@ -1,4 +1,4 @@
-"""Both engines of a map give the same bytes from the same scans, in batches of any size."""
+"""Both map engines produce the same bytes from the same scans, whatever the batch size."""
 
 import importlib.util
 import sys
@@ -14,7 +14,7 @@ RANGE_M = 25.0
 
 
 def pings(count=12, seed=5):
-    """Scans of a wavy floor, some beams without an echo: points (n, 3) float32, counts (m,), origins (m, 3)."""
+    """Return scans of a wavy floor, with some missing echoes: points (n, 3) float32, counts (m,), origins (m, 3)."""
     random = np.random.default_rng(seed)
     clouds, origins = [], []
     for ping in range(count):
@@ -79,7 +79,7 @@ def test_files_of_one_engine_are_read_by_the_other(reference, engine, other, suf
     for occupancy_map in maps:
         occupancy_map.insert_scans(*pings(seed=6), RANGE_M)
     assert both(maps[0]) == both(maps[1])
-    assert capfd.readouterr() == ("", "")  # OctoMap itself prints to stderr
+    assert capfd.readouterr() == ("", "")  # OctoMap itself would print to stderr
 
 
 def test_each_map_has_its_own_probabilities():
@@ -135,7 +135,7 @@ def test_batch_is_inserted_whole_or_not_at_all(points, counts, origins, rule):
 def test_the_bench_measures_every_case(tmp_path):
     spec = importlib.util.spec_from_file_location("bench_mapping", BENCH)
     bench = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = bench  # dataclasses look up their module there
+    sys.modules[spec.name] = bench  # dataclasses look their module up in sys.modules
     spec.loader.exec_module(bench)
     scans = bench.Seabed().scans(bench.Workload(65, 120, 40, 30, {}), 4)
     assert scans.points_m.shape == (4 * 65, 3)

@@ -1,4 +1,4 @@
-"""Merged maps: the same bytes in any order; log-odds are summed, states are united."""
+"""Merging maps: the same bytes in any order; log-odds are summed, states are combined."""
 
 from itertools import permutations
 from pathlib import Path
@@ -14,7 +14,7 @@ MIN, MAX = (np.float32(np.log(p / (1 - p))) for p in (0.1192, 0.971))
 
 
 def scanned(seed: int, scans: int = 25) -> OccupancyMap:
-    """A map of random scans from a few places, so that maps overlap and contradict each other."""
+    """Return a map of random scans from a few positions, so that maps overlap and contradict each other."""
     random = np.random.default_rng(seed)
     occupancy = OccupancyMap(EDGE_M)
     for _ in range(scans):

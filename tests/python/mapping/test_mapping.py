@@ -1,4 +1,4 @@
-"""Maps and their files, which OctoMap's own tools and a second reader of the .bt format read back."""
+"""Maps and their files, verified with OctoMap's own tools and an independent reader of the .bt format."""
 
 import re
 import subprocess
@@ -16,7 +16,7 @@ TILT_RAD = np.radians(35)
 
 
 def floor_ranges_m(altitude_m=8.0):
-    """Ranges of a sonar of model 2 that is tilted down over a flat floor."""
+    """Return the ranges of a model 2 sonar that is tilted down over a flat floor."""
     variant = ranging.MODELS[2]
     angles_rad = variant.angle_min_rad + variant.angle_increment_rad * np.arange(variant.beams)
     return (altitude_m / (np.cos(angles_rad) * np.sin(TILT_RAD))).astype(np.float32)
@@ -34,7 +34,7 @@ def world_from_sonar(x_m):
 
 
 def insert_text(occupancy_map, text, pose):
-    """The whole chain from a ping's text to the map: text, ranges, scan, cloud, world, map."""
+    """Run the whole chain from a ping's text to the map: text, ranges, scan, cloud, world, map."""
     scan = ranging.to_laser_scan(ranging.decode_depth_string(text))
     points_world_m = ranging.transform_points(ranging.to_point_cloud(scan), pose)
     occupancy_map.insert_scan(points_world_m, pose[:3, 3], max_range_m=55.0)
@@ -52,7 +52,7 @@ def rows(points):
 
 
 def voxels_of_bt(data):
-    """Occupied and free voxel centres of a .bt, read by the description of the format."""
+    """Return the centres of a .bt file's occupied and free voxels, decoded from the format's description."""
     header, _, body = data.partition(b"\ndata\n")
     resolution_m = float(re.search(rb"^res (\S+)$", header, re.MULTILINE)[1])
     found = {1: set(), 2: set()}

@@ -1,4 +1,4 @@
-"""Queries, changed voxels, merging, the sensor model and the limit of memory, the same in both engines."""
+"""Queries, changed voxels, merging, the sensor model and the memory limit, in both engines."""
 
 import math
 import subprocess
@@ -92,7 +92,7 @@ def test_rays_find_a_wall(engine):
     assert cast.voxels_m[2].tolist() == [-0.25, 0.25, 0.25]
     assert occupancy.cast_rays(origins[:1], directions[:1], max_range_m=3).states.tolist() == [0]
     assert occupancy.cast_rays(origins[4:], directions[4:], ignore_unknown=True).states.tolist() == [0]
-    for length in (1e-300, 1e-40, 1e-20, 1e20, 1e25, 1e300):  # their squares do not fit a float32
+    for length in (1e-300, 1e-40, 1e-20, 1e20, 1e25, 1e300):  # whose squares under- or overflow a float32
         scaled = occupancy.cast_rays(origins[:3], length * np.array(directions[:3]), max_range_m=20)
         np.testing.assert_array_equal(scaled.states, cast.states)
         np.testing.assert_array_equal(scaled.voxels_m, cast.voxels_m)
@@ -204,7 +204,7 @@ def test_limit_of_memory_does_not_change_the_map(tmp_path):
     spill.mkdir()
     whole, tiles = some_map("bricks"), some_map("bricks", memory_limit_mb=0.05, spill_dir=spill)
     assert tiles.statistics().evictions > 0
-    assert list(spill.iterdir()) == []  # the file has no name
+    assert list(spill.iterdir()) == []  # the spill file is unlinked
     for suffix in ("bt", "ot"):
         tiles.write(tmp_path / f"tiles.{suffix}")
         assert (tmp_path / f"tiles.{suffix}").read_bytes() == whole.to_bytes(suffix)

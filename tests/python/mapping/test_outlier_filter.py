@@ -1,4 +1,4 @@
-"""Laws of the gate along the swath: it drops isolated soundings, and keeps beds, steps and objects of four beams."""
+"""The along-swath outlier gate drops isolated soundings and keeps beds, steps and objects four beams wide."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def filtered(ranges_m: np.ndarray) -> np.ndarray:
 
 
 def plane(height_m: float, slope_rad: float) -> np.ndarray:
-    """Ranges to a plane across the swath; beyond 90 m there is no echo."""
+    """Return the ranges to a plane across the swath; beyond 90 m there is no echo."""
     ranges = height_m / np.maximum(np.cos(ANGLES - slope_rad), 1e-9)
     return np.where(ranges < 90.0, ranges, np.inf).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""The links from ranges to points: the wire's text, LaserScan, point clouds, filters."""
+"""The steps from ranges to points: transmitted text, LaserScan, point clouds, filters."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def rigid(yaw_rad, translation_m):
 
 
 def wall_scan(distance_m, model=2):
-    """Make the scan of a plane across the sonar's forward axis."""
+    """Return the scan of a plane perpendicular to the sonar's forward axis."""
     variant = ranging.MODELS[model]
     angles_rad = variant.angle_min_rad + variant.angle_increment_rad * np.arange(variant.beams)
     return ranging.to_laser_scan((distance_m / np.cos(angles_rad)).astype(np.float32), model)

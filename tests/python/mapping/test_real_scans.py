@@ -1,4 +1,4 @@
-"""The scans and the map of liboctomap-dev give the bytes that OctoMap's own programs give."""
+"""Scans and maps shipped with liboctomap-dev produce the same bytes as with OctoMap's own programs."""
 
 import bz2
 import struct
@@ -15,7 +15,7 @@ SCANS_PER_BATCH = 5
 
 
 def graph2tree(graph, folder, *options):
-    """Insert a scan graph with OctoMap's program; return the bytes of its .ot and its .bt."""
+    """Insert a scan graph with OctoMap's graph2tree; return the bytes of its .ot and .bt files."""
     subprocess.run(
         ["graph2tree", "-i", graph, "-o", folder / "tree.bt", "-g", *options],
         check=True,
@@ -26,13 +26,13 @@ def graph2tree(graph, folder, *options):
 
 
 def read_graph(path):
-    """The point clouds, (n, 3) float32, and origins, (3,), of a graph whose points are in the world."""
+    """Return a graph's point clouds (n, 3) float32, in world coordinates, and origins (3,)."""
     data = path.read_bytes()
     (nodes,) = struct.unpack_from("<I", data)
     at, scans = 4, []
 
     def vectors(count, numbers):
-        # each vector is a count of its numbers and then these, as float64
+        # each vector is stored as a count followed by that many float64
         nonlocal at
         rows = np.frombuffer(data, dtype=[("n", "<u4"), ("x", "<f8", numbers)], count=count, offset=at)
         at += rows.nbytes
@@ -54,7 +54,7 @@ def spherical_scan(folder):
 
 
 def laser_scan(folder):
-    """A graph of scan.dat, which holds points only: cut into scans from invented origins."""
+    """Return a graph of scan.dat, which contains only points: they are divided into scans with invented origins."""
     with bz2.open(DATA / "scan.dat.bz2", "rt") as file:
         points = np.loadtxt(file)
     log = folder / "scan.log"

@@ -1,4 +1,4 @@
-"""SurfaceVoxels: earlier queries change nothing but the time that it takes."""
+"""SurfaceVoxels: earlier queries affect only the time a query takes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_distances_are_those_of_the_centres_whatever_was_looked_at(rays: _core.R
     centres = voxel_centres_m(unpack_keys(keys), VOXEL_M)
     surface = _core.SurfaceVoxels(rays, VOXEL_M)
     surface.look_at(centres[::3].astype(np.float32))
-    surface.look_at(np.array([[np.nan, 0.0, 0.0], [1e30, 0.0, 0.0]], np.float32))  # in no voxel
+    surface.look_at(np.array([[np.nan, 0.0, 0.0], [1e30, 0.0, 0.0]], np.float32))  # outside every voxel
     assert len(surface) == len(keys[::3])
     for _ in range(2):
         assert np.array_equal(surface.distances_m(keys), rays.distance_m(centres))
@@ -46,7 +46,7 @@ def test_a_voxel_that_holds_a_point_of_the_surface_holds_surface(rays: _core.Ray
     down = np.broadcast_to([0.0, 0.0, -1.0], (200, 3))
     above = np.column_stack([np.random.default_rng(4).uniform(-8.0, 8.0, (200, 2)), np.full(200, 20.0)])
     met = above + rays.cast(above, down, 100.0).ranges_m[:, None] * down
-    middle = np.abs(met / VOXEL_M - np.floor(met / VOXEL_M) - 0.5).max(axis=1) < 0.4  # in a corner halving may miss it
+    middle = np.abs(met / VOXEL_M - np.floor(met / VOXEL_M) - 0.5).max(axis=1) < 0.4  # bisection may miss corners
     on_it = pack_keys(voxel_keys(met[middle], VOXEL_M))
     assert surface.hold_surface(on_it, surface.distances_m(on_it)).all()
 

@@ -1,4 +1,4 @@
-"""Keys of voxels are OctoMap's."""
+"""Voxel keys equal OctoMap's."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Planners that cover an area: lanes over any polygon, and frontiers of the growing map."""
+"""Area coverage planners: lanes over arbitrary polygons, and frontiers of the growing map."""
 
 from itertools import pairwise
 
@@ -110,8 +110,8 @@ def test_an_area_with_a_shore_or_an_island_in_it_is_seen_whole_and_never_left(ar
     assert shapely.distance(polygon, shapely.points(path[came_in:])).max() < BEYOND_M + 1.0, "the vehicle swings out"
     grid = np.mgrid[-39.5:40.0, -39.5:40.0].reshape(2, -1).T
     wet = grid[shapely.contains_xy(polygon.buffer(-1.0), grid) & (sim.world.height_at(grid) < -4.5)]
-    wet = wet[np.linalg.norm(wet - (8.0, 8.0), axis=1) > 4.0]  # the island
-    wet = wet[(wet[:, 0] > 1.0) | (np.abs(wet[:, 1] - 18.0) > 2.0)]  # the quay
+    wet = wet[np.linalg.norm(wet - (8.0, 8.0), axis=1) > 4.0]  # outside the island
+    wet = wet[(wet[:, 0] > 1.0) | (np.abs(wet[:, 1] - 18.0) > 2.0)]  # outside the quay
     unseen = [tuple(c) for c in np.floor(wet).astype(int).tolist() if tuple(c) not in seen.cells]
     assert len(unseen) < 0.05 * len(wet), unseen
 

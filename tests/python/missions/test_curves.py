@@ -1,4 +1,4 @@
-"""Curved paths: they pass through the waypoints, turn no tighter than allowed, and vehicles fly them."""
+"""Curved paths pass through the waypoints and respect the minimum turning radius, and vehicles can follow them."""
 
 import math
 
@@ -63,7 +63,7 @@ def test_a_vehicle_flies_through_the_waypoints(curve: str) -> None:
 def test_a_vehicle_stops_before_what_is_in_the_way_of_its_curve() -> None:
     def mission(vehicle):
         vehicle.undock()
-        waypoints = [(-8.0, -16.0), (2.0, -14.0), (2.0, -4.0), (-10.0, -4.0)]  # the spline swings out to a gate's post
+        waypoints = [(-8.0, -16.0), (2.0, -14.0), (2.0, -4.0), (-10.0, -4.0)]  # the spline swings out into a gate post
         yield from fly_through(vehicle, waypoints, curve="spline", altitude_m=3.0)
 
     flown = uwsim.fly(mission, "cove")

@@ -1,4 +1,4 @@
-"""The digital twin: flying again makes the map better, the vehicle is docked at the end, and changes are found."""
+"""The digital twin: repeated flights improve the map, the vehicle finishes docked, and changes are detected."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_weak_places_are_flown_again_and_the_vehicle_docks() -> None:
 
 
 def bed_with(*boxes: tuple[float, float]) -> OccupancyMap:
-    """A map of a bed at z = -5, seen from above, with boxes of 1 m x 1 m x 1 m on it."""
+    """Return a map of a bed at z = -5, seen from above, with 1 m x 1 m x 1 m boxes on it."""
     occupancy = OccupancyMap(resolution_m=0.25)
     x, y = (part.ravel() for part in np.mgrid[-4:4:0.125, -4:4:0.125])
     z = np.full(x.shape, -5.1)

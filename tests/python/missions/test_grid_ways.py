@@ -1,4 +1,4 @@
-"""Ways over a grid: the cheapest, over open cells only, and always the same of equal ones."""
+"""Paths over a grid: cheapest, through passable cells only, and with a fixed choice among equal ones."""
 
 import math
 from collections import deque
@@ -46,7 +46,7 @@ def test_of_several_sources_the_nearest_counts() -> None:
 
 
 def first_found(start: Cell, wanted: set[Cell], passable: set[Cell]) -> list[Cell] | None:
-    """Search breadth first, in the order of NEIGHBOURS."""
+    """Return the first path that a breadth-first search in the order of NEIGHBOURS finds."""
     before: dict[Cell, Cell | None] = {start: None}
     queue = deque([start])
     while queue:

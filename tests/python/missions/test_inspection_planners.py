@@ -1,4 +1,4 @@
-"""Gates that the sonar detects are passed through the middle."""
+"""Gates detected by the sonar are passed through their centre."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""The lookout climbs over the bed and all that the sonar has seen ahead, in time, by one law for lanes and planners."""
+"""The lookout climbs in time over the bed and all obstacles that the sonar sees, by one rule for lanes and planners."""
 
 import math
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ ALTITUDE_M = 3.0
 
 @dataclass
 class Seeing(ScriptedVehicle):
-    """Stands 20 m deep, 5 m above the bed, and sees the given points of the world."""
+    """A vehicle that holds still at 20 m depth, 5 m above the bed, and sees the given world points."""
 
     position: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -20.0]))
     points_m: list[tuple[float, float, float]] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Ways through a map: round occupied voxels, not through unknown ones, and as short as the clearance allows."""
+"""Paths through a map: around occupied voxels, not through unknown ones, and as short as the clearance allows."""
 
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ LOW, HIGH = (-6.0, -6.0, -6.0), (6.0, 6.0, 0.0)
 
 
 def basin(*, wall: bool, hole_y_m: float | None = None) -> OccupancyMap:
-    """A map of 12 x 12 x 6 m of free water, with a wall at x = 0 in which there may be a hole 3 m wide."""
+    """Return a 12 x 12 x 6 m map of free water with a wall at x = 0, optionally with a hole 3 m wide."""
     occupancy = OccupancyMap(resolution_m=0.5)
     y, z = (part.ravel() for part in np.mgrid[-6:6:0.25, -5.9:0:0.25])
     for x_from, x_to in ((-5.75, 5.75), (5.75, -5.75)):

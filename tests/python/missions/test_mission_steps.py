@@ -1,4 +1,4 @@
-"""Missions as generators: time passes where they yield, steps compose, and the same mission flies to the same bits."""
+"""Missions as generators: time passes at each yield, steps compose, and repeated flights are identical bit for bit."""
 
 import math
 from types import SimpleNamespace
@@ -43,7 +43,7 @@ def test_time_passes_only_where_a_mission_yields() -> None:
         times.append(clock.time_s)
         yield wait(0.5)
         times.append(clock.time_s)
-        yield from wait(0.25)  # the same
+        yield from wait(0.25)  # equivalent form
         times.append(clock.time_s)
         return "done"
 
@@ -156,11 +156,11 @@ def test_a_mission_must_be_a_generator_of_one_argument() -> None:
 
 
 def holds(vehicle):
-    """Hold by many short holds; return where the first began, and where the last ended."""
+    """Hold station in many short steps; return where the first began and where the last ended."""
     vehicle.undock()
     yield from goto(vehicle, (0.0, 3.0, -2.0), within_m=0.3)
     vehicle.set_effort(surge=1.0)
-    yield wait(2.0)  # it has way on
+    yield wait(2.0)  # the vehicle is still moving
     began = vehicle.pose.position_world_m
     for _ in range(60):
         yield from hold(vehicle, 0.5)
@@ -174,7 +174,7 @@ def test_repeated_holds_keep_the_place_of_the_first() -> None:
 
 
 def tour(vehicle):
-    """Fly through every kind of move."""
+    """A mission with every kind of move."""
     vehicle.undock()
     vehicle.log("undocked", position_m=vehicle.pose.position_world_m)
     yield from dive_to(vehicle, 3.0)
@@ -214,14 +214,14 @@ def test_the_same_mission_flies_to_the_same_bits_live() -> None:
 def test_a_way_that_is_blocked_ends_the_mission() -> None:
     def mission(vehicle):
         vehicle.undock()
-        yield from goto(vehicle, (25.0, 0.0, -3.0))  # beyond the pool's wall
+        yield from goto(vehicle, (25.0, 0.0, -3.0))  # outside the pool's wall
 
     sim = Simulator("pool")
     sim.rov.release()
     sim.rov.place([0.0, 6.0, -3.0])
 
     def into_the_box(vehicle):
-        yield from goto(vehicle, (3.0, 0.0, -4.5), within_m=0.1)  # the middle of the box
+        yield from goto(vehicle, (3.0, 0.0, -4.5), within_m=0.1)  # the centre of the box
 
     with pytest.raises(StoppedError, match=r"stuck .* m before \(3.0, 0.0, -4.5\) m"):
         run(into_the_box, sim.rov, sim)

@@ -31,7 +31,7 @@ def test_lanes_cover_the_polygon_and_each_starts_where_the_last_one_ended() -> N
         assert 0 < abs(across) <= 10.0 + 1e-9
         assert along > lane.length_m / 2, "the next lane starts at this one's end"
         assert lane.direction @ following.direction == pytest.approx(-1.0)
-    # Every point of the polygon is within half a spacing of some lane.
+    # Every point of the polygon lies within half a spacing of some lane.
     points = np.random.default_rng(0).dirichlet(np.ones(4), 500) @ area
     for point in points:
         assert (
@@ -120,7 +120,7 @@ def test_the_autopilot_keeps_a_vehicle_level_that_would_nose_over_without_it() -
 
 @dataclass
 class ScriptedVehicle:
-    """Stands in for a remote vehicle: obeys at once; its beams and its proximity sensor read the given values."""
+    """Stand-in for a remote vehicle: it obeys instantly, and its beams and proximity sensor return preset values."""
 
     beams_m: float = 50.0
     port_m: float = 10.0
@@ -227,7 +227,7 @@ def test_the_first_lane_begins_after_the_head_has_turned() -> None:
     class SlowHead(ScriptedVehicle):
         @property
         def sonar(self) -> SimpleNamespace:
-            elevation_rad = -min(np.radians(30.0), 0.02 * self.time_s)  # reached after 26 s
+            elevation_rad = -min(np.radians(30.0), 0.02 * self.time_s)  # reaches 30 degrees after 26 s
             return SimpleNamespace(**vars(super().sonar), elevation_rad=elevation_rad)
 
     vehicle = SlowHead()

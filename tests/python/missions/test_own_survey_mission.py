@@ -1,4 +1,4 @@
-"""A survey by a user's own mission: a class or a function, from Python or by its name on the command line."""
+"""Surveys with a user-defined mission: a class or a function, from Python or by name on the command line."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A pipeline is followed to its end by sonar and camera, and by either alone."""
+"""A pipeline is followed to its end with sonar and camera, and with either alone."""
 
 import math
 from itertools import pairwise
@@ -17,7 +17,7 @@ PIPE_M = np.array([[-20, -6], [-8, -9], [4, -6], [16, -10]], float)
 
 
 def off_pipe_m(points_m: np.ndarray) -> np.ndarray:
-    """Distances (n,) of points (n, 2) from the pipe's line."""
+    """Return the distances (n,) of points (n, 2) from the pipe's axis."""
     nearest = [
         a + np.clip((points_m - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)[:, None] * (b - a)
         for a, b in pairwise(PIPE_M)
@@ -41,7 +41,7 @@ def followed(start: str, *faults: dict, **options: object) -> FlightRecord:
     return flown
 
 
-BLIND_LATER = {"kind": "sonar", "at_s": 75.0}  # on the pipe: the way there leads round an island
+BLIND_LATER = {"kind": "sonar", "at_s": 75.0}  # while on the pipe; the route there leads around an island
 BLIND, DARK = {"kind": "sonar"}, {"kind": "camera", "camera": "down"}
 
 
@@ -101,7 +101,7 @@ def test_what_the_camera_sees_aside_of_the_track_shifts_what_lies_ahead() -> Non
 
 def test_pixels_are_where_opencv_has_them() -> None:
     camera = uwsim.Simulator("cove").rov.cameras["down"]
-    points = np.random.default_rng(1).uniform((-3.0, -2.0, 2.0), (3.0, 2.0, 6.0), (50, 3))  # optical frame
+    points = np.random.default_rng(1).uniform((-3.0, -2.0, 2.0), (3.0, 2.0, 6.0), (50, 3))  # in the optical frame
     expected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), camera.info.k, camera.info.d)
     ahead_left_up = points[:, [2, 0, 1]] * (1.0, -1.0, -1.0)
     pixels, inside = pixels_of(ahead_left_up, camera.info, np.eye(4))

@@ -1,4 +1,4 @@
-"""Shoals are avoided if seen during the flight, and left out or refused if known before it."""
+"""Shoals detected in flight are avoided; shoals known in advance are left out of the plan, or the plan is refused."""
 
 import itertools
 from pathlib import Path
@@ -28,7 +28,7 @@ def chart_of(cells: list[tuple[int, int]]) -> ShoalChart:
 
 
 def fly(chart: ShoalChart, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]] | None:
-    """Head for the next point, a metre at a time, until the goal is reached; returns the path."""
+    """Move towards the next waypoint in 1 m steps until the goal is reached; return the path."""
     path = [start]
     while path[-1] != goal:
         assert len(path) < 500

@@ -1,4 +1,4 @@
-"""The lawn-mower steers a vehicle with thrusters by their model, and one without by the plain autopilot."""
+"""The lawn-mower steers a vehicle by the model of its thrusters, and one without thrusters by the plain autopilot."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""On long transits the lawn-mower sees obstacles ahead in time: it crosses the lake without a collision."""
+"""On long transits the lawn-mower detects obstacles ahead in time: it crosses the lake without a collision."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ PLAN = LawnMowerPlan([[180, -2], [190, -2], [190, 2], [180, 2]], speed_m_s=1.4, 
 
 
 class WatchedClock:
-    """Lets time pass, and logs how far ahead the middle beam meets the bed."""
+    """A clock that records, as time passes, how far ahead the middle beam meets the bed."""
 
     def __init__(self, sim: Simulator) -> None:
         self.sim = sim
@@ -27,7 +27,7 @@ class WatchedClock:
         self.sim.advance(duration_s)
         ping = self.sim.rov.sonar.ping()
         middle = len(ping.ranges_m) // 2
-        if self.sim.time_s > 30.0 and self.sim.rov.pose.position_world_m[0] < 120.0:  # in open water, the head turned
+        if self.sim.time_s > 30.0 and self.sim.rov.pose.position_world_m[0] < 120.0:  # in open water, head tilted
             self.ahead_m.append(float(ping.ranges_m[middle] * np.cos(self.sim.rov.sonar.elevation_rad)))
 
 
@@ -45,7 +45,7 @@ def test_the_lake_is_crossed_from_shore_to_shore(terrain_seed: int) -> None:
 
 
 def stopping_distance_m(sim: Simulator, speed_m_s: float) -> float:
-    """Return the way that the vehicle makes from a speed to rest."""
+    """Return the distance the vehicle needs to stop from a given speed."""
     rov, start_m = sim.rov, np.array([0.0, 0.0, -10.0])
     rov.place(start_m)
     autopilot = Autopilot(rov)

@@ -1,4 +1,4 @@
-"""The lawn-mower without a polygon: it covers all reachable bed, hits nothing, and stops at edges of every kind."""
+"""The lawn-mower without a polygon: it covers all reachable bed, hits nothing, and stops at every kind of edge."""
 
 import math
 
@@ -45,7 +45,7 @@ def test_a_cove_with_an_island_is_mown_to_its_shores_without_a_collision() -> No
 
 
 def test_where_the_bed_ends_it_turns_back_and_says_so() -> None:
-    flown = uwsim.fly(mow(16.0, 2.0, line_spacing_m=4.0, heading_rad=0.0), "pool")  # nothing lies beyond its 20 x 20 m
+    flown = uwsim.fly(mow(16.0, 2.0, line_spacing_m=4.0, heading_rad=0.0), "pool")  # the pool ends after 20 x 20 m
     assert not flown.ended_early, flown.ended_because
     reasons = {event.values["reason"] for event in flown.events if event.name == "closed"}
     assert "no bed below" in reasons
@@ -74,7 +74,7 @@ def test_a_vehicle_that_cannot_move_is_stuck_and_not_silent() -> None:
 
 
 class Held:
-    """A vehicle whose thrusters do nothing."""
+    """A vehicle whose thrusters have no effect."""
 
     def __init__(self, hull: object) -> None:
         self._hull = hull

@@ -1,4 +1,4 @@
-"""A wall is scanned at its distance, at each depth and tilt, and its end is noticed."""
+"""A wall is scanned at the requested distance, at each depth and tilt, and its end is detected."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def test_a_quay_is_scanned_with_the_sonar_tilted_up_and_down() -> None:
     def mission(vehicle):
         vehicle.undock()
         yield from goto(vehicle, (-8.0, 11.0, -3.0), speed_m_s=0.8)
-        yield from turn_to(vehicle, 0.4 * np.pi)  # not quite square to it
+        yield from turn_to(vehicle, 0.4 * np.pi)  # not quite perpendicular to the wall
         return (yield from scan_wall(vehicle, 5.0, depths_m=(2.0, 4.0), tilts_deg=(-15.0, 15.0)))
 
     flown = uwsim.fly(mission, "cove")

@@ -1,4 +1,4 @@
-"""The laws of the control loops, each against its closed form."""
+"""The control laws, each compared with its closed form."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_a_saturated_integral_follows_what_is_possible_with_its_tracking_time() 
         assert pid.integral == pytest.approx(limit * (1 - (1 - period / 0.5) ** k), abs=1e-12)
         pid.output(error, 0.0, gains, period)
         pid.settle(most, gains, period)
-    # After the error turned, the output leaves the limit at once: nothing is wound up.
+    # Once the error changes sign, the output leaves the limit immediately: there is no wind-up.
     assert pid.output(-0.01, 0.0, gains, period) < most + 4.0 * error * 0.5
 
 
@@ -67,7 +67,7 @@ def test_line_of_sight_comes_to_the_path_as_its_law_says() -> None:
 
 
 def test_the_integral_brings_a_vehicle_to_the_path_that_a_current_pushes_off() -> None:
-    """Without the integral, sin(course) = drift / speed is left over: y = D tan(asin(drift / speed))."""
+    """Without the integral, sin(course) = drift / speed would remain as an offset: y = D tan(asin(drift / speed))."""
     speed, drift, lookahead, period = 1.0, 0.4, 4.0, 0.05
     left = {}
     for integral in (0.0, 0.4):
@@ -99,7 +99,7 @@ def heavy() -> Simulator:
 
 
 def still_wrench(sim: Simulator) -> np.ndarray:
-    """What the thrusters give in body axes, without their propellers' reaction, which the allocation leaves out."""
+    """Return the thrusters' wrench in body axes, without the propellers' torque, which the allocation ignores."""
     total = np.zeros(6)
     for name, mount in load_vehicle("bluerov2_heavy").thrusters.items():
         axis = np.array(mount.axis, float) / np.linalg.norm(mount.axis)

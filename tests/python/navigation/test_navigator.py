@@ -1,4 +1,4 @@
-"""The navigation filter against the truth, and the inputs on which it must not depend."""
+"""The navigation filter compared with the truth, and inputs that must not affect it."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ WALK = np.random.default_rng(4).uniform(-0.4, 0.4, (40, 6)) * [1.0, 1.0, 0.3, 0.
 
 
 def flown(sim: Simulator, seconds: float, look: float | None = None) -> Simulator:
-    """Fly about for a time, with another effort each 3 s, and look at the estimate at intervals."""
+    """Fly for a time, changing the effort every 3 s, and read the estimate at intervals."""
     for k in range(round(seconds / 3.0)):
         sim.rov.set_effort(*WALK[(k + round(sim.time_s / 3.0)) % len(WALK)])
         for _ in range(round(3.0 / (look or 3.0))):
@@ -28,7 +28,7 @@ def undocked(scenario: str = "lake", seed: int = 5) -> Simulator:
 
 
 def errors(sim: Simulator, estimate: Navigator | None = None) -> np.ndarray:
-    """Errors of position, velocity (world) and attitude (body), (9,)."""
+    """Return the errors of position, velocity (world) and attitude (body), (9,)."""
     estimate, true = estimate or sim.rov.estimate, sim.rov
     turn, true_turn = estimate.pose.world_from_body[:3, :3], true.pose.world_from_body[:3, :3]
     velocity = true_turn @ true.velocity.linear_body_m_s - turn @ estimate.velocity.linear_body_m_s
@@ -42,7 +42,7 @@ def test_errors_are_within_what_the_filter_says() -> None:
     for _ in range(5):
         flown(sim, 15.0)
         error, p = errors(sim), sim.rov.estimate.covariance[:9, :9]
-        assert error @ np.linalg.solve(p, error) < 33.7  # chi-square, 9 degrees of freedom, 1 in 10,000
+        assert error @ np.linalg.solve(p, error) < 33.7  # chi-squared, 9 degrees of freedom: p = 1e-4
         assert np.linalg.eigvalsh(p).min() > 0
     assert np.abs(errors(sim)[:3]).max() < 0.5
 
@@ -75,7 +75,7 @@ def test_looking_at_the_estimate_changes_nothing_else() -> None:
 
 
 def test_late_fixes_count_for_when_they_were_measured() -> None:
-    """A vehicle under way would be seen behind itself by fixes that are taken for new ones."""
+    """If late fixes counted as current, a moving vehicle would be estimated behind its true position."""
     sim = undocked()
     sim.parameters.update({"rov.sensors.usbl.latency_s": 2.0, "rov.sensors.usbl.channels.bearing.std": 1e-3})
     sim.parameters["rov.sensors.dvl.on"] = False

@@ -1,4 +1,4 @@
-"""All stop on the station's page: any page may set it, by a key or a button, and the pilot releases it."""
+"""All stop on the station's page: any page may trigger it, by key or button; the pilot releases it."""
 
 import json
 
@@ -41,14 +41,14 @@ def test_x_stops_what_another_client_drives_until_the_pilot_releases_it(browser,
         status = json.loads(other.recv(timeout=10))
         assert status["op"] == "status" and "all stop is set" in status["msg"]
         page.keyboard.down("w")
-        page.keyboard.press("x")  # once more is no release
+        page.keyboard.press("x")  # a second press does not release it
         page.wait_for_timeout(500)
         assert here.rov.all_stopped and not here.rov.effort.any()
 
         page.click("#end-stop")
         until(lambda: not here.rov.all_stopped, "the release of all stop")
         page.wait_for_selector("#stopped", state="hidden")
-        assert not here.rov.effort.any()  # a key that is still down must be pressed anew
+        assert not here.rov.effort.any()  # a key still held must be pressed again
         page.keyboard.up("w")
         page.keyboard.down("w")
         until(lambda: here.effort("surge") == 0.5, "the pilot's effort")
@@ -80,7 +80,7 @@ def test_a_watcher_may_stop_and_not_release_even_while_a_dialog_is_open(browser,
 def test_a_stop_that_is_lost_is_sent_again(browser, tmp_path):
     with desk(browser, tmp_path, "pool") as here:
         page = here.fly()
-        page.evaluate("station.station.bridge.close()")  # for good: the page's own close
+        page.evaluate("station.station.bridge.close()")  # closed permanently, by the page itself
         page.evaluate("() => { station.panel.allStop.press(); }")
         when(page, "document.querySelector('#toast').textContent.includes('not connected')")
         page.evaluate(

@@ -1,4 +1,4 @@
-"""The operator's station over its own server: start, fly, watch, record, go on."""
+"""The operator's station over its own server: start, fly, watch, record, resume."""
 
 import gc
 import io
@@ -17,7 +17,7 @@ from uwsim.recording.replay import replay as replay_recording
 
 @pytest.fixture(scope="module")
 def pool():
-    """A station whose pool runs, for tests that leave it running."""
+    """A station with a running pool, for tests that do not stop it."""
     with serving() as (station, server):
         station.start({"scenario": "pool"})
         yield station, server
@@ -90,7 +90,7 @@ def test_a_lost_connection_ends_the_efforts_and_frees_the_controls(pool):
             ada.call("take_control")
             ada.call("drive", vehicle="rov", surge=0.5)
             assert live.rov.effort[0] == 0.5
-            ada.socket.socket.close()  # no goodbye
+            ada.socket.socket.close()  # without a closing handshake
         bob.message("/station/state", lambda state: not state["pilot"] and len(state["member_ids"]) == 1)
         deadline = time.monotonic() + PATIENCE_S
         while live.rov.effort.any():
@@ -105,7 +105,7 @@ def test_a_link_that_is_down_takes_no_commands_of_the_page_until_it_is_back():
         ada.call("take_control")
         asked = {"name": "set_lamp", "vehicle": "rov", "args": {"lamp": "front", "on": True}}
         fault = {"name": "inject_fault", "args": {"kind": "link", "name": "cut", "for_s": 1e5}}
-        assert ada.call("command", **fault)["success"]  # the simulator's, which needs no link
+        assert ada.call("command", **fault)["success"]  # addressed to the simulator, so it bypasses the link
         answer = ada.call("command", **asked)
         assert not answer["success"] and "the link to 'rov' is down" in answer["message"]
         ada.subscribe("/link")
@@ -131,7 +131,7 @@ def test_what_a_pilot_flew_replays_to_the_same_bytes():
             assert answer["success"]
             time.sleep(0.05)
         ada.call("command", name="set_lamp", vehicle="rov", args={"lamp": "front", "on": True})
-        time.sleep(0.7)  # silence
+        time.sleep(0.7)  # no commands
         ada.call("control", action="pause")
         live = station.running.live
         log = list(live.log)
@@ -158,7 +158,7 @@ def test_views_are_made_while_somebody_looks_and_stop_at_the_credit(pool):
         time.sleep(0.5)
         ada.heard.clear()
         ada.call("describe")
-        assert not [o for o in ada.heard if o.get("topic") == view["topic"]]  # two are on their way
+        assert not [o for o in ada.heard if o.get("topic") == view["topic"]]  # both credits are used up
         ada.send("ack", topic=view["topic"], count=2)
         ada.message(view["topic"])
         for topic in (view["topic"], view["small_topic"]):
@@ -193,7 +193,7 @@ def test_a_flight_is_recorded_and_replays(tmp_path):
         time.sleep(0.8)
         assert ada.call("control", action="stop_recording")["success"]
     found = replay_recording(tmp_path / "dive.mcap")
-    assert found.difference is None and found.commands >= 3  # the last one is zero, after silence
+    assert found.difference is None and found.commands >= 3  # the last command is zero, sent after the silence
     assert found.messages["telemetry"] > 5
 
 
@@ -222,7 +222,7 @@ def test_a_saved_session_goes_on(tmp_path):
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(LiveSimulator, "__init__", note)
-            assert ada.call("start", saved="dive", speed=0.1)["success"]  # what is seen next may free some voxels
+            assert ada.call("start", saved="dive", speed=0.1)["success"]  # later views may free some voxels
         assert found == [(tick, state)]
         assert station.running.live.simulator.seed == 5
         ada.subscribe("/map_changes")

@@ -1,4 +1,4 @@
-"""Changes at a station: simulators made before Start, dead networks of pilots, parameters that pages receive."""
+"""Changes at a station: simulators prepared before Start, pilots whose network fails, parameter updates to pages."""
 
 import time
 
@@ -20,7 +20,7 @@ def test_start_finds_the_simulator_that_was_checked_ready():
         assert ada.call("start", scenario="pool", seed=4)["success"]
         assert station.running.live.simulator is ready and station.prepared._made is None
         ada.call("check", scenario="pool", seed=5)
-        assert station.prepared._made is None  # one simulator is enough while it runs
+        assert station.prepared._made is None  # no second simulator is prepared while one runs
 
 
 def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
@@ -35,7 +35,7 @@ def test_nothing_stays_prepared_when_all_have_left_the_start_screen():
 
 
 def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
-    monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 1.4)  # pings come every second
+    monkeypatch.setattr("uwsim.operator.station.services.DEAD_S", 1.4)  # pings are sent every second
     with (
         serving() as (_, server),
         page(server, "Bob") as bob,
@@ -45,10 +45,10 @@ def test_the_controls_of_a_pilot_whose_network_died_can_be_taken(monkeypatch):
         ada.id = ada.call("join", name="Ada")["id"]
         assert ada.call("take_control")["success"]
         bob.subscribe("/station/state")
-        time.sleep(2.5)  # she lets the vehicle drift
+        time.sleep(2.5)  # she sends no commands
         assert bob.message("/station/state", lambda state: state["pilot"] == ada.id)["pilot_silence"] == 0.0
         assert "Ada has the controls" in bob.call("take_control")["message"]
-        socket.protocol.send_frame = lambda frame: None  # nothing of hers arrives any more, answers to pings included
+        socket.protocol.send_frame = lambda frame: None  # from now on nothing she sends arrives, including pongs
         assert bob.message("/station/state", lambda state: state["pilot_silence"] > 0.0)["pilot"] == ada.id
         deadline = time.monotonic() + PATIENCE_S
         while not bob.call("take_control")["success"]:

@@ -35,7 +35,7 @@ def test_one_has_the_controls_and_hands_them_over():
 
 
 def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():
-    delay, drift = LeastDelay(), 2e-4  # of a bad quartz: 0.7 s in an hour
+    delay, drift = LeastDelay(), 2e-4  # drift of a poor quartz oscillator: 0.7 s per hour
     ages = {}
     for k in range(36_000):
         now_s = 1000.0 + 0.1 * k
@@ -49,7 +49,7 @@ def test_age_is_what_a_message_lost_on_its_way_whatever_the_clocks():
 
 @pytest.fixture
 def flight():
-    """A helm with a clock of ours, on a simulator that stands still."""
+    """A helm with a clock set by the test, on a paused simulator."""
     sim = Simulator("pool")
     now = [100.0]
     with LiveSimulator(sim, paused=True) as live:
@@ -90,7 +90,7 @@ def test_efforts_hold_while_they_are_repeated_and_end_with_silence(flight):
 def test_what_the_pilot_asks_for_takes_effect_whoever_commanded_the_vehicle_meanwhile(flight, effort):
     live, helm, now = flight
     drive(helm, now, surge=effort)
-    live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as by another client's /key
+    live.command("set_effort", vehicle="rov", surge=-1.0).result(10.0)  # as another client's /key would
     assert drive(helm, now, surge=effort)["success"]
     assert live.rov.effort[0] == effort
 
@@ -116,4 +116,4 @@ def test_what_is_no_effort_is_refused_and_another_pilot_begins_with_zero(flight)
     helm.let_go()
     live.read(lambda sim: None).result()
     assert not live.rov.effort.any()
-    assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # by another clock
+    assert drive([helm][0], [now[0] - 5000.0], surge=0.2)["success"]  # from a different clock

@@ -1,4 +1,4 @@
-"""The station over a modem: pictures, map and panel are those that arrived; the true ones need permission."""
+"""The station over a modem: it shows the pictures, map and panel that arrived; true ones need permission."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The station's speed: a simulator that is ready before Start, and pictures as large as time allows."""
+"""The station's speed: a simulator prepared before Start, and pictures as large as time permits."""
 
 import itertools
 import threading
@@ -22,7 +22,7 @@ def test_pictures_shrink_until_they_keep_their_rate_and_grow_again():
     assert fit.share == SHARES[-1]  # 60 ms
     full_s = 0.11
     note(2 * PATIENCE)
-    assert fit.share == 0.75  # 62 ms; full size would not do
+    assert fit.share == 0.75  # 62 ms; the full size would be too slow
     full_s = 0.04
     note(2 * PATIENCE)
     assert fit.share == 1.0
@@ -38,7 +38,7 @@ def test_one_slow_picture_does_not_shrink_a_stream():
 def test_a_size_that_failed_is_tried_less_and_less_often():
     fit, trials, was_small = Fit(), [], False
     for k in range(3000):
-        took_s = 0.2 if fit.share == 1.0 else 0.02  # too long, whatever the smaller one promises
+        took_s = 0.2 if fit.share == 1.0 else 0.02  # too slow at full size, however fast the smaller one is
         fit.note(took_s, 0.1)
         if fit.share == 1.0 and was_small:
             trials.append(k)
@@ -57,7 +57,7 @@ def test_what_is_prepared_is_what_would_be_made():
 
     prepared = Prepared(make)
     prepared.want(scenario)
-    prepared.want(load("pool").with_changes(seed=5))  # the same
+    prepared.want(load("pool").with_changes(seed=5))  # an equal scenario
     simulator = prepared.take(load("pool").with_changes(seed=5))
     assert made == [simulator]
     fresh = Simulator(scenario)
@@ -67,7 +67,7 @@ def test_what_is_prepared_is_what_would_be_made():
         sim.advance(1.0)
     assert simulator.save_state() == fresh.save_state()
     assert (simulator.rov.sonar.ping().ranges_m == fresh.rov.sonar.ping().ranges_m).all()
-    assert prepared.take(scenario) is not simulator  # it is given away once
+    assert prepared.take(scenario) is not simulator  # it is handed out only once
     prepared.close()
 
 
@@ -85,7 +85,7 @@ def test_another_choice_takes_the_place_of_the_prepared_one_and_does_not_wait_fo
     try:
         prepared.want(first)
         assert begun.wait(60.0)
-        prepared.want(second)  # it is in the queue
+        prepared.want(second)  # queued
         assert prepared.take(second).seed == 8
     finally:
         may_go.set()

@@ -28,13 +28,13 @@ def browser():
 
 @pytest.fixture
 def running(browser, tmp_path):
-    """A desk whose simulator runs."""
+    """A desk with a running simulator."""
     with desk(browser, tmp_path, "pool") as found:
         yield found
 
 
 def judge(page, what):
-    """Let axe look for what people with a screen reader, a keyboard or weak eyes would stumble over."""
+    """Run axe to find accessibility problems for users with a screen reader, a keyboard or low vision."""
     page.evaluate(AXE.read_text())
     found = page.evaluate("axe.run({runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']})")
     wrong = [(each["id"], [node["html"][:120] for node in each["nodes"]]) for each in found["violations"]]
@@ -55,7 +55,7 @@ def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
         judge(page, "start screen")
         page.click("text=Start >> nth=-1")
         page.wait_for_timeout(300)
-        assert page.is_visible("#start")  # it did not start with a wrong seed
+        assert page.is_visible("#start")  # an invalid seed did not start it
         page.fill("#field-seed", "3")
         when(page, "document.querySelector('#wrong-seed').textContent === ''")
         page.click("button[type=submit]")
@@ -67,14 +67,14 @@ def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
         page.keyboard.press("r")
         until(lambda: here.rov.released, "the release")
         page.keyboard.down("w")
-        page.keyboard.down("q")  # two at once
+        page.keyboard.down("q")  # two keys at once
         until(lambda: here.effort("surge") == 0.5 and here.effort("yaw") == 0.5, "efforts of two keys")
         page.keyboard.up("q")
         until(lambda: here.effort("yaw") == 0.0 and here.effort("surge") == 0.5, "the effort of one")
         page.keyboard.up("w")
         until(lambda: here.effort("surge") == 0.0, "none")
 
-        page.keyboard.down("e")  # look around
+        page.keyboard.down("e")  # turns the view
         when(page, "station.scene.store.count > 300")
         page.keyboard.up("e")
         page.keyboard.press(str(1 + page.evaluate("station.views.names.indexOf('scene')")))
@@ -84,9 +84,9 @@ def test_from_the_start_screen_to_a_map_on_disk(browser, tmp_path):
         path = tmp_path / "map.bt"
         download.value.save_as(path)
         shown, known = page.evaluate("station.scene.store.count"), OccupancyMap.read(path)
-        assert len(known.occupied_voxels()) == pytest.approx(shown, rel=0.2)  # it grows meanwhile
+        assert len(known.occupied_voxels()) == pytest.approx(shown, rel=0.2)  # the map keeps growing
 
-        assert not here.complaints  # neither errors, nor violations of the content security policy
+        assert not here.complaints  # no errors and no content security policy violations
         host = here.url.removeprefix("http://")
         assert all(re.match(rf"(http|ws)://{host}/|blob:|data:", url) for url in here.requests), here.requests
 
@@ -121,7 +121,7 @@ def test_one_flies_and_hands_over(running):
     assert "flies" in second.inner_text("#lease")
     second.keyboard.down("w")
     second.wait_for_timeout(400)
-    assert running.effort("surge") == 0.0  # who watches moves nothing
+    assert running.effort("surge") == 0.0  # viewers cannot control the vehicle
     second.keyboard.up("w")
     second.click("#lease")
     first.wait_for_selector("#handover-dialog[open]")
@@ -139,7 +139,7 @@ def test_watchers_see_that_the_pilot_is_silent_and_may_take_over(running, monkey
     when(first, "station.station.isPilot")
     second = running.fly()
     assert second.is_hidden("#banner")
-    monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had died
+    monkeypatch.setattr(running.station.node, "silence_s", lambda client: 4.0)  # as if her network had failed
     second.wait_for_selector("#banner:not([hidden])")
     assert re.search(r"has been silent for 4 s: efforts are zero", second.inner_text("#banner"))
     assert "take over" in second.inner_text("#lease")
@@ -171,7 +171,7 @@ def test_controls_are_let_go(running, ending, undo):
     until(lambda: running.effort("surge") == 0.0, "zero")
     page.evaluate(undo)
     page.wait_for_timeout(300)
-    assert running.effort("surge") == 0.0  # a key that is still down must be pressed anew
+    assert running.effort("surge") == 0.0  # a key still held must be pressed again
 
 
 def test_silence_puts_efforts_to_zero_and_a_held_key_goes_on(running):
@@ -199,7 +199,7 @@ def test_keys_can_be_changed(running):
     page.keyboard.down("a")
     until(lambda: running.effort("surge") == 0.5 and running.effort("yaw") == 0.5, "the changed keys")
     page.reload()
-    when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # and they are kept
+    when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # the bindings persist
 
 
 def test_a_gamepad_drives(running):
@@ -295,7 +295,7 @@ def test_the_pilot_sees_a_failsafe_and_the_link_and_takes_the_vehicle_back(brows
         page.click("#take-back")
         until(lambda: here.rov.failsafe.state == "", "the end of the failsafe")
         when(page, "document.querySelector('#take-back').hidden")
-        assert "water inside" in page.inner_text("#failsafe")  # it is still wet
+        assert "water inside" in page.inner_text("#failsafe")  # the leak is still there
         assert not here.complaints
 
 
@@ -309,7 +309,7 @@ def test_foreign_pages_and_names_are_refused(running):
     with pytest.raises(InvalidStatus) as refused, connect(f"ws://{host}:{port}/", origin="http://evil.example"):
         pass
     assert refused.value.response.status_code == 403
-    with connect(f"ws://{host}:{port}/", origin=None) as program:  # programs send no Origin
+    with connect(f"ws://{host}:{port}/", origin=None) as program:  # non-browser clients send no Origin
         program.send(json.dumps({"op": "call_service", "service": "/station/join", "id": "1", "args": {"name": "p"}}))
         assert json.loads(program.recv(timeout=10))["values"]["success"]
 

@@ -1,4 +1,4 @@
-"""The files and pages that the operator's station serves over HTTP, and to whom."""
+"""The files and pages that the operator's station serves over HTTP, and who may load them."""
 
 import io
 import json
@@ -18,7 +18,7 @@ from uwsim.operator.station.preview import AREA, OBSTACLE, STATION
 
 @pytest.fixture(scope="module")
 def pool():
-    """A station whose pool runs, for tests that leave it running."""
+    """A station with a running pool, for tests that do not stop it."""
     with serving() as (station, server):
         station.start({"scenario": "pool"})
         yield station, server
@@ -36,9 +36,9 @@ def test_the_start_screen_has_a_picture_of_each_scenario_from_above():
             return tuple(picture[round(height * (10.0 - y_m) / 20.0), round(width * (10.0 + x_m) / 20.0)])
 
         assert (colour_at(3.0, 0.0), colour_at(-6.0, 0.0), colour_at(4.0, 2.0)) == (OBSTACLE, STATION, AREA)
-        assert colour_at(0.0, 2.0) == colour_at(0.0, -2.0)  # the flat bed
+        assert colour_at(0.0, 2.0) == colour_at(0.0, -2.0)  # both on the flat bed
         assert get(server, "/preview/../pool.png")[0] == get(server, "/preview/nowhere.png")[0] == 404
-        assert get(server, "/a" * 4000)[0] == get(server, "/" + "a" * 4000)[0] == 404  # too long for a file's name
+        assert get(server, "/a" * 4000)[0] == get(server, "/" + "a" * 4000)[0] == 404  # too long for a file name
     with serving(is_fixed=True) as (_, server):
         assert get(server, "/preview/pool.png")[0] == 404
 
@@ -101,10 +101,10 @@ def test_only_this_machine_s_pages_are_served_and_nothing_foreign_is_loaded(pool
     assert (
         get(server, "/", Host="evil.example")[0] == get(server, "/map/rov.bt", Origin="http://evil.example")[0] == 403
     )
-    mine = "http://localhost:5173"  # a page of one's own
+    mine = "http://localhost:5173"  # a user's own page
     assert get(server, "/scene/scene.json", Origin=mine)[2]["Access-Control-Allow-Origin"] == mine
     assert get(server, "/scene/scene.json")[2]["Access-Control-Allow-Origin"] is None
-    assert get(server, "/snapshot/front.png", Sec_Fetch_Site="cross-site")[0] == 403  # an <img> of another page
+    assert get(server, "/snapshot/front.png", Sec_Fetch_Site="cross-site")[0] == 403  # an <img> on another site's page
     for path in ("/../hub.py", "/%2e%2e/hub.py", "/..%2f..%2fsimulator.py", "//etc/passwd", "/no", "/%00", "/style"):
         assert get(server, path)[0] == 404, path
 

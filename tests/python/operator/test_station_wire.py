@@ -1,4 +1,4 @@
-"""One description of the station's messages generates the page's module; page, server and docs agree with it."""
+"""The page's module is generated from one description of the station's messages; page, server and docs match it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pilot's terminal: efforts end by themselves, and are zero after any end of the flight."""
+"""The pilot's terminal: efforts expire, and are zero however the flight ends."""
 
 import asyncio
 import math
@@ -34,7 +34,7 @@ PATIENCE_S = 60.0
 
 
 class Watch:
-    """A clock that a test sets."""
+    """A clock set by the test."""
 
     now_s = 100.0
 
@@ -68,7 +68,7 @@ def test_an_effort_ends_by_itself(hands, watch):
 
 def test_a_key_that_repeats_holds_until_it_does_no_longer(hands, watch):
     hands.press("q")
-    watch.now_s += 0.6  # as long as keyboards wait
+    watch.now_s += 0.6  # the delay before a keyboard auto-repeats
     for _ in range(50):
         hands.press("q")
         watch.now_s += 0.1
@@ -137,7 +137,7 @@ def test_the_share_scales_keys_and_sticks_together_and_stays_within_one(hands):
 def test_a_sonar_tilts_while_its_key_is_held(hands, watch):
     hands.press(",")
     assert hands.tilt() is Function.TILT_DOWN
-    assert not hands.has_helm  # looking is not steering
+    assert not hands.has_helm  # viewing does not take the helm
     watch.now_s += 1.0
     assert hands.tilt() is Function.TILT_HOLD
 
@@ -154,8 +154,8 @@ def test_the_kitty_protocol_tells_of_presses_repeats_and_releases():
     assert released == []
     assert typed("\x1b[119;1:3u\x1b[32;1:3u") == []
     assert released == ["w", " "]
-    assert len(typed("\x1b[1;1:1A\x1b[1;1:3A")) == 1  # an arrow, and its release
-    assert typed("ab") == ["a", "b"]  # of any other terminal
+    assert len(typed("\x1b[1;1:1A\x1b[1;1:3A")) == 1  # an arrow key's press and release
+    assert typed("ab") == ["a", "b"]  # from any other terminal
 
 
 def test_the_published_panel_is_read():
@@ -183,7 +183,7 @@ def test_the_fan_has_an_echo_where_it_is():
 
     assert column(port)[0] < 30 < column(starboard)[0]
     assert column(port)[1] == column(starboard)[1]
-    assert column(port)[0] + column(starboard)[0] == 59  # mirrored
+    assert column(port)[0] + column(starboard)[0] == 59  # mirror images
 
 
 def test_the_fans_scale_shows_nine_in_ten_echoes():
@@ -198,8 +198,8 @@ def test_tapes_point_where_the_vehicle_does():
     assert tape.index("075") < 20 < tape.index("105") if "075" in tape else True
     lines = depth_tape(2.0, 1.0, 11).plain.split("\n")
     assert "2.0 m" in lines[5]
-    assert lines[1].startswith("~")  # the surface, 2 m up
-    assert [line.startswith("▒") for line in lines[6:9]] == [False, True, True]  # the bed, 1 m down
+    assert lines[1].startswith("~")  # the surface, 2 m above
+    assert [line.startswith("▒") for line in lines[6:9]] == [False, True, True]  # the bed, 1 m below
 
 
 def test_sticks_do_not_drift_and_reach_full_effort():
@@ -212,7 +212,7 @@ def test_sticks_do_not_drift_and_reach_full_effort():
 
 def test_a_pads_sticks_and_buttons_have_their_meaning():
     class Pad:
-        axes = (0, 0, 0, -FULL)  # the right stick ahead
+        axes = (0, 0, 0, -FULL)  # right stick forward
         buttons = frozenset({0})
 
         def get_axis(self, axis):
@@ -260,7 +260,7 @@ def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
     hands.press("w")
     hands.press("q")
     until(lambda: live.rov.effort[0] == 0.5 and live.rov.effort[5] == 0.5)
-    until(lambda: not live.rov.effort.any())  # nobody presses any more
+    until(lambda: not live.rov.effort.any())  # no key is pressed any more
     hands.press("d")
     until(lambda: live.rov.effort[1] == -0.5)
     connection.stop()
@@ -290,7 +290,7 @@ def test_the_vehicle_stops_when_its_keyboard_vanishes(live, server):
     hands.press("w")
     until(lambda: live.rov.effort[0] == 0.5)
     socket = connection._node._connection
-    socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine were gone
+    socket._loop.call_soon_threadsafe(socket._connection.transport.abort)  # as if the machine had disappeared
     until(lambda: not live.rov.effort.any())
     connection.stop()
 
@@ -309,7 +309,7 @@ def test_a_vanished_keyboard_does_not_stop_another_pilot(live, server):
 
 def test_what_a_service_answers_is_told(live, server):
     connection = connected(server, Hands())
-    connection.call("undock")  # it is free already
+    connection.call("undock")  # already undocked
     until(lambda: any("is not docked" in text for text in connection.said))
     connection.stop()
 
@@ -317,14 +317,14 @@ def test_what_a_service_answers_is_told(live, server):
 def test_the_screen_flies_and_ends_with_zero(live, server):
     async def fly():
         hands = Hands()
-        hands.tells_releases = True  # a key is held until it is released, however slowly the screen is drawn
+        hands.tells_releases = True  # a key counts as held until it is released, however slow the screen is
         app = TeleopApp(Connection(server.url, hands), "pool")
         async with app.run_test(size=(120, 40)) as pilot:
             while app.connection.silence_s > 1.0:
                 await pilot.pause(0.05)
             await pilot.press("=", "w")
             while live.rov.effort[0] != 0.75:
-                await pilot.press("w")  # again: a server that is silent for a moment releases all keys
+                await pilot.press("w")  # again, because a brief silence of the server releases all keys
                 await pilot.pause(0.05)
             await pilot.press("m")
             app.draw()
@@ -349,8 +349,8 @@ def test_a_terminal_that_ends_stops_the_vehicle(live, server, number):
         deadline = time.monotonic() + PATIENCE_S
         while live.rov.effort[0] != 0.5:
             assert time.monotonic() < deadline
-            os.write(master, b"\x1b[119;1:1;119u\x1b[32;1:3u")  # one key pressed; that another is let go tells of kitty
-            time.sleep(0.1)  # nobody reads what it draws: the terminal hangs
+            os.write(master, b"\x1b[119;1:1;119u\x1b[32;1:3u")  # a key release occurs only in kitty
+            time.sleep(0.1)  # its output is not read, so the terminal blocks
         process.send_signal(number)
         until(lambda: not live.rov.effort.any())
         until(lambda: process.poll() is not None)

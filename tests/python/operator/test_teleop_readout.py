@@ -1,4 +1,4 @@
-"""The values that the pilot's terminal reads from the vehicle's panel."""
+"""The values that the pilot's terminal displays from the vehicle's panel."""
 
 import numpy as np
 import pytest

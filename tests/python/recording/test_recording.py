@@ -1,4 +1,4 @@
-"""A recording holds a run's messages and commands, for others to read and replay, however the run ends."""
+"""A recording contains a run's messages and commands, readable and replayable however the run ended."""
 
 import itertools
 import json
@@ -122,7 +122,7 @@ def test_a_run_of_another_thread_s_commands_with_resets_replays(tmp_path: Path) 
     path = tmp_path / "live.mcap"
     with LiveSimulator("lake", speed="max", paused=True) as live:
         state = live.read(lambda sim: sim.save_state()).result()
-        live.step(30)  # a recording may begin at any time
+        live.step(30)  # a recording may start at any time
         with Recorder(live, path, topics=QUICK):
             live.rov.undock()
             live.rov.set_effort(heave=-0.5)
@@ -146,7 +146,7 @@ def test_a_recording_that_begins_in_the_middle_of_a_run_replays(tmp_path: Path) 
         shared = Table(live.simulator)
         named = {channel.name: channel for channel in shared.channels}
         live.rov.undock()
-        for name in ("scan", "octomap_binary"):  # somebody else listens already
+        for name in ("scan", "octomap_binary"):  # another subscriber is already listening
             live.every(1.0 / (named[name].rate_hz or 1.0), named[name].read, lambda message: None)
         live.step(37)
         with Recorder(live, path, topics=QUICK, shared=shared):
@@ -154,7 +154,7 @@ def test_a_recording_that_begins_in_the_middle_of_a_run_replays(tmp_path: Path) 
             live.step(100)
     result = replay(path)
     assert result.difference is None and result.state_compared
-    assert result.not_compared == ["octomap_binary"]  # it holds a ping from before
+    assert result.not_compared == ["octomap_binary"]  # it includes a ping from before the recording
 
 
 def test_on_the_wall_clock_a_slow_disk_costs_messages_and_never_a_step(
@@ -175,7 +175,7 @@ def test_on_the_wall_clock_a_slow_disk_costs_messages_and_never_a_step(
     assert recorder.dropped.total() > 0 and "left out" in caplog.text
     opened = recording.open(path)
     assert opened.dropped == dict(recorder.dropped)
-    assert [command.name for command in opened.commands()] == ["undock"]  # never left out
+    assert [command.name for command in opened.commands()] == ["undock"]  # commands are never left out
     result = replay(path)
     assert result.difference is None and result.left_out.total() > 0
 
@@ -200,7 +200,7 @@ def test_after_a_kill_all_but_the_last_second_reads_and_replays(tmp_path: Path) 
     assert process.stdout is not None
     process.stdout.readline()
     size = path.stat().st_size
-    while path.stat().st_size < size + 50_000:  # one flush at least
+    while path.stat().st_size < size + 50_000:  # at least one flush
         process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     process.wait()
@@ -215,7 +215,7 @@ def test_after_a_kill_all_but_the_last_second_reads_and_replays(tmp_path: Path) 
     for size in range(len(whole) // 2, len(whole), len(whole) // 7):
         cut = tmp_path / f"{size}.mcap"
         cut.write_bytes(whole[:size])
-        odom = recording.open(cut).channels.get("odom")  # None before the first chunk
+        odom = recording.open(cut).channels.get("odom")  # None if cut before the first chunk
         counted = odom.message_count if odom else 0
         assert counted >= last
         last = counted
@@ -306,7 +306,7 @@ def test_a_recording_plays_to_rosbridge_clients(run: Path) -> None:
             heard.append(json.loads(client.recv(timeout=20)))
         output, _ = process.communicate(timeout=60)
     topics = Counter(str(message["topic"]) for message in heard)
-    assert topics["/tf_static"] == 1 and topics["/odom"] == 39  # what is latched comes even from before --from
+    assert topics["/tf_static"] == 1 and topics["/odom"] == 39  # latched messages are included even from before --from
     assert "messages of" in output and process.returncode == 0
 
 
@@ -328,7 +328,7 @@ def test_other_sinks_get_the_recorded_readings(tmp_path: Path) -> None:
             end()
     recorded = {found.message.data: (found.time_ns, found.data) for found in recording.open(path).messages("counted")}
     assert len(heard) > 10
-    for reading in heard[1:]:  # the first listener in a tick reads by itself
+    for reading in heard[1:]:  # the first subscriber in a tick causes the reading
         assert recorded[reading.message.data] == (reading.time_ns, reading.cdr)
 
 
@@ -343,7 +343,7 @@ def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) ->
             def send(**operation: object) -> None:
                 client.send(json.dumps(operation))
 
-            send(op="subscribe", topic="/scan")  # somebody else reads the same pings
+            send(op="subscribe", topic="/scan")  # another client reads the same pings
             send(op="call_service", service="/undock")
             send(op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.5}, "angular": {"z": 0.1}})
             live.clock.wait(1.0)
@@ -357,7 +357,7 @@ def test_a_run_flown_over_rosbridge_replays_to_the_same_bytes(tmp_path: Path) ->
     opened = recording.open(path)
     names = Counter(command.name for command in opened.commands())
     assert names["undock"] == names["aim"] == names["set_lamp"] == names["restore_state"] == 1
-    assert names["set_effort"] >= 20  # the control loop of /cmd_vel
+    assert names["set_effort"] >= 20  # from the control loop of /cmd_vel
     assert [heard.message.linear.x for heard in opened.messages("cmd_vel")] == [0.5]
     result = replay(opened)
     assert result.difference is None and result.state_compared and result.not_compared == ["diagnostics"]

@@ -1,4 +1,4 @@
-"""A damaged recording is refused and its damaged part is named; a truncated one is read up to its end."""
+"""A damaged recording is refused, naming the damaged part; a truncated one is read up to its end."""
 
 import shutil
 import struct
@@ -22,7 +22,7 @@ FLIPS = 500
 
 
 class Record(NamedTuple):
-    """A record of a file. number: of its kind, from 1; length: with its head."""
+    """A record in a file. number: counted per type, from 1; length: including the record's header."""
 
     kind: int
     number: int
@@ -32,7 +32,7 @@ class Record(NamedTuple):
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A second of a run, in a dozen chunks."""
+    """A finished one-second recording with a dozen chunks."""
     path = tmp_path_factory.mktemp("damage") / "run.mcap"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mcap_sink, "CHUNK_BYTES", 20_000)
@@ -46,7 +46,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def killed(finished: Path) -> Path:
-    """The same as a kill leaves it: nothing is there of what is written at the end."""
+    """The same recording as left by a killed process, without the parts written at the end."""
     end = next(each for each in records(finished) if each.kind == Opcode.METADATA and each.number == 2)
     path = finished.with_name("killed.mcap")
     path.write_bytes(finished.read_bytes()[: end.start])
@@ -69,7 +69,7 @@ def chunks(path: Path) -> list[Record]:
 
 
 def content(path: Path) -> tuple[Any, ...]:
-    """Return all that a recording says."""
+    """Return everything that a reader gets from a recording."""
     read = Recording(path)
     about = [read.metadata(name) for name in read.channels]
     return read.start, read.end, read.attachments, read.channels, about, list(read.messages())
@@ -82,7 +82,7 @@ def flipped(data: bytes, bit: int) -> bytes:
 
 
 def bits(path: Path, framed: Path) -> Iterator[int]:
-    """Yield random bits of a file, as many in what frames the records, and those of its ends."""
+    """Yield random bit positions: throughout the file, in the records' headers, and at both ends of the file."""
     draw, size = Random(1), path.stat().st_size
     frames = [at for each in records(framed) for at in range(each.start, each.start + 40) if at < size]
     yield from (draw.randrange(8 * size) for _ in range(FLIPS))
@@ -114,7 +114,7 @@ def test_every_wrong_bit_in_a_chunk_is_found_and_the_chunk_named(finished: Path,
 def test_of_a_killed_run_a_wrong_bit_is_found_or_changes_nothing_that_is_read(
     finished: Path, killed: Path, tmp_path: Path
 ) -> None:
-    """It changes nothing only where packed bytes can be written in two ways: the unpacked ones have the checksum."""
+    """Only redundancy in the compressed data can leave the result unchanged: the checksum covers uncompressed bytes."""
     data, whole, path = killed.read_bytes(), content(killed), tmp_path / "killed.mcap"
     packed = [range(chunk.start + 45, chunk.start + chunk.length) for chunk in chunks(finished)]
     for bit in bits(killed, finished):
@@ -137,7 +137,7 @@ def test_a_recording_that_is_cut_off_is_a_beginning_and_says_so(finished: Path, 
         try:
             cut = Recording(path)
         except ValueError as error:
-            assert "or holds nothing yet" in str(error)  # its first metadata are not there
+            assert "or holds nothing yet" in str(error)  # its first metadata are missing
             assert size < chunks(finished)[0].start
             continue
         assert not cut.complete
@@ -187,11 +187,11 @@ def test_a_whole_chunk_that_is_there_twice_or_not_at_all_is_found(finished: Path
     twice = data[: second.start] + block + data[second.start : end]
     assert "is there twice, or not in its turn" in refusal(twice, tmp_path / "run.mcap")
     without = data[: first.start] + data[second.start : end]
-    assert "damaged: chunk 1 " in refusal(without, tmp_path / "run.mcap")  # its channels are announced there
+    assert "damaged: chunk 1 " in refusal(without, tmp_path / "run.mcap")  # its channels are declared there
 
 
 def test_counts_and_indexes_are_those_of_what_is_there_even_without_a_checksum_of_all(tmp_path: Path) -> None:
-    """As in recordings of earlier builds: there only what metadata say, and how bytes are packed, is not covered."""
+    """As in recordings of earlier builds: only the metadata and the compressed form of the data are unprotected."""
     data, whole, path = V1.read_bytes(), content(V1), tmp_path / "v1.mcap"
     assert struct.unpack_from("<I", data, next(e.start for e in records(V1) if e.kind == Opcode.DATA_END) + 9) == (0,)
     uncovered = [
@@ -261,7 +261,7 @@ def test_the_replay_of_what_a_kill_left_compares_it_and_ends_with_4(
 def test_what_a_full_disk_left_reads_as_cut_off_even_if_there_is_room_at_the_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of a write that failed a part may be there: nothing may follow it."""
+    """A failed write may leave a partial record: nothing may follow it."""
     path, sim, write = tmp_path / "run.mcap", Simulator("pool"), mcap_sink.McapSink.write
 
     def full(self: Any, topic: str, time_ns: int, *rest: Any) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of a live run, however late, are those that a replay sees at their moments."""
+"""Pictures of a live run, however late, equal those that a replay renders for the same simulated times."""
 
 import itertools
 import json
@@ -29,17 +29,17 @@ from uwsim.recording.replay import replay
 GRID_NS = int(1e9 / RATE_HZ)
 PICTURES = ("camera/front/*", "camera/down/*", "images/compressed")
 DELAYS_NS = (30_000_000, 120_000_000, 60_000_000, 170_000_000, 260_000_000)
-"""In simulated time, however fast this machine is."""
+"""In simulated time, so independent of the machine's speed."""
 
 
 class Slow(NamedTuple):
-    """A renderer that is slow until `end` is called. begun_ns: the moments of the pictures so far."""
+    """A renderer that is slow until `end` is called. begun_ns: the start times of the pictures so far."""
 
     begun_ns: list[int]
     end: Callable[[], None]
 
     def wait(self, live: LiveSimulator) -> None:
-        """Return when several pictures off the grid have been begun and, very likely, read."""
+        """Return when several off-grid pictures have been started and, very likely, read."""
         deadline_s = time.monotonic() + 100.0
         while len(off_the_grid(self.begun_ns)) < 4:
             assert time.monotonic() < deadline_s
@@ -53,7 +53,7 @@ def slow(monkeypatch: pytest.MonkeyPatch) -> Slow:
 
 
 def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
-    """Let each picture be rendered so much later than its moment, while the steps go on; return these moments."""
+    """Delay each picture's rendering while the simulator keeps stepping; return the times at which pictures begin."""
     read_made, delays, begun_ns = Pictures.read_made, itertools.cycle(DELAYS_NS), list[int]()
 
     def read_slowly(self: Pictures, sim: Simulator, name: str, begin: Any) -> Any:
@@ -62,7 +62,7 @@ def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
             begun_ns.append(moment_ns)
 
             def render() -> Any:
-                give_up_s = time.monotonic() + 1.0  # the simulator stands still
+                give_up_s = time.monotonic() + 1.0  # in case the simulator stops stepping
                 while moment_ns <= sim.time_ns < until_ns and time.monotonic() < give_up_s:
                     time.sleep(0.001)
                 return make()
@@ -76,18 +76,18 @@ def make_slow(patch: Callable[[Any, str, Any], object] = setattr) -> list[int]:
 
 
 def recorder(live: LiveSimulator, path: Path) -> Recorder:
-    """Return what records the pictures that a server offers."""
+    """Return a recorder of the pictures that a server offers."""
     return Recorder(live, path, topics=PICTURES, shared=served_table(live))
 
 
 def off_the_grid(moments_ns: Iterable[int]) -> list[int]:
-    """Return the moments at which no replay takes pictures by itself: not at its start, nor once in each period."""
+    """Return the times at which a replay takes no pictures of its own: not its start, not multiples of the period."""
     later = sorted(moments_ns)
     return [moment_ns for moment_ns in later if moment_ns % GRID_NS and moment_ns != later[0]]
 
 
 def stamps_ns(path: Path) -> list[int]:
-    """Return the moments of all recorded pictures of cameras."""
+    """Return the time stamps of all recorded camera pictures."""
     opened = recording.open(path)
     cameras = [name for name in opened.channels if name.startswith(("camera/", "image"))]
     return [stamp_ns(each.message) for each in opened.messages(*cameras)]
@@ -110,7 +110,7 @@ def test_pictures_that_came_late_are_rendered_at_their_stamps(slow: Slow, tmp_pa
 
 
 def test_what_is_commanded_while_a_picture_is_rendered_is_not_in_it(slow: Slow, tmp_path: Path) -> None:
-    """Nor does a picture differ that was begun in the very tick of a command, before it or after."""
+    """Nor does it affect a picture begun in the same tick as the command, before or after it."""
     path = tmp_path / "live.mcap"
     with LiveSimulator("pool", speed=1.0) as live:
         offered = served_table(live)

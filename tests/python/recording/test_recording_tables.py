@@ -1,4 +1,4 @@
-"""A recording as tables and arrays, its map and report from the file alone, and the first difference of two."""
+"""A recording as tables and arrays, its map and report from the file alone, and the first difference between two."""
 
 from pathlib import Path
 
@@ -73,7 +73,7 @@ def test_arrays_are_arrays_with_time_and_beam(run: recording.Recording) -> None:
     assert {"x", "y", "z", "intensity"} <= set(cloud) and cloud["x"].dims == ("time", "point")
     first = next(run.messages("points")).message
     assert np.isfinite(cloud["x"].values[0]).sum() == first.width
-    for topic in run.channels:  # every channel becomes tables
+    for topic in run.channels:  # every channel is exported as tables
         assert run.arrow(topic).num_rows == run.channels[topic].message_count
         assert run.xarray(topic).sizes["time"] == run.channels[topic].message_count
 
@@ -147,7 +147,7 @@ def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: P
         sim.rov.undock()
         sim.rov.sonar.aim(-0.6)
         for _ in range(20):
-            sim.advance(0.1)  # at which the head, whose pings are 0.08 s apart, pings anew
+            sim.advance(0.1)  # the head pings again, since its pings are 0.08 s apart
             taken = pings.newest(sim)
             record_ping(recorder, taken.ping, sim.rov.telemetry(), sim.rov.pose.world_from_body)
             for name, channel in live.items():
@@ -160,7 +160,7 @@ def test_what_follows_from_a_survey_s_pings_is_not_recorded_but_read(tmp_path: P
         assert len(found) == 20 and run.metadata(name)["description"]
         if name in ("points", "depthArray"):
             assert found == said[name]
-        else:  # but for the interval between pings, which is the survey's
+        else:  # except for the ping interval, which is specific to the survey
             assert run.xarray(name).sizes["time"] == 20
     assert (run.xarray("scan")["ranges"].values == np.array([from_bytes(s, SCAN).ranges for s in said["scan"]])).all()
     assert np.unique(run.xarray("scan")["scan_time"]).tolist() == [np.float32(0.1)]

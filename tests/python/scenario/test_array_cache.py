@@ -1,4 +1,4 @@
-"""Laws of the cache: it returns the stored arrays, and its loss costs no more than making them again."""
+"""The array cache: it returns the stored arrays, and losing it costs only the time to compute them again."""
 
 import warnings
 from pathlib import Path
@@ -10,7 +10,7 @@ from uwsim.scenario.read.array_cache import cached_arrays
 
 
 class Maker:
-    """Counts how often it was asked."""
+    """A function that counts its calls."""
 
     def __init__(self) -> None:
         self.calls = 0

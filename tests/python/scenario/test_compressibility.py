@@ -26,14 +26,14 @@ def deep(folder: Path, extra: str = "", water: str = "") -> Simulator:
 
 
 def heave_m_s2(sim: Simulator, force_n: float = 0.0) -> float:
-    """At rest, level, with the centre of buoyancy about DEEP_M deep."""
+    """Return the heave acceleration at rest and level, with the centre of buoyancy about DEEP_M deep."""
     craft = vehicle_spec(sim.scenario, sim.scenario.vehicles[0]).craft
     state = _core.BodyState((0.0, 0.0, -DEEP_M), (0.0, 0.0, 0.0, 1.0), AT_REST)
     return float(craft.acceleration_body(state, np.array([0, 0, force_n, 0, 0, 0.0]), sim.world.water)[2])
 
 
 def pressure_and_squeeze(sim: Simulator) -> tuple[float, float]:
-    """Gauge pressure and rho / rho_0 at DEEP_M, by adding up the weight of thin layers."""
+    """Return the gauge pressure and rho / rho_0 at DEEP_M, by summing the weight of thin layers."""
     water, pressure_pa, step_m = sim.world.water, 0.0, 1.0
 
     def squeeze(depth_m: float) -> float:

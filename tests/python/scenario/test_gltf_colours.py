@@ -1,4 +1,4 @@
-"""Cameras show the colours of glTF files' materials and vertices."""
+"""Cameras show the material and vertex colours of glTF files."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def block(east_m: float, colour: tuple[int, int, int] | None) -> trimesh.Trimesh
 
 
 def test_each_triangle_has_the_colour_of_its_material(tmp_path: Path) -> None:
-    """glTF's colours are linear; a picture's are sRGB: half the light is 188 of 255."""
+    """glTF colours are linear, image colours are sRGB: half the light is 188 of 255."""
     trimesh.Scene([block(0.0, (255, 0, 0)), block(5.0, (0, 128, 0))]).export(tmp_path / "two.glb")
     texture = load_texture(tmp_path / "two.glb")
     assert texture is not None

@@ -1,4 +1,4 @@
-"""A mesh in a unit other than metres is refused when it is read, with the numbers and the unit that it may be in."""
+"""A mesh not in metres is refused when it is read; the error states the values and the likely unit."""
 
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254, "feet":
 
 
 def refusals(folder: Path, **changes: Any) -> list[str]:
-    """Return what each door says of a vehicle: its own check, the scenario's, and the simulator; nothing if sound."""
+    """Return the errors from the vehicle check, the scenario check and the simulator; empty if the vehicle is valid."""
     model = vehicle_file(folder, **changes)
     scenario = scenario_file(folder, model)
     told = [*check_part(model, "vehicle").mistakes, *check_file(scenario).mistakes]
@@ -58,14 +58,14 @@ def test_a_published_volume_betrays_the_unit(tmp_path: Path) -> None:
 
 
 def test_one_cause_gives_one_message(tmp_path: Path) -> None:
-    """A hull of 600 m in a terrain of 200 m has a density of no vehicle, too."""
+    """A 600 m hull in a 200 m terrain also has an implausible density for a vehicle."""
     model = vehicle_file(tmp_path, size_m=(6.0, 0.1, 0.1), scale=1e2, mass_kg=60.0, without=("buoyancy",))
     mistakes = check_file(scenario_file(tmp_path, model)).mistakes
     assert len(mistakes) == 1 and "is its mesh in centimetres?" in mistakes[0]
 
 
 def test_a_hull_that_has_no_room_in_its_world_is_refused(tmp_path: Path) -> None:
-    """Of a volume that a vehicle may have: longer than the terrain of 200 m, or thicker than the water is deep."""
+    """Hulls of plausible volume, but longer than the terrain's 200 m, or taller than the water is deep."""
     shallow = {"source": "noise", "size_m": [200, 200], "spacing_m": 2, "bed_depth_m": 30}
     for size_m, rule in (
         ((300.0, 2.0, 2.0), "hull of 300 x 2 x 2 m must be shorter than the terrain, 200 x 200 m: is its mesh in"),
@@ -160,7 +160,7 @@ def test_the_command_refuses_in_one_line(tmp_path: Path) -> None:
 
 
 def test_what_is_large_by_nature_is_accepted(tmp_path: Path) -> None:
-    """A submarine of 170 m and 20,000 t in a terrain of 200 m, on which it steps."""
+    """A submarine of 170 m and 20,000 t in a 200 m terrain; the simulator can step it."""
     model = vehicle_file(tmp_path, size_m=(170.0, 12.0, 10.0))
     report = check_file(scenario_file(tmp_path, model))
     assert report.mistakes == ()

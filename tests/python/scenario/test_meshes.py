@@ -1,4 +1,4 @@
-"""A mesh is the same solid in the same place in every file format; hulls are closed or refused."""
+"""A mesh yields the same solid in the same place from every file format; hulls must be closed."""
 
 import sys
 import warnings
@@ -10,7 +10,7 @@ import trimesh
 
 from uwsim.scenario import RepairWarning, ScenarioError, closed_mesh, load_mesh
 
-LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # metres, z up
+LOW, HIGH = np.array([9.0, 18.0, 27.0]), np.array([10.0, 20.0, 30.0])  # in metres, z up
 
 
 def solid() -> trimesh.Trimesh:
@@ -18,7 +18,7 @@ def solid() -> trimesh.Trimesh:
 
 
 def write_fbx(path: Path, up: str = "z", unit_cm: float = 100.0) -> Path:
-    """Write the box as Blender does: a mesh at its own origin, placed by its node."""
+    """Write the box as Blender does: a mesh about its own origin, positioned by its node."""
     size, place = HIGH - LOW, LOW
     if up == "y":
         size, place = size[[0, 2, 1]], np.array([LOW[0], LOW[2], -HIGH[1]])
@@ -70,7 +70,7 @@ def write(folder: Path, kind: str) -> Path:
     if kind == "fbx":
         return write_fbx(path)
     mesh = solid()
-    if kind in ("glb", "gltf"):  # y up, and placed by a node
+    if kind in ("glb", "gltf"):  # y up, and positioned by a node
         mesh.apply_transform([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
         shift = trimesh.transformations.translation_matrix([5, 6, 7])
         mesh.apply_transform(np.linalg.inv(shift))
@@ -107,7 +107,7 @@ def test_an_fbx_file_declares_its_axes_and_its_unit(tmp_path: Path) -> None:
 
 def test_scale_and_up_override_the_defaults_of_a_format(tmp_path: Path) -> None:
     path = write(tmp_path, "obj")
-    vertices, _ = load_mesh(path, scale=0.001, up="y")  # (x, y, z) of the file becomes (x, -z, y)
+    vertices, _ = load_mesh(path, scale=0.001, up="y")  # the file's (x, y, z) becomes (x, -z, y)
     np.testing.assert_allclose(vertices.min(axis=0), [0.009, -0.030, 0.018])
     np.testing.assert_allclose(load_mesh(write(tmp_path, "glb"), up="z")[0].min(axis=0), [9, 27, -20], atol=1e-5)
 
@@ -164,7 +164,7 @@ def test_a_mesh_in_the_wrong_unit_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"reaches 3e\+06 m from its origin at scale 1, must be at most 100000 m"):
         load_mesh(tmp_path / "a.ply")
     assert load_mesh(tmp_path / "a.ply", scale=1e-5)[0].max() == pytest.approx(30.0)
-    solid().apply_scale(1e-6).export(tmp_path / "small.ply")  # small is not flat
+    solid().apply_scale(1e-6).export(tmp_path / "small.ply")  # small, but not flat
     assert len(load_mesh(tmp_path / "small.ply")[1]) == 12
 
 
@@ -248,7 +248,7 @@ def test_a_mesh_that_cannot_be_closed_is_refused() -> None:
 def test_parts_that_overlap_are_united_with_a_warning() -> None:
     body = trimesh.creation.box((2, 2, 2))
     tower = trimesh.creation.box((1, 1, 2))
-    tower.apply_translation([0, 0, 1])  # half of it inside the body
+    tower.apply_translation([0, 0, 1])  # half of it lies inside the body
     buried = trimesh.creation.icosphere(2, radius=0.2)
     hull = trimesh.util.concatenate([body, tower, buried])
     with pytest.warns(UserWarning, match="united 3 parts that overlapped"):

@@ -1,6 +1,6 @@
-"""A scenario written to a recording or a YAML file is read back as the same one.
+"""A scenario written to a recording or a YAML file is read back unchanged.
 
-The same means equal, with the same keys set, and built to the same bits, since the presence of a key may matter.
+Unchanged means equal, with the same keys set, and identical when built, since the presence of a key may matter.
 """
 
 import functools
@@ -88,7 +88,7 @@ BLOCKS: dict[str, dict[str, Any]] = {
     "warnings": {"warnings": {"range_m": 110.0}},
     "text": {"description": "'no': # [x] {y}\n  - 1e3\n\ttab\x85\u2028 é \"\n"},
 }  # fmt: skip
-"""What differs from the pool; None for a key of the vehicle: without it."""
+"""Changes to the pool scenario, by name. None removes a key of the vehicle."""
 
 
 def in_recording(scenario: Scenario, folder: Path) -> Scenario:
@@ -129,7 +129,7 @@ def flown(scenario: Scenario) -> bytes:
 
 @functools.cache
 def pool_of(name: str) -> tuple[Scenario, bytes]:
-    """The pool with a packaged vehicle or with one of BLOCKS, and its flight, which several tests compare with."""
+    """Return the pool with a packaged vehicle or one of BLOCKS, and its flight as a reference for several tests."""
     changed = pool_with(BLOCKS[name]) if name in BLOCKS else None
     scenario = changed or load("pool").with_changes(seed=3, vehicle_model=load_vehicle(name))
     return scenario, flown(scenario)
@@ -169,7 +169,7 @@ def test_a_scenario_with_everything(variant: str, way: Way, tmp_path: Path) -> N
 
 
 def keys_of(value: Any, place: tuple[str | int, ...] = ()) -> Iterator[tuple[Model, str, tuple[str | int, ...]]]:
-    """Yield each field of each model: the model, the field, and its place."""
+    """Yield each field of each model: the model, the field name, and the path to it."""
     if isinstance(value, Model):
         for name in type(value).model_fields:
             yield value, name, (*place, name)
@@ -180,7 +180,7 @@ def keys_of(value: Any, place: tuple[str | int, ...] = ()) -> Iterator[tuple[Mod
 
 
 def test_a_scenario_with_any_key_left_out_or_given_with_its_default(tmp_path: Path) -> None:
-    """Of a scenario that gives nearly all: what is valid with the one change is read as it was."""
+    """In a scenario that sets nearly every key, change one at a time; each valid variant is read back unchanged."""
     tried = 0
     for variant in ("", "cast"):
         base = validated(Scenario, world(variant))
@@ -197,7 +197,7 @@ def test_a_scenario_with_any_key_left_out_or_given_with_its_default(tmp_path: Pa
                 at[last] = plain(field.get_default(call_default_factory=True, validated_data=dict(owner)))
             try:
                 scenario = Scenario.model_validate(values)
-            except ValidationError:  # the key is needed, or stands against another
+            except ValidationError:  # the key is required, or conflicts with another
                 continue
             read = in_recording(scenario, tmp_path)
             assert read == scenario, place
@@ -249,7 +249,7 @@ def test_a_recording_of_a_packaged_vehicle_is_replayed(name: str, tmp_path: Path
 
 @pytest.fixture(params=[*packaged_scenarios(), *VEHICLES])
 def flyable(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """A folder with a packaged scenario, or the pool with a packaged vehicle, and a mission."""
+    """A folder with a packaged scenario, or with the pool and a packaged vehicle, and a mission."""
     name = request.param
     scenario = load("pool").with_changes(vehicle_model=load_vehicle(name)) if name in VEHICLES else load(name)
     write_scenario(tmp_path / "scenario.yaml", scenario)
@@ -294,7 +294,7 @@ OLD = ["lake", "pair", "remus100", *(block for block in BLOCKS if block != "a fi
 
 @pytest.mark.parametrize("name", OLD)
 def test_a_recording_that_holds_every_default_is_read(name: str, tmp_path: Path) -> None:
-    """As recordings were written once, whether or not the scenario gave a key."""
+    """Older recordings contained every key, whether or not the scenario set it."""
     is_pool = name in VEHICLES or name in BLOCKS
     scenario, flight = pool_of(name) if is_pool else (load(name), flown(load(name)))
     read = unpack(with_every_default(scenario), tmp_path)
@@ -324,7 +324,7 @@ def with_every_default(scenario: Scenario) -> dict[str, bytes]:
 
 
 def test_figures_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
-    """The usual value of a figure is none of a model that has another: scenarios with and without it differ."""
+    """A sonar model may replace a noise value's usual default, so setting the usual value explicitly matters."""
     loud = load_sonar("em2040-2").model_copy(update={"noise": SonarNoise(level_db=60.0, range=False)})
 
     def with_noise(noise: Any) -> Scenario:
@@ -345,7 +345,7 @@ def test_figures_of_noise_count_whatever_their_values(tmp_path: Path) -> None:
 
 
 def test_a_part_of_a_scenario_is_set_as_it_was_given() -> None:
-    """Not with its defaults, which would be refused beside the profile, or take the place of the model's figures."""
+    """Defaults must not be filled in: they would be rejected alongside the profile, or override the model's values."""
     water = Water.model_validate({"profile": PROFILE})
     with Simulator("pool") as sim:
         sim.parameters["water"] = water

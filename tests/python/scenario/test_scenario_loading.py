@@ -1,4 +1,4 @@
-"""A scenario file is loaded as written, or refused in one line that names the place and the reason."""
+"""A scenario file is loaded as written, or refused with a one-line error that gives the location and the reason."""
 
 import pickle
 import re
@@ -114,13 +114,13 @@ def test_a_mistake_is_reported_with_line_key_value_unit_and_rule(
 
 
 def test_all_mistakes_of_a_file_are_reported_at_once_each_with_its_line(tmp_path: Path) -> None:
-    """Those of the files that it names, too; but not what only follows from another mistake."""
+    """Errors in referenced files are included; errors that merely follow from another error are not."""
     edits = (
-        ("bed_depth_m: 5", "bed_dept_m: 5"),  # bed_depth_m is not missing: it is misspelt
+        ("bed_depth_m: 5", "bed_dept_m: 5"),  # bed_depth_m is misspelt, not missing
         ("mission_time_s: 600", "mission_time_s: -600"),
         ("spacing_m: 0.5", "spacing_m: half"),
         ("kind: box", "kind: bx"),
-        ("model: rov", "model: mine.yaml"),  # `vehicles` is not empty: its item is not valid
+        ("model: rov", "model: mine.yaml"),  # `vehicles` is not empty: its item is invalid
         ("model: 2", "model: 7"),
     )
     text = POOL
@@ -264,7 +264,7 @@ def test_a_polygons_area_and_width_do_not_depend_on_its_place(
     edit=st.sampled_from(["drop", "double", "null", "list", "text", "huge", "typo", "indent"]),
 )
 def test_a_spoilt_line_is_loaded_or_refused(line: int, edit: str, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """However a line is changed, the file loads or is refused in one line; no other error is raised."""
+    """However a line is changed, the file loads or is refused in one line; no other exception is raised."""
     lines = POOL.splitlines()
     key, colon, value = lines[line].partition(": ")
     lines[line] = {

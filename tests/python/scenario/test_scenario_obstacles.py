@@ -1,4 +1,4 @@
-"""Obstacles are closed solids with the requested size and place."""
+"""Obstacles are closed solids with the requested size and position."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def build(**settings: object) -> trimesh.Trimesh:
 
 
 def is_hit(mesh: trimesh.Trimesh, origin_m: list[float]) -> bool:
-    """Whether a ray to the north meets the mesh."""
+    """Return True if a northward ray hits the mesh."""
     world = _core.World()
     world.add_solid("it", mesh.vertices, mesh.faces)
     return bool(np.isfinite(_core.RayScene(world).cast([origin_m], [[0, 1, 0]], 100.0).ranges_m[0]))
@@ -54,7 +54,7 @@ def test_boxes_and_cylinders_have_their_size_and_pose() -> None:
     radius_m=st.floats(0.1, 1.0),
 )
 def test_a_mitred_tube_keeps_its_cross_section(bend_deg: float, climb: float, radius_m: float) -> None:
-    """Volume of a mitred prism is its section's area times the length of its axis, whatever it bends (Pappus)."""
+    """A mitred prism's volume is the area of its section times the length of its axis, whatever the bends (Pappus)."""
     bend = np.radians(bend_deg)
     axis = np.array([[0, 0, 0], [20, 0, 0], [20 + 20 * np.cos(bend), 20 * np.sin(bend), 20 * climb]])
     tube = trimesh.Trimesh(*swept_tube(axis, radius_m), process=False)
@@ -68,7 +68,7 @@ def test_a_mitred_tube_keeps_its_cross_section(bend_deg: float, climb: float, ra
 def test_a_pipeline_lies_on_the_bed_buried_by_its_fraction(buried: float) -> None:
     pipe = build(kind="pipeline", points_m=[[-30, 5], [0, 5], [20, -10]], radius_m=0.5, buried_fraction=buried)
     top = pipe.vertices[:, 2] - BED.height_at(pipe.vertices[:, :2])
-    level = np.hypot(1, SLOPE)  # the pipe climbs with the bed, so its cross-section leans
+    level = np.hypot(1, SLOPE)  # the pipe climbs with the bed, so its cross-section is inclined
     assert top.max() == pytest.approx(0.5 * (1 - 2 * buried) + 0.5 * level, abs=0.02)
     assert top.min() == pytest.approx(0.5 * (1 - 2 * buried) - 0.5 * level, abs=0.02)
 
@@ -120,7 +120,7 @@ ROUND = [
 def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(
     settings: dict[str, object],
 ) -> None:
-    """Rays against every facet's normal: the shape lies on or a little outside the facet's middle."""
+    """Cast rays along every facet's normal: the exact shape lies on or slightly outside the facet's centre."""
     vertices, triangles, shapes = solid(**settings)
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     world = _core.World()
@@ -130,7 +130,7 @@ def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(
     middles, normals = mesh.triangles_center[faces], mesh.face_normals[faces]
     hits = scene.cast(middles + 2 * radius_m * normals, -normals, 3 * radius_m)
     outside = 2 * radius_m - hits.ranges_m
-    # Beside a gate's bar another one may be nearer, and beside a pipe its piece beyond a bend.
+    # Next to a gate's bar another bar may be nearer; next to a pipe, its section beyond a bend.
     alone = settings["kind"] in ("sphere", "cylinder")
     assert (outside > -1e-5).all()
     near = outside < 0.0051 * radius_m + 1e-5
@@ -138,7 +138,7 @@ def test_a_round_obstacles_mesh_is_half_a_percent_inside_its_shape_at_most(
 
 
 def test_a_pipelines_exact_shape_bends_where_its_mesh_does() -> None:
-    """Rays hit both or miss both, except those that pass within half a percent of the radius of the surface."""
+    """Rays hit both or miss both, except those passing within half a percent of the radius from the surface."""
     vertices, triangles, shapes = solid(kind="pipeline", points_m=[[-30, 5], [0, 5], [5, -15]], radius_m=0.5)
     round_world, faceted = _core.World(), _core.World()
     round_world.add_solid("it", vertices, triangles, shapes)

@@ -1,4 +1,4 @@
-"""The JSON Schemas accept what the program accepts, and refuse what it refuses for a single key."""
+"""For errors in a single key, the JSON Schemas accept and refuse the same files as the program."""
 
 import json
 from functools import cache
@@ -90,7 +90,7 @@ def test_a_number_is_refused_by_the_schema_exactly_if_it_is_by_the_program(case:
     try:
         TypeAdapter(PARTS[part]).validate_python(file)
     except ValidationError as error:
-        assert refused or not any(key in e["loc"] for e in error.errors()), (file, error)  # else by a rule of several
+        assert refused or not any(key in e["loc"] for e in error.errors()), (file, error)  # or a rule on several keys
     else:
         assert not refused, file
 

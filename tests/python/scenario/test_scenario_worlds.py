@@ -1,4 +1,4 @@
-"""The packaged scenarios have the promised features, and the worlds built from scenarios match them."""
+"""The packaged scenarios have the documented features, and the built worlds match the scenarios."""
 
 import os
 import warnings
@@ -33,7 +33,7 @@ def terrain_of(name: str) -> Terrain:
 
 
 def points_within(terrain: Terrain, area_m: tuple[tuple[float, float], ...], margin_m: float = 0) -> np.ndarray:
-    """Terrain nodes (n, 3) inside the polygon or, with a margin, in the band of that width outside it."""
+    """Return the terrain nodes (n, 3) inside the polygon or, with a margin, in a band of that width around it."""
     ny, nx = terrain.heights_m.shape
     x, y = np.meshgrid(np.arange(nx), np.arange(ny))
     xy = np.column_stack([x.ravel(), y.ravel()]) * terrain.spacing_m + terrain.origin_m
@@ -60,7 +60,7 @@ def test_the_survey_area_has_hills_a_pipeline_and_a_gate_below_the_flying_height
     assert np.ptp(bed[:, 2]) > 5
     assert bed[:, 2].max() < -12
     beside = points_within(terrain, survey.area_m, margin_m=15)
-    # The vehicle turns here, at its height above the bed: nothing may come near its side.
+    # The vehicle turns here at its usual height above the bed, so nothing may be close to its sides.
     assert beside[:, 2].max() < -12
     for kind in ("pipeline", "gate"):
         inside = [
@@ -80,7 +80,7 @@ AHEAD, ASTERN, PORT, STARBOARD, DOWN = ([5, 0, 0], [-5, 0, 0], [0, 5, 0], [0, -5
 @pytest.mark.parametrize("way_m", [AHEAD, ASTERN, PORT, STARBOARD, DOWN])
 @pytest.mark.parametrize("name", ["lake", "valley"])
 def test_the_docked_vehicle_can_leave_in_every_direction_but_up(name: str, way_m: list[float]) -> None:
-    """The hull's box, swept 5 m from the dock, touches neither the station nor the bed."""
+    """The hull's bounding box, swept 5 m from the dock, touches neither the station nor the bed."""
     scenario = load(name)
     (x, y, z), yaw_rad = start(scenario, scenario.vehicles[0])
     assert z == pytest.approx(-5)

@@ -1,4 +1,4 @@
-"""Sonar models: their YAML files, the scenario's choice of frequency and mode, and errors."""
+"""Sonar models: their YAML files, a scenario's choice of frequency and mode, and errors."""
 
 from __future__ import annotations
 

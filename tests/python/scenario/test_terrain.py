@@ -1,4 +1,4 @@
-"""Terrain passes through the points of its source, in metres, without gaps."""
+"""Terrain passes through the points of its source data, in metres, without gaps."""
 
 import socket
 from pathlib import Path
@@ -71,7 +71,7 @@ def test_feet_are_converted_to_metres(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("latitude", [36.0, -60.0])
 def test_a_degree_grid_has_cells_of_the_right_metric_size(latitude: float, tmp_path: Path) -> None:
-    """One cell is a cos(lat) / sqrt(1 - e2 sin2) dlon across and a (1 - e2) / (1 - e2 sin2)^1.5 dlat up (WGS 84)."""
+    """A cell spans a cos(lat) / sqrt(1 - e2 sin2) dlon across and a (1 - e2) / (1 - e2 sin2)^1.5 dlat up (WGS 84)."""
     a, e2, cell = 6378137.0, 0.00669437999014, 0.001
     flattening = 1 - e2 * np.sin(np.radians(latitude)) ** 2
     east_m = a * np.cos(np.radians(latitude)) / np.sqrt(flattening) * np.radians(cell)
@@ -203,7 +203,7 @@ def test_images_that_are_not_grey_or_not_images_are_refused(tmp_path: Path) -> N
     with pytest.raises(ScenarioError, match="a colour image, expected grey levels"):
         build("colour.png")
     Image.fromarray(np.repeat(colour[..., :1], 3, axis=2)).save(tmp_path / "grey.png")
-    assert build("grey.png").lowest_m >= -9.5  # a cubic may overshoot a little
+    assert build("grey.png").lowest_m >= -9.5  # cubic interpolation may overshoot slightly
     whole = (tmp_path / "grey.png").read_bytes()
     (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
     (tmp_path / "text.png").write_text("hello")
@@ -241,13 +241,13 @@ def test_heights_between_nodes_are_those_of_the_triangles() -> None:
     terrain = Terrain(np.array([[0, 1, 0], [2, 5, 0]], np.float32), 2.0, (10.0, 20.0))
     corners = [[10, 20], [12, 20], [10, 22], [12, 22], [14, 22]]
     np.testing.assert_allclose(terrain.height_at(corners), [0, 1, 2, 5, 0])
-    # The diagonal runs from the cell's lower right to its upper left corner: 1.5 at the middle, not the bilinear 2.
+    # The diagonal runs from the cell's lower right to its upper left corner: 1.5 at the centre, where bilinear gives 2.
     np.testing.assert_allclose(terrain.height_at([[11, 21], [10.5, 20.5], [11.5, 21.5]]), [1.5, 0.75, 3.25])
     assert np.isnan(terrain.height_at([[9.99, 20], [10, 22.01], [np.nan, 21]])).all()
 
 
 def test_a_raster_that_names_a_server_does_not_reach_it(tmp_path):
-    """GDAL's virtual rasters read from wherever their XML says: a scenario from a stranger could call home by one."""
+    """GDAL virtual rasters read from any source named in their XML, so an untrusted scenario could contact a server."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         url = f"/vsicurl/http://127.0.0.1:{server.getsockname()[1]}/a.tif"
         file = tmp_path / "lake.tif"

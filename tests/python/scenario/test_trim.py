@@ -1,4 +1,4 @@
-"""A trimmed vehicle has its stated net buoyancy in any water; obstacles on the bed touch it; a station is optional."""
+"""A trimmed vehicle has its stated net buoyancy in any water; obstacles rest on the bed; a station is optional."""
 
 from pathlib import Path
 
@@ -40,7 +40,7 @@ def test_a_trimmed_vehicle_has_that_net_buoyancy_in_any_water(density: float, ne
     mass_kg = 1.025 * 13.4 if density > 1010 else 13.4
     mass_kg -= net_n / 9.80665
     sim.advance(0.5)
-    accelerating_kg = mass_kg + 18.6863  # with the water's own in heave
+    accelerating_kg = mass_kg + 18.6863  # including the added mass in heave
     assert sim.rov.velocity.linear_body_m_s[2] == pytest.approx(net_n / accelerating_kg * 0.5, rel=0.35)
     assert np.sign(sim.rov.velocity.linear_body_m_s[2]) == np.sign(net_n)
 

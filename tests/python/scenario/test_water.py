@@ -1,4 +1,4 @@
-"""The native water has the values of the scenario; invalid ones are refused by their key."""
+"""The native water has the scenario's values; errors name the invalid key."""
 
 import re
 from pathlib import Path

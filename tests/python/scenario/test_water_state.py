@@ -1,4 +1,4 @@
-"""Density, temperature and salinity agree: a missing one follows by EOS-80, and contradictions are refused."""
+"""Density, temperature and salinity agree: a missing one is derived with EOS-80; contradictions are refused."""
 
 from pathlib import Path
 from typing import Any
@@ -140,7 +140,7 @@ def test_water_that_is_the_same_has_one_fingerprint() -> None:
 
 
 def test_density_and_sound_agree_with_the_present_equation_of_sea_water() -> None:
-    """TEOS-10 as its authors have written it; it is newer than EOS-80 and differs by as much as is allowed here."""
+    """TEOS-10 in its authors' implementation; newer than EOS-80, and within the tolerances used here of it."""
     gsw = pytest.importorskip("gsw")
     draw = np.random.default_rng(0)
     for t, s, depth_m in draw.uniform((-2, 0, 0), (40, 42, 100), (300, 3)).tolist():

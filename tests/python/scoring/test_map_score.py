@@ -1,4 +1,4 @@
-"""Laws of the score: a perfect map has coverage 1, an empty one 0, and a map shifted by d lies at distance d."""
+"""Map scores: a perfect map has coverage 1, an empty one 0, and a map shifted by d has distance d."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_a_visible_plane_has_area_over_voxel_area_voxels_and_a_map_of_them_is_pe
     perfect = score(world, truth.visible_centres_m)
     assert perfect.coverage == 1.0
     assert len(perfect.missed_centres_m) == 0
-    assert perfect.distance_max_m == pytest.approx(0.05)  # the plane lies 0.05 m below the voxels' centres
+    assert perfect.distance_max_m == pytest.approx(0.05)  # the plane lies 0.05 m below the voxel centres
 
 
 def test_an_empty_map_covers_nothing_and_has_no_distance():
@@ -56,7 +56,7 @@ def test_without_a_flown_pose_nothing_was_visible():
 def test_a_map_of_half_the_plane_covers_half():
     world = plane(0.2)
     truth = score(world, []).visible_centres_m
-    half = truth[truth[:, 0] < -VOXEL_M]  # neighbours of the mapped voxels reach to x = 0
+    half = truth[truth[:, 0] < -VOXEL_M]  # the mapped voxels' neighbours reach x = 0
     assert score(world, half).coverage == 0.5
 
 
@@ -155,7 +155,7 @@ def test_false_voxels_are_found():
 
 
 def test_a_voxel_is_right_exactly_when_the_surface_runs_through_it():
-    """A tilted plane through a grid of voxels, compared with the exact intersection test of a plane and a cube."""
+    """A tilted plane through a voxel grid, compared with the exact plane-cube intersection test."""
     normal = np.array([0.3, -0.5, 1.0])
     x, y = np.meshgrid(np.arange(-10.0, 11.0), np.arange(-10.0, 11.0))
     world = _core.World()
@@ -163,7 +163,7 @@ def test_a_voxel_is_right_exactly_when_the_surface_runs_through_it():
     axis = (np.arange(-8, 8) + 0.5) * VOXEL_M
     cubes = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     depth_of_cut = np.abs(normal).sum() * VOXEL_M / 2.0 - np.abs(cubes @ normal)
-    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # after five halvings 1/32 of a voxel is undecided
+    sure = np.abs(depth_of_cut) > 0.03 * np.linalg.norm(normal)  # 1/32 of a voxel is undecided
     right = cubes[sure & (depth_of_cut > 0)]
     wrong = cubes[sure & (depth_of_cut < 0)]
     assert min(len(right), len(wrong)) > 400
@@ -200,7 +200,7 @@ def test_an_empty_map_has_no_seabed_and_no_precision():
 
 
 def test_what_exact_beams_have_hit_needs_no_ray_and_counts_as_seen():
-    """The beams of a survey prove what they hit; what they did not hit is still looked for, and scored the same."""
+    """What a survey's beams hit counts as visible without a ray; the rest is checked by rays. The score is the same."""
     world = plane(0.2)
     truth = score(world, []).visible_centres_m
     mapped = truth[truth[:, 0] < 0.0]
@@ -212,14 +212,14 @@ def test_what_exact_beams_have_hit_needs_no_ray_and_counts_as_seen():
         world, mapped, VOXEL_M, np.add(ABOVE, (0.0, 0.0, 500.0)), AREA, 50.0, occupied_were_seen=True
     )
     assert far_from_the_path.visible_truth_voxels == 0
-    beside_the_surface = np.add(mapped, (0.0, 0.0, 2.0))  # no truth voxels: seen or not, they do not count
+    beside_the_surface = np.add(mapped, (0.0, 0.0, 2.0))  # contain no true surface: they do not count, visible or not
     wrong = score_map(world, beside_the_surface, VOXEL_M, ABOVE, AREA, 50.0, occupied_were_seen=True)
     assert wrong.visible_truth_voxels == asked.visible_truth_voxels
     assert wrong.precision == 0.0
 
 
 def test_what_was_looked_at_ahead_changes_no_figure():
-    """Whatever part of the surface a survey had time to look at, and wherever its echoes came from."""
+    """Independent of how much of the surface was examined during the survey, and from where."""
     world = plane(0.2)
     truth = score(world, []).visible_centres_m
     mapped = np.concatenate([truth[::2], truth[:50] + np.array([0.0, 0.0, 6.0 * VOXEL_M])])

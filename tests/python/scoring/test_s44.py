@@ -1,4 +1,4 @@
-"""Laws of the vertical orders of IHO S-44."""
+"""The vertical uncertainty orders of IHO S-44."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from uwsim.scoring.s44 import CONFIDENCE, ORDERS, best_order, share_within
 
 
 def test_the_vertical_uncertainty_follows_the_formula():
-    """sqrt(a^2 + (b d)^2), calculated by hand at 0 and 100 m."""
+    """sqrt(a^2 + (b d)^2), calculated by hand for 0 and 100 m."""
     expected = {"Exclusive": (0.15, 0.764853), "Special": (0.25, 0.790569), "1a": (0.5, 1.392839), "2": (1.0, 2.507987)}
     for order in ORDERS:
         at_surface, deep = order.tvu_m(np.array([0.0, 100.0]))

@@ -1,4 +1,4 @@
-"""Samples of the true surface leave no gap, and come in tiles."""
+"""Samples of the true surface leave no gaps and are generated in tiles."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_every_point_of_a_triangle_is_near_a_sample(corners):
     samples = sample_surface(world, 0.5, SQUARE)
     weights = np.random.default_rng(1).dirichlet([1.0, 1.0, 1.0], 2000)
     distances, _ = cKDTree(samples.points_world_m).query(weights @ np.array(corners))
-    # Half the diagonal of the sampling grid, plus a diagonal, since only one sample is kept in each of its cells.
+    # Half the diagonal of the sampling grid, plus a full diagonal, since each cell of the grid keeps only one sample.
     assert distances.max() <= 0.25 * (np.sqrt(0.5) + np.sqrt(3.0))
     inside = {tuple(key) for key in samples.voxel_keys}
     assert {tuple(key) for key in voxel_keys(samples.points_world_m, 0.5)} == inside
@@ -48,7 +48,7 @@ def vast_floor(half_m=5000.0):
 
 
 def test_the_parts_of_triangles_outside_the_polygon_cost_nothing():
-    samples = sample_surface(vast_floor(half_m=1.0e7), 0.5, SQUARE)  # the whole floor would have 6e15 samples
+    samples = sample_surface(vast_floor(half_m=1.0e7), 0.5, SQUARE)  # sampling the whole floor would take 6e15 samples
     assert len(samples.voxel_keys) == 40 * 40 / 0.5**2
     assert np.abs(samples.points_world_m[:, :2]).max() <= 20.0
 

@@ -1,4 +1,4 @@
-"""Laws of visibility: a group of points is seen if one of its points, taken alone, is seen from any viewpoint."""
+"""Visibility: a group of points is visible if any of its points is visible from any viewpoint."""
 
 import numpy as np
 import pytest
@@ -10,12 +10,12 @@ TOLERANCE_M, RANGE_M = 0.01, 30.0
 
 @pytest.fixture(scope="module")
 def world() -> _core.World:
-    """Hills, a half-buried pipe with bed inside, and a wall."""
+    """Hills, a half-buried pipe partly filled by the bed, and a wall."""
     x, y = np.meshgrid(np.arange(61), np.arange(61))
     world = _core.World()
     world.set_terrain((1.5 * np.sin(x / 4) * np.cos(y / 5)).astype(np.float32), 1.0, (-30.0, -30.0))
     axis = np.array([[-20.0, 0.0, 1.0], [0.0, 1.0, 0.5], [20.0, 0.0, 1.0]])
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float) * 40.0 - 80.0  # the mesh of the pipe: far
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float) * 40.0 - 80.0  # of the pipe's mesh: far off
     faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], np.uint32)
     world.add_solid(
         "pipe", np.concatenate([corners, [[-20.0, -2, -2], [20, 3, 3]]]), faces, _core.RoundShape.pipe(axis, 1.2)
@@ -29,7 +29,7 @@ def scene(world: _core.World) -> _core.RayScene:
 
 
 def groups_of_points(world: _core.World, scene: _core.RayScene) -> tuple[np.ndarray, np.ndarray]:
-    """Points on what rays from above meet, on the bed (also in the pipe) and under it, four to a group."""
+    """Return points in groups of four: on surfaces visible from above, on the bed (also in the pipe), and below it."""
     over = np.column_stack([np.random.default_rng(1).uniform(-25, 25, (2000, 2)), np.full(2000, 9.0)])
     over = over[np.lexsort(over.T)]
     bed = np.column_stack([over[:, :2], world.height_at(over[:, :2])])

@@ -1,4 +1,4 @@
-"""Commands to thrusters and fins, through the public surface."""
+"""Thruster and fin commands through the public API."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -47,7 +47,7 @@ def test_an_invalid_curve_is_refused_with_file_and_line(tmp_path: Path, thrust_n
 
 
 def wrench_of(rov: Vehicle) -> np.ndarray:
-    """Still-water wrench of the present thrusts, from the mounts in the vehicle's file."""
+    """Return the still-water wrench of the current thrusts, computed from the mounts in the vehicle's file."""
     mounts = load_vehicle("bluerov2_heavy").thrusters
     total = np.zeros(6)
     for name, thruster in rov.thrusters.items():

@@ -1,7 +1,7 @@
-"""Restoring an earlier state, or resetting, undoes every later change of a simulator, in every part.
+"""Restoring an earlier state, or resetting, undoes all later changes in every part of a simulator.
 
-The parts are found by walking the objects, by calling every query of the native simulation, and by giving every
-command. A part that is added later and is not saved, or not reset, fails here.
+The parts are found by walking the objects, calling every query of the native simulation, and issuing every command.
+A part that is added later but not saved or not reset fails here.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ LEAVES = (type(None), bool, int, float, complex, str, bytes, enum.Enum, Path)
 
 
 def episode() -> list[tuple[str, dict[str, Any]]]:
-    """EPISODE, and each command that it lacks and that takes no more than a vehicle."""
+    """Return EPISODE, plus each missing command that needs only a vehicle as its argument."""
     steps, given = list(EPISODE), {name for name, _ in EPISODE}
     for name in COMMANDS.keys() - given:
         needed = [argument.name for argument in COMMANDS[name].all_arguments if argument.is_required]
@@ -96,7 +96,7 @@ def episode() -> list[tuple[str, dict[str, Any]]]:
 
 
 def walked(sim: Simulator) -> dict[str, str]:
-    """Return every value that the simulator's Python objects hold, by its path."""
+    """Return every value reachable from the simulator's Python objects, by its path."""
     found: dict[str, str] = {}
     seen: dict[int, str] = {}
 
@@ -143,7 +143,7 @@ def parts_of(value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def answers(sim: Simulator) -> dict[str, str]:
-    """Return what the native simulation answers to each question that takes no argument, or a vehicle's index."""
+    """Return the results of every native query that has no argument, or only a vehicle's or node's index."""
     core, found = sim._core, {"tick": str(sim.tick)}
     for name in dir(_core.Simulation):
         first_line = (getattr(_core.Simulation, name).__doc__ or "").partition("\n")[0]
@@ -188,7 +188,7 @@ def everything(sim: Simulator) -> dict[str, str]:
 
 
 def flown(sim: Simulator) -> list[dict[str, str]]:
-    """Give every command; return everything at each, and for some time after."""
+    """Issue every command; return all values after each, and for some time afterwards."""
     trace = []
     for name, arguments in [*episode(), *[("", {})] * 10]:
         if name:
@@ -282,4 +282,4 @@ def test_after_a_reset_no_command_of_the_last_run_is_warned_of(sim: Simulator) -
         undo()
         with warnings.catch_warnings():
             warnings.simplefilter("error", DockedWarning)
-            sim.step()  # docked, and nobody has commanded it
+            sim.step()  # docked and not yet commanded

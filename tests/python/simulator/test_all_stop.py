@@ -1,4 +1,4 @@
-"""All stop outranks every way of commanding a vehicle: while it is set, vehicles move as if without commands."""
+"""All stop overrides every way of commanding a vehicle: while it is set, vehicles move as if uncommanded."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ MOVING: dict[str, tuple[str, dict[str, Any]]] = {
     "set_thrusters": ("fins", {"commands": {"propeller": 1.0}}),
     "set_fins": ("fins", {"angles_rad": {"top": 0.2, "port": -0.2}}),
 }
-"""Commands that move a vehicle, with a vehicle that they move."""
+"""Commands that move a vehicle, each with a vehicle it moves."""
 IN_DOCK = ("release", "undock")
-"""Commands by which a vehicle would leave its dock: tried below."""
+"""Commands that release a vehicle from its dock; tested separately below."""
 FREE = {
-    "dock", "override_failsafe", "all_stop", "aim", "set_lamp", "aim_camera",  # move no vehicle but into its dock
+    "dock", "override_failsafe", "all_stop", "aim", "set_lamp", "aim_camera",  # only into the dock
     "place", "inject_fault", "end_fault", "set_parameter", "set_parameters", "reset_parameters", "set_optics",  # world
     "start_navigation", "link_send",
 }  # fmt: skip
-"""Commands that all stop leaves alone. What is sent over a link is tried where it arrives."""
+"""Commands that all stop does not affect. Commands sent over a link are checked on arrival."""
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def sim(path: Path) -> Simulator:
-    """A simulator whose vehicles have just been stopped in full swing."""
+    """A simulator whose vehicles have just been stopped while moving at full effort."""
     sim = Simulator(path, seed=4)
     swing(sim)
     return sim
@@ -66,7 +66,7 @@ def swing(sim: Simulator) -> None:
 
 @pytest.fixture(scope="module")
 def alone(path: Path) -> bytes:
-    """How the vehicles move if nobody commands anything."""
+    """The vehicles' motion if no commands are given."""
     sim = Simulator(path, seed=4)
     swing(sim)
     sim.step(STEPS)
@@ -79,7 +79,7 @@ def test_every_command_that_there_is_has_been_thought_of() -> None:
 
 def test_nothing_aboard_moves_a_stopped_vehicle(sim: Simulator) -> None:
     for rov in sim.vehicles.values():
-        rov.steer_silently([1.0] * 6)  # as its failsafe does
+        rov.steer_silently([1.0] * 6)  # as the vehicle's failsafe would
     sim.step(STEPS)
     assert at_rest(sim)
 

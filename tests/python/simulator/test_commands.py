@@ -1,4 +1,4 @@
-"""One table of commands, from which vehicles, logs, links, services and pages take all that they know of a command."""
+"""One table defines all commands; vehicles, logs, links, services and pages derive everything from it."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NUDGE = Command(
     crosses_link=True,
     service="uwsim_msgs/srv/Nudge",
 )
-"""A command that is nowhere but in the table."""
+"""A command that exists only in the table."""
 
 
 @pytest.fixture
@@ -125,7 +125,7 @@ EDGES: dict[tuple[str, str], Callable[[Simulator, float], object]] = {
     ("set_thrusters", "commands"): lambda sim, x: sim.vehicles["scout"].set_thrusters({"front_left": x}),
     ("aim", "elevation_rad"): lambda sim, x: sim.rov.sonar.aim(x),
 }
-"""Calls that enforce each bound without the table."""
+"""Calls that enforce each bound independently of the table."""
 
 
 @pytest.fixture(scope="module")

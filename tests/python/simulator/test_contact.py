@@ -1,4 +1,4 @@
-"""Collision shapes: chosen in the vehicle's model, read from files, and in contact in the simulator."""
+"""Collision shapes: chosen in the vehicle model, read from files, and used for contact in the simulator."""
 
 from pathlib import Path
 
@@ -12,13 +12,13 @@ from uwsim.simulator.simulator import Simulator
 
 
 def portal_pieces() -> list[np.ndarray]:
-    """Three boxes that form a gate, open below and along x."""
+    """Return three boxes that form a gate, open below and along x."""
     boxes = [((0.4, 0.1, 0.6), (0, 0.35, 0)), ((0.4, 0.1, 0.6), (0, -0.35, 0)), ((0.4, 0.8, 0.1), (0, 0, 0.25))]
     return [trimesh.creation.box(size).vertices + np.array(centre) for size, centre in boxes]
 
 
 def portal(folder: Path, collision: str) -> VehicleModel:
-    """A neutral body that displaces the volume of its bounding box and collides as `collision` says."""
+    """Return a neutrally buoyant body with the volume of its bounding box and the given collision shape."""
     trimesh.creation.box((0.4, 0.8, 0.6)).export(folder / "hull.stl")
     write_pieces(portal_pieces(), folder / "hull.pieces.obj", made_from="hull.stl")
     figures = {
@@ -56,7 +56,7 @@ def simulator(model: VehicleModel, obstacles: list[dict] | None = None) -> Simul
 def test_pieces_leave_the_hollows_of_a_hull_open(tmp_path: Path, collision: str, passes: bool) -> None:
     pipe = {"kind": "pipeline", "name": "pipe", "points_m": [[3, 0], [6, 0]], "radius_m": 0.15}
     sim = simulator(portal(tmp_path, collision), [pipe])
-    sim.rov.place((0, 0, -19.6), velocity_body=(1, 0, 0, 0, 0, 0))  # astride the pipe that lies on the bed
+    sim.rov.place((0, 0, -19.6), velocity_body=(1, 0, 0, 0, 0, 0))  # astride the pipe on the bed
     sim.advance(6)
     assert (sim.rov.pose.position_world_m[0] > 4) == passes
     assert (sim.rov.collisions == 0) == passes
@@ -122,12 +122,12 @@ def test_a_vehicle_dropped_on_the_bed_comes_to_rest(tmp_path: Path) -> None:
     before = sim.rov.pose.position_world_m
     sim.advance(5)
     assert np.linalg.norm(sim.rov.pose.position_world_m - before) < 1e-4
-    assert -20 + 0.3 <= before[2] < -20 + 0.3 + 0.0011  # README: within a millimetre
+    assert -20 + 0.3 <= before[2] < -20 + 0.3 + 0.0011  # README: accurate to a millimetre
     assert sim.rov.telemetry().collision_warning
 
 
 def test_a_diverging_run_names_vehicle_step_and_last_state(tmp_path: Path) -> None:
-    stiff = portal(tmp_path, "hull").model_copy(update={"linear_damping": (1e6,) * 6})  # too stiff for steps of 5 ms
+    stiff = portal(tmp_path, "hull").model_copy(update={"linear_damping": (1e6,) * 6})  # too stiff for 5 ms steps
     sim = simulator(stiff)
     sim.rov.place((0, 0, -10), velocity_body=(1, 0, 0, 0, 0, 0))
     with pytest.raises(ValueError, match=r"vehicle 'body', step \d+: last finite state = \[.*the motion diverged"):

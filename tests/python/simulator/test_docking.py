@@ -1,4 +1,4 @@
-"""Docked, free and docked again: never without a notice."""
+"""Docking, undocking and docking again: each is reported."""
 
 import warnings
 
@@ -16,7 +16,7 @@ def shared() -> Simulator:
 
 @pytest.fixture
 def lake(shared: Simulator) -> Simulator:
-    """The lake at its start."""
+    """The lake at its initial state."""
     fresh = shared.__dict__.setdefault("_at_start", shared.save_state())
     shared.restore_state(fresh)
     shared.rov.set_effort()
@@ -28,7 +28,7 @@ def test_a_docked_vehicle_that_is_commanded_warns_once_when_time_passes() -> Non
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sim.advance(0.1)
-        sim.rov.set_effort(surge=0.5)  # held: it acts from the release on
+        sim.rov.set_effort(surge=0.5)  # stored: takes effect on release
         sim.rov.set_effort()
         sim.advance(0.1)
         sim.rov.set_effort(surge=0.5)
@@ -121,7 +121,7 @@ def test_a_vehicle_docks_from_nearby_and_starts_afresh(lake: Simulator) -> None:
     assert not rov.released
     np.testing.assert_allclose(rov.pose.position_world_m, dock, atol=1e-9)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # its commands have ended
+        warnings.simplefilter("error")  # no warning: the earlier commands have ended
         lake.advance(1.0)
     np.testing.assert_allclose(rov.pose.position_world_m, dock, atol=1e-9)
     assert rov.telemetry().battery_percent == 100.0

@@ -1,4 +1,4 @@
-"""A failsafe acts in simulated time, by stated rules, the same in every run."""
+"""A failsafe acts in simulated time, by fixed rules, identically in every run."""
 
 import math
 
@@ -57,9 +57,9 @@ def test_a_vehicle_that_navigates_returns_to_where_it_believes_home_to_be():
     sim = Simulator(lake(silence_s=SILENCE_S, then="return", speed_m_s=0.8))
     home = sim.rov.pose.position_world_m
     sim.rov.place((-50.0, -34.0, -13.0))
-    estimate = sim.rov.estimate  # begins
+    estimate = sim.rov.estimate  # starts the estimator
     sim.parameters["rov.sensors.usbl.on"] = False
-    estimate.restart(Start((-46.0, -34.0, -13.0), 0.1))  # 4 m off
+    estimate.restart(Start((-46.0, -34.0, -13.0), 0.1))  # 4 m off the true position
     sim.advance(60.0)
     assert np.linalg.norm(estimate.pose.position_world_m - home) < 1.0
     assert sim.rov.pose.position_world_m - estimate.pose.position_world_m == pytest.approx([-4.0, 0.0, 0.0], abs=0.5)

@@ -1,4 +1,4 @@
-"""Faults happen when and as specified, drawn or injected, and act by physics."""
+"""Faults, random or injected, occur when and as specified, and act through the physics."""
 
 import math
 
@@ -42,7 +42,7 @@ def test_a_fault_lasts_from_when_it_is_said_to_for_as_long_as_it_is_said_to():
     for _ in range(8):
         sim.advance(0.5)
         seen.append(sim.parameters[health])
-    assert seen == [1.0, 1.0, 0.3, 0.3, 0.3, 0.3, 1.0, 1.0]  # it acts with the step after its tick
+    assert seen == [1.0, 1.0, 0.3, 0.3, 0.3, 0.3, 1.0, 1.0]  # takes effect in the step after its tick
     assert names(sim) == [("fault", "thruster", 1.0), ("fault_ends", "thruster", 3.0)]
     assert sim.parameters.changes == {}
 
@@ -87,14 +87,14 @@ def test_a_leak_fills_no_more_than_its_compartment():
 
 
 def test_buoyancy_is_lost_when_as_much_water_is_in_as_it_was_too_light():
-    """Sinks once kg_per_s t > rho V - m, and settles where the drag is the weight in excess."""
+    """The vehicle sinks once kg_per_s t > rho V - m, and settles where drag balances the excess weight."""
     spare_kg, kg_per_s = 20.0, 5.0
     sim = Simulator(lake())
     sim.parameters["rov.mass_kg"] = sim.parameters["rov.mass_kg"] - spare_kg
     craft_z = sim.rov.pose.position_world_m[2]
     sim.faults.inject("leak", kg_per_s=kg_per_s, kg_max=2.0 * spare_kg)
     sim.advance(spare_kg / kg_per_s)
-    assert sim.rov.velocity.linear_body_m_s[2] > 0.0  # it rises so far
+    assert sim.rov.velocity.linear_body_m_s[2] > 0.0  # still rising
     assert sim.rov.pose.position_world_m[2] > craft_z
     sim.advance(11.0)
     linear, quadratic = sim.parameters["rov.drag.linear.heave"], sim.parameters["rov.drag.quadratic.heave"]
@@ -164,7 +164,7 @@ def test_a_current_is_added_and_taken_away():
     sim = Simulator(lake({"kind": "current", "velocity_world_m_s": [0.4, 0.0, 0.0], "at_s": 0.0, "for_s": 60.0}))
     sim.parameters["water.current_world_m_s"] = [0.1, 0.0, 0.0]
     sim.advance(60.0)
-    assert sim.rov.velocity.linear_body_m_s[0] == pytest.approx(0.5, rel=0.1)  # it drifts with the water
+    assert sim.rov.velocity.linear_body_m_s[0] == pytest.approx(0.5, rel=0.1)  # drifts with the water
     sim.step()
     assert sim.parameters["water.current_world_m_s.x"] == pytest.approx(0.1)
 
@@ -308,7 +308,7 @@ def test_a_reset_mends_everything():
 
 
 def test_a_run_without_faults_is_as_ever():
-    """A fault that is over leaves the motion of a vehicle that it did not touch to the last bit."""
+    """After a fault ends, the motion of a vehicle it did not affect is unchanged to the last bit."""
     sim = Simulator(lake({"kind": "sensor", "sensor": "depth", "at_s": 0.1, "for_s": 0.2}))
     sound = Simulator(lake())
     for each in (sim, sound):

@@ -1,4 +1,4 @@
-"""A changed parameter gives the run of a scenario that has it from the start; and none is without effect."""
+"""Changing a parameter equals starting with that value in the scenario; every parameter has an effect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.simulator.parameters.tree import nodes
 SEEN_ONLY = ("optics.", "station.", ".cameras.", ".lamps.")
 OTHER: dict[str, Any] = {
     "water.sound_speed_equation": "medwin",
-    "water.density_kg_m3": 1017.0,  # these agree with the salinity beside them
+    "water.density_kg_m3": 1017.0,  # this and the next densities agree with their salinities
     "water.profile.surface.density_kg_m3": 1009.0,
     "water.profile.bottom.density_kg_m3": 1017.0,
     "water.profile.levels.0.density_kg_m3": 1007.0,
@@ -49,7 +49,7 @@ OTHER: dict[str, Any] = {
     "water.profile": {"kind": "linear", "surface": {"temperature_deg_c": 18}, "bottom": {"temperature_deg_c": 9}},
     "optics.coefficients": {"diffuse_attenuation": [1, 1, 1], "absorption": [1, 1, 1], "scattering": [2, 2, 2]},
 }
-"""Values that are allowed and matter, where none can be guessed from the present one."""
+"""Valid values that have an effect, where none can be derived from the current value."""
 
 
 SAME = {
@@ -57,7 +57,7 @@ SAME = {
     "rov.sensors.usbl.shares_modem": "this world has no link; tests/python/link/test_link_usbl.py has one",
     "auv.sonar.mode": "bending, which is on, is for physics mode alone",
 }
-"""Parameters that cannot be shown here; others like them are."""
+"""Parameters whose effect cannot be shown here, with the reason."""
 
 
 def names() -> list[Any]:
@@ -90,9 +90,9 @@ def other_value(sim: Simulator, name: str) -> Any:
 
 
 def with_value(data: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """Set what `key` names in a scenario's values, as a user would in the file."""
+    """Set the value that `key` names in a scenario's values, as a user would in the file."""
     at: Any = data
-    if key == "water.profile":  # gives these
+    if key == "water.profile":  # the profile provides these
         data["water"] = {name: item for name, item in data["water"].items() if name not in ONE_WATER}
     *above, last = [int(part[1:-1]) if part[0] == "[" else part for part in re.findall(r"\[\d+\]|[^.\[\]]+", key)]
     for part in above:

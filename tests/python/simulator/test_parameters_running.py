@@ -1,4 +1,4 @@
-"""Parameters while a simulator runs: errors, all or none, reset, states, the live log and its replay."""
+"""Parameters of a running simulator: errors, atomic changes, reset, saved states, the live log and its replay."""
 
 from __future__ import annotations
 
@@ -251,7 +251,7 @@ def test_channels_follow_the_parameters() -> None:
 
 def test_a_recording_repeats_them(tmp_path: Path) -> None:
     sim = Simulator("pool", threads=1)
-    sim.parameters["rov.friction"] = 0.6  # before it begins
+    sim.parameters["rov.friction"] = 0.6  # before the simulator starts
     with Recorder(sim, tmp_path / "run.mcap", topics=("odom", "imu", "scan")):
         sim.rov.undock()
         sim.rov.set_effort(surge=0.5)

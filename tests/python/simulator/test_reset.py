@@ -1,4 +1,4 @@
-"""A simulator that is reset is like a new one, to the last bit, and its vehicles stay the same objects."""
+"""A reset simulator equals a new one to the last bit, and keeps its vehicle objects."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ FLIGHT = {"surge": 0.6, "heave": -0.2, "yaw": 0.3}
 
 
 def flown(sim: Simulator) -> bytes:
-    """Fly, ping and read for a second; return the state at its end."""
+    """Fly, ping and read sensors for one second; return the final state."""
     sim.rov.release()
     sim.rov.set_effort(**FLIGHT)
     sim.rov.sonar.aim(-0.3)
@@ -21,7 +21,7 @@ def flown(sim: Simulator) -> bytes:
 
 
 def gusty_pool(folder: Path) -> Path:
-    """Write a pool with waves and gusts, which depend on the seed."""
+    """Write a pool scenario with waves and gusts, which depend on the seed."""
     text = (assets_folder() / "scenarios" / "pool.yaml").read_text()
     waves = "\nwater:\n  surface: {kind: jonswap, significant_height_m: 0.3, peak_period_s: 3.0}\n"
     gusts = "  current:\n    - {kind: gusts, sigma_m_s: [0.1, 0.1, 0.0], correlation_time_s: 5.0}\n"

@@ -1,4 +1,4 @@
-"""A simulator that continues from a saved state behaves like the one that was saved."""
+"""A simulator restored from a saved state behaves like the original."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,7 +24,7 @@ def flown(scenario: str = "pool") -> Simulator:
 
 
 def observed(sim: Simulator, seconds: float = 1.0) -> Iterator[np.ndarray]:
-    """Everything that can be observed of every vehicle, every tenth of a second."""
+    """Yield everything observable of every vehicle, every 0.1 s."""
     for _ in range(round(seconds / 0.1)):
         sim.advance(0.1)
         for vehicle in sim.vehicles.values():

@@ -1,4 +1,4 @@
-"""Several vehicles in one scenario."""
+"""Scenarios with several vehicles."""
 
 import time
 from pathlib import Path
@@ -143,7 +143,7 @@ def test_a_second_vehicle_far_away_does_not_change_a_bit(tmp_path: Path) -> None
 
 
 def test_the_cost_of_a_step_is_linear_in_the_number_of_vehicles(tmp_path: Path) -> None:
-    """Eight times the vehicles take less than 24 times as long: far below quadratic."""
+    """With eight times the vehicles, a step takes less than 24 times as long: far below quadratic."""
 
     def seconds(count: int) -> float:
         sim = open_water(tmp_path, *["bluerov2_heavy"] * count)
@@ -152,7 +152,7 @@ def test_the_cost_of_a_step_is_linear_in_the_number_of_vehicles(tmp_path: Path) 
         sim.step(50)
         best = np.inf
         for _ in range(5):
-            start = time.thread_time()  # not by the clock: the machine may be busy
+            start = time.thread_time()  # CPU time, because the machine may be busy
             sim.step(500)
             best = min(best, time.thread_time() - start)
         return best

@@ -1,4 +1,4 @@
-"""The public surface of the simulator and its vehicles, which scripts and notebooks build on."""
+"""The public API of the simulator and its vehicles, as used in scripts and notebooks."""
 
 import signal
 import threading
@@ -77,7 +77,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_seed_other_noise() -> Non
 
 def test_a_pings_arrays_agree_with_each_other(pool: Simulator) -> None:
     pool.rov.sonar.aim(elevation_rad=-0.5)
-    pool.advance(3.0)  # the head turns
+    pool.advance(3.0)  # until the head is in position
     ping = pool.rov.sonar.ping()
     beams = len(ping.ranges_m)
     assert beams == 513
@@ -105,7 +105,7 @@ def test_the_sonar_model_is_chosen_by_argument(model: int, beams: int, range_m: 
 def test_panel_and_sensors_agree(pool: Simulator) -> None:
     panel, sensors = pool.rov.telemetry(), pool.rov.sensors
     assert panel.depth_m == pytest.approx(2.0)
-    compressed_m = 2.0**2 * 1000 * 9.80665 / (2 * 2.2e9)  # the sensor takes the water as incompressible
+    compressed_m = 2.0**2 * 1000 * 9.80665 / (2 * 2.2e9)  # the sensor assumes incompressible water
     assert sensors["depth"].read(noise=False) - panel.depth_m == pytest.approx(compressed_m, rel=0.1)
     assert sensors["pressure"].read(noise=False) == panel.pressure_pa
     assert panel.pressure_pa == pytest.approx(101325 + 1000 * 9.80665 * (2.0 + compressed_m), abs=0.02)
@@ -144,7 +144,7 @@ def test_the_vehicle_collides_where_its_sonar_sees_the_obstacle(kind: str, tmp_p
     pool = Simulator("pool" if kind == "box" else pool_with_a_mesh_for_a_box(tmp_path))
     rov = pool.rov
     rov.sonar.aim(0.0)
-    pool.advance(5.0)  # the head turns
+    pool.advance(5.0)  # until the head is in position
     rov.release()
     rov.place([0.0, 0.0, -4.5])
     ping = rov.sonar.ping()

@@ -1,4 +1,4 @@
-"""The packaged vehicles have the published values and move as these predict."""
+"""The packaged vehicles have the published parameters and move accordingly."""
 
 import ctypes
 import platform
@@ -59,7 +59,7 @@ def test_remus_has_the_mass_properties_of_its_spheroid() -> None:
 
 @pytest.mark.parametrize("name", packaged_names("vehicles"))
 def test_no_number_of_a_vehicle_at_rest_becomes_subnormal(name: str, tmp_path: Path) -> None:
-    """A step with subnormal numbers takes up to three times as long, and a decay that never ends leads to them."""
+    """A step with subnormal numbers takes up to three times as long; they arise from decays that never reach zero."""
     sim = open_water(tmp_path, name)
     rov = sim.rov
     axes = [axis for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw") if axis in rov.controllable]
@@ -74,7 +74,7 @@ def test_no_number_of_a_vehicle_at_rest_becomes_subnormal(name: str, tmp_path: P
 
 
 def test_a_submerged_vehicle_has_its_published_weight(tmp_path: Path) -> None:
-    """Released at rest, a BlueROV2 Heavy sinks in fresh water as its mass, volume and added mass predict."""
+    """Released at rest in fresh water, a BlueROV2 Heavy sinks as its mass, volume and added mass predict."""
     sim = open_water(tmp_path, "bluerov2_heavy", density_kg_m3=1000.0)
     sim.step(2)
     acceleration = sim.rov.velocity.linear_body_m_s[2] / (2 * sim.step_s)
@@ -82,7 +82,7 @@ def test_a_submerged_vehicle_has_its_published_weight(tmp_path: Path) -> None:
 
 
 def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
-    """(thrust, its share along the axis, number of such thrusters) at full effort ahead, from the frame's geometry."""
+    """Return (thrust, its component along the axis, thruster count) at full effort ahead, from the frame geometry."""
     cos45 = np.sqrt(0.5)
     if axis == 0:
         return [(51.5, cos45, 2), (39.9, cos45, 2)]
@@ -90,7 +90,7 @@ def bollard(name: str, axis: int) -> list[tuple[float, float, float]]:
 
 
 def thrust_n(name: str, axis: int, speed_m_s: float, density_kg_m3: float) -> float:
-    """Thrust of all thrusters along the axis at this speed, by the bilinear model."""
+    """Return the total thrust along the axis at this speed, by the bilinear model."""
     total = 0.0
     for full_n, share, count in bollard(name, axis):
         turns_s = np.sqrt(full_n / (density_kg_m3 * T200["kt"] * T200["diameter_m"] ** 4))
@@ -105,7 +105,7 @@ def test_the_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: s
     model = load_vehicle(name)
     assert model.linear_damping is not None and model.quadratic_damping is not None
     linear, quadratic = model.linear_damping[axis], model.quadratic_damping[axis]
-    density = model.mass_kg / model.volume_m3  # neutral: else it would drift, and its Munk moment turn it over
+    density = model.mass_kg / model.volume_m3  # neutral, to prevent drift and a turn by the Munk moment
     expected = brentq(lambda u: thrust_n(name, axis, u, density) - linear * u - quadratic * u * u, 0, 10)
     sim = open_water(tmp_path, name, density_kg_m3=density)
     sim.rov.place((0, 0, -30), velocity_body=0.9 * expected * np.eye(6)[axis])
@@ -122,7 +122,7 @@ def test_the_standard_frame_cannot_pitch(tmp_path: Path) -> None:
 
 
 def steady_turn(folder: Path, rudder_deg: float) -> tuple[float, float]:
-    """(speed, yaw rate) of REMUS in a steady turn at full revolutions."""
+    """Return REMUS's (speed, yaw rate) in a steady turn at full propeller speed."""
     sim = open_water(folder, "remus100", density_kg_m3=1026.0)
     sim.rov.set_effort(surge=1.0)
     sim.advance(10.0)
@@ -132,7 +132,7 @@ def steady_turn(folder: Path, rudder_deg: float) -> tuple[float, float]:
 
 
 def test_remus_runs_at_its_published_speed_and_turns_with_its_rudder(tmp_path: Path) -> None:
-    """2.5 m/s at 1525 rpm (PythonVehicleSimulator); a tighter turn with more rudder, the same to both sides."""
+    """2.5 m/s at 1525 rpm (PythonVehicleSimulator); more rudder turns tighter, equally to both sides."""
     straight_m_s, straight_rad_s = steady_turn(tmp_path, 0)
     assert straight_m_s == pytest.approx(2.5, rel=0.03)
     assert abs(straight_rad_s) < 1e-4, "the vehicle holds its course"

@@ -1,6 +1,6 @@
-"""Rules of the architecture that neither compilers nor import-linter check: which file may include or import which.
+"""Architecture rules that neither compilers nor import-linter check: which file may include or import which.
 
-Each rule is a function from one file's path and text to complaints, so that a test can show that it fails on bad code.
+Each rule is a function from a file's path and text to error messages, so that tests can show that it rejects bad code.
 """
 
 import ast
@@ -15,24 +15,24 @@ ROOT = Path(__file__).parents[3]
 LINE_LIMIT = 400
 GENERATED = {"python/uwsim/_core.pyi"}
 
-# C++: the folders of cpp/uwsim that a folder's files may include, besides their own.
+# C++: the folders of cpp/uwsim from which a folder's files may include headers, besides itself.
 MAY_INCLUDE: dict[str, set[str]] = {
     "core": set(),
     "world": {"core"},
     "vehicle": {"core"},
     "acoustics": {"core"},
-    "estimation": {"core"},  # nor can a filter
-    "mapping": {"core"},  # a map cannot peek at the truth
-    "control": {"core", "vehicle"},  # a controller has a model of its vehicle, not the vehicle
+    "estimation": {"core"},  # a filter cannot see the truth
+    "mapping": {"core"},  # neither can a map
+    "control": {"core", "vehicle"},  # a controller has a model of its vehicle, but no access to the vehicle
     "rays": {"core", "world"},
-    "dynamics": {"core", "world", "vehicle"},  # bodies meet geometry by Bullet, not by rays
+    "dynamics": {"core", "world", "vehicle"},  # bodies collide through Bullet, not through rays
     "sensors": {"core", "world", "acoustics", "rays"},
     "sonar": {"core", "world", "acoustics", "rays"},
     "camera": {"core", "world", "rays"},
     "sim": {"core", "world", "vehicle", "acoustics", "rays", "dynamics", "sensors", "sonar"},
 }
 
-# C++: the include lines that belong to a library, and the files that may include it.
+# C++: a library's include pattern, and the files that may include it.
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
@@ -47,22 +47,22 @@ LIBRARIES: dict[str, tuple[str, str]] = {
 STANDARD_HEADER = re.compile(r"[a-z_0-9]+")
 SYSTEM_HEADER = re.compile(r"(sys/)?\w+\.h")
 
-# Python: libraries that the command line may import before it knows the command, so that `uwsim --help` is fast.
+# Python: modules that the command line may import before it knows the command, to keep `uwsim --help` fast.
 EAGER_IN_CLI = sys.stdlib_module_names | {"typer", "rich"}
 
 
 def includes(text: str) -> list[str]:
-    """Every include as written, with its quotes or brackets."""
+    """Return every include as written, with its quotes or brackets."""
     return re.findall(r'^\s*#\s*include\s*(<[^>]+>|"[^"]+")', text, flags=re.MULTILINE)
 
 
 def folder_of(path: PurePosixPath) -> str:
-    """The layer that a C++ file belongs to: a folder of cpp/uwsim, or `bindings`."""
+    """Return the layer of a C++ file: a folder of cpp/uwsim, or `bindings`."""
     return path.parts[2] if path.parts[:2] == ("cpp", "uwsim") else path.parts[1]
 
 
 def include_edges(path: PurePosixPath, text: str) -> Iterator[str]:
-    """Our own headers are included by their path from cpp/, along the allowed edges; bindings may include any."""
+    """Our headers are included by their path from cpp/, along the allowed edges; the bindings may include any."""
     folder = folder_of(path)
     if folder != "bindings" and folder not in MAY_INCLUDE:
         yield f"{path}: folder {folder!r} has no line in MAY_INCLUDE"
@@ -78,7 +78,7 @@ def include_edges(path: PurePosixPath, text: str) -> Iterator[str]:
 
 
 def library_includes(path: PurePosixPath, text: str) -> Iterator[str]:
-    """A library is included by its own files alone; headers include none but Eigen (and pybind11 in the bindings)."""
+    """A library is included only by its designated files; headers include only Eigen (and, in bindings, pybind11)."""
     for include in (name.strip("<>") for name in includes(text) if name.startswith("<")):
         owner = next((owner for pattern, owner in LIBRARIES.values() if re.match(pattern, include)), None)
         system_ok = path.suffix == ".cpp" and SYSTEM_HEADER.fullmatch(include)
@@ -100,7 +100,7 @@ def file_length(path: PurePosixPath, text: str) -> Iterator[str]:
 
 
 def only_core_from_uwsim(path: PurePosixPath, text: str) -> Iterator[str]:
-    """Inside the package, only `_core` and submodules are imported from `uwsim`: import-linter cannot follow others."""
+    """Inside the package, only `_core` and submodules are imported from `uwsim`; import-linter cannot follow others."""
     submodules = {entry.stem for entry in (ROOT / "python/uwsim").iterdir()}
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and node.module == "uwsim" and node.level == 0:
@@ -112,7 +112,7 @@ def only_core_from_uwsim(path: PurePosixPath, text: str) -> Iterator[str]:
 
 
 def top_level_imports(text: str) -> Iterator[tuple[int, str]]:
-    """Line and module of each import outside functions."""
+    """Yield the line and module of each import outside functions."""
     for node in ast.parse(text).body:
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
@@ -121,7 +121,7 @@ def top_level_imports(text: str) -> Iterator[tuple[int, str]]:
 
 
 def loads_fast(module: str) -> bool:
-    """Whether a module is of EAGER_IN_CLI, or a module of the command line that imports only such modules."""
+    """Return True if a module is in EAGER_IN_CLI, or is a command-line module that imports only such modules."""
     if module.split(".")[0] in EAGER_IN_CLI:
         return True
     path = ROOT / "python" / f"{module.replace('.', '/')}.py"
@@ -131,7 +131,7 @@ def loads_fast(module: str) -> bool:
 
 
 def eager_imports(path: PurePosixPath, text: str) -> Iterator[str]:
-    """The command line imports inside its commands, except for a few fast modules."""
+    """Except for a few fast modules, the command line imports modules inside its commands."""
     for line, module in top_level_imports(text):
         if not loads_fast(module):
             yield f"{path}:{line}: import {module} inside the command that needs it"
@@ -147,7 +147,7 @@ RULES: list[tuple[Rule, str]] = [
     (
         eager_imports,
         r"python/uwsim/cli/(?!draw_|map_convert|pose_option|run_live)\w+\.py",
-    ),  # all but what commands import
+    ),  # everything except the imports inside commands
 ]
 
 
@@ -195,14 +195,14 @@ def test_the_rule_can_fail(rule: Rule, path: str, bad: str, good: str) -> None:
 
 
 def test_native_tests_lie_in_folders_of_the_sources() -> None:
-    """Each folder of cpp/uwsim has its tests in the folder of the same name; only what several share lies above."""
+    """Each folder of cpp/uwsim has its tests in the folder of the same name; only shared tests lie above."""
     folders = {path.name for path in (ROOT / "tests/cpp").iterdir() if path.is_dir()}
     assert folders == set(MAY_INCLUDE) == {path.name for path in (ROOT / "cpp/uwsim").iterdir() if path.is_dir()}
     assert [path.name for path in (ROOT / "tests/cpp").glob("test_*")] == []
 
 
 def test_the_dispatcher_tests_every_flag_that_its_files_are_compiled_with() -> None:
-    """A flag that is not tested may be an illegal instruction on another machine."""
+    """An untested flag may cause an illegal instruction on another machine."""
     cmake = (ROOT / "cpp/uwsim/CMakeLists.txt").read_text()
     sets = dict(re.findall(r"^set\((avx\w+) ([^)]*)\)", cmake, flags=re.MULTILINE))
     dispatcher = (ROOT / "cpp/uwsim/core/instruction_set.cpp").read_text()

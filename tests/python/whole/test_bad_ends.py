@@ -1,4 +1,4 @@
-"""A full disk or too little memory: one clear line, and nothing that was saved is lost."""
+"""A full disk or too little memory: one clear error line, and saved data stay intact."""
 
 import resource
 import subprocess
@@ -86,5 +86,5 @@ def test_a_system_without_threads_is_one_line(folder: Path) -> None:
 
 
 def memory(megabytes: int) -> Callable[[], None]:
-    """Return a preexec_fn that limits the address space, as `prlimit --as` does."""
+    """Return a preexec_fn that limits the address space, like `prlimit --as`."""
     return lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))

@@ -1,4 +1,4 @@
-"""Commands in the pages exist, with all their options; YAML in the pages is accepted."""
+"""Commands shown in the pages exist, with all their options; YAML in the pages is valid."""
 
 import re
 import shlex
@@ -25,7 +25,7 @@ def blocks(language: str, page: Path) -> list[str]:
 
 
 def commands(page: Path) -> Iterator[list[str]]:
-    """Each `uwsim ...` of a page, in blocks and in lines of text."""
+    """Yield each `uwsim ...` command of a page, from code blocks and inline code."""
     lines = "\n".join(blocks("sh", page)).splitlines() + re.findall(r"`(uwsim [^`]*)`", page.read_text())
     for line in lines:
         command = re.match(r"(?:\.venv/bin/)?uwsim ([a-z].*)", line.strip())
@@ -34,9 +34,9 @@ def commands(page: Path) -> Iterator[list[str]]:
 
 
 def unknown(words: list[str]) -> set[str]:
-    """The words of a command that the program does not know."""
+    """Return the words of a command that the program does not know."""
     program = PROGRAM
-    if words[0] == "bench":  # benchmarks have options of their own
+    if words[0] == "bench":  # each benchmark has its own options
         return set()
     if hasattr(program.commands.get(words[0]), "commands"):
         program, words = program.commands[words[0]], words[1:]
@@ -60,7 +60,7 @@ def documents() -> Iterator[tuple[str, Any]]:
 
 
 def own_schema(key: str) -> dict[str, Any] | None:
-    """The schema of a key of a scenario or of a vehicle, on its own."""
+    """Return the schema for one key of a scenario or vehicle."""
     for part in ("scenario", "vehicle"):
         whole = schema(part)
         if key in whole["properties"]:
@@ -75,7 +75,7 @@ OTHERS = {"ci": "a workflow of GitHub", "add-a-sensor": "the kind that it adds",
 def test_yaml_is_accepted(page: str, document: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if "vary" in document:
         monkeypatch.chdir(tmp_path)
-        (tmp_path / "mow.py").touch()  # the mission that the page shows
+        (tmp_path / "mow.py").touch()  # the mission shown on the page
         SweepSpec.model_validate(document)
         return
     for key, value in document.items():

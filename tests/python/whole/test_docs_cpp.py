@@ -1,4 +1,4 @@
-"""The C++ of the documentation's pages: its sources and tests compile, and its tables are ours with one more entry."""
+"""C++ in the documentation: its sources and tests compile, and its tables are ours plus one entry."""
 
 import importlib
 import re
@@ -55,7 +55,7 @@ def test_the_sources_and_tests_of_a_page_compile(name: str, tmp_path: Path) -> N
     if compiler is None:
         pytest.skip("there is no C++ compiler")
     test = one(name, "test")
-    if "#include" not in test:  # it is added to the sensors' tests
+    if "#include" not in test:  # it extends the sensors' tests
         before, end, after = (ROOT / "tests/cpp/sensors/test_sensors.cpp").read_text().rpartition("}  // namespace\n")
         test = before + test + end + after
     both = tmp_path / "both.cpp"
@@ -66,7 +66,7 @@ def test_the_sources_and_tests_of_a_page_compile(name: str, tmp_path: Path) -> N
 
 
 def test_the_python_of_the_added_sonar_is_a_kind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its call needs the kind in C++, but its names and its table entry do not."""
+    """Calling it needs the kind in C++, but its names and table entry do not."""
     source = next(block for block in blocks("add-a-sonar", "python") if block.startswith('"""'))
     (tmp_path / "echo_sounder.py").write_text(source)
     monkeypatch.syspath_prepend(tmp_path)

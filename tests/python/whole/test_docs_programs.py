@@ -1,4 +1,4 @@
-"""The Python programs of the documentation's pages run as printed: all of a page, one after the other."""
+"""The Python programs in the documentation run as printed: all programs of a page, in order."""
 
 import contextlib
 import inspect
@@ -24,7 +24,7 @@ ELSEWHERE = {
     "rosbridge": "needs a server; test_readme.py runs the README's, which is alike",
 }
 HIDDEN = (DeprecationWarning, PendingDeprecationWarning, ImportWarning, ResourceWarning)
-"""Warnings that Python hides unless asked for."""
+"""Warning categories that Python hides by default."""
 PAGES = sorted(
     path.stem for path in docs_pages.PAGES if PROGRAM.search(path.read_text()) and path.stem not in ELSEWHERE
 )
@@ -34,7 +34,7 @@ PAGES = sorted(
 def test_the_programs_of_a_page_run(
     page: str, tmp_path: Path, capfd: pytest.CaptureFixture[str], recwarn: pytest.WarningsRecorder
 ) -> None:
-    """In this process, which spares the imports of one for each page; test_readme.py starts processes."""
+    """Runs in this process to avoid repeated imports; test_readme.py starts processes."""
     programs = "\n".join(PROGRAM.findall(page_named(page).read_text()))
     with left_as_found(), contextlib.chdir(tmp_path):
         exec(compile(programs, page, "exec"), {"__name__": "__main__"})
@@ -55,7 +55,7 @@ def test_the_reference_pages_follow_from_the_program(tmp_path: Path) -> None:
 
 
 def test_what_the_programs_import_is_public() -> None:
-    """The Python reference lists it: whoever copies a program relies on nothing that may change unsaid."""
+    """Everything imported is in the Python reference, so a copied program does not rely on internals."""
     listed = [name.removesuffix("()") for names in PUBLIC.values() for name in names]
     texts = ["\n".join(PROGRAM.findall(page_named(page).read_text())) for page in PAGES]
     texts += [path.read_text().replace("\\n", "\n").replace('"', " ") for path in (DOCS / "notebooks").glob("*.ipynb")]
@@ -75,7 +75,7 @@ def test_what_the_programs_import_is_public() -> None:
 
 
 def test_notebooks_are_kept_without_what_they_gave() -> None:
-    """The site's build executes them; kept outputs would be of another version, and no difference could be read."""
+    """Outputs are generated when the site is built; stored ones would become outdated and make diffs unreadable."""
     notebooks = sorted((DOCS / "notebooks").glob("*.ipynb"))
     assert len(notebooks) >= 6
     for path in notebooks:

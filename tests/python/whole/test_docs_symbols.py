@@ -1,4 +1,4 @@
-"""Paths, symbols and options that the pages put in back-ticks exist."""
+"""Paths, symbols and options in back-ticks in the pages exist."""
 
 import re
 import subprocess
@@ -17,13 +17,13 @@ SOURCES = {".py", ".pyi", ".h", ".cpp", ".cmake", ".js", ".css", ".j2", ".toml",
 FOLDERS = {"python", "cpp", "tests", "tools", "docs", "assets", ".ci", ".github"}
 
 OTHERS: dict[str, set[str]] = {
-    "add-a-sensor": {"cpp/uwsim/sensors/salinity.cpp"},  # what the page adds
+    "add-a-sensor": {"cpp/uwsim/sensors/salinity.cpp"},  # created on the page
     "add-a-sonar": {
         "cpp/uwsim/sonar/imaging/echo_sounder.cpp",
         "python/uwsim/instruments/sonars/imaging/echo_sounder.py",
         "tests/cpp/sonar/test_echo_sounder.cpp",
     },
-    "coming-from": {  # names of the other simulators
+    "coming-from": {  # names from the other simulators
         "AcousticBeaconSensor",
         "DepthSensor",
         "OpticalModemSensor",
@@ -35,8 +35,8 @@ OTHERS: dict[str, set[str]] = {
         "uuv_sensor_ros_plugins",
         "uuv_thruster_manager",
     },
-    "conventions": {"rate_body_rad_s"},  # a name that the rule would give
-    "datasets": {  # what the command writes
+    "conventions": {"rate_body_rad_s"},  # a name constructed from the rule
+    "datasets": {  # output of the command
         "_val",
         "arrays/",
         "classes/",
@@ -49,22 +49,22 @@ OTHERS: dict[str, set[str]] = {
         "sonar_classes/",
         "sonar_instances/",
     },
-    "install": {"manylinux_2_35", "manylinux_2_NN"},  # tags of wheels
-    "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # of ROS and Open3D
+    "install": {"manylinux_2_35", "manylinux_2_NN"},  # wheel tags
+    "maps": {"octomap_rviz_plugins", "read_point_cloud"},  # from ROS and Open3D
     "missions": {"out/"},
-    "recording": {"uwsim.end"},  # a record's name
+    "recording": {"uwsim.end"},  # name of a record
     "ros1": {"octomap_rviz_plugins"},
-    "ros2": {"related_sample_identity", "rmw_cyclonedds", "rqt_console"},  # of ROS 2
+    "ros2": {"related_sample_identity", "rmw_cyclonedds", "rqt_console"},  # from ROS 2
     "sweeps": {"bay.yaml", "runs/"},
     "troubleshooting": {"octomap_rviz_plugins"},
     "trust": {"_GLIBCXX_ASSERTIONS"},
 }
-"""By page: names of other programs, and of files that the page's reader or a command writes."""
+"""By page: names from other programs, and files created by the page's reader or by a command."""
 
 
 @cache
 def files() -> list[PurePosixPath]:
-    """The project's files, as git knows them or would."""
+    """Return the project's files: those tracked by git, plus untracked ones that are not ignored."""
     listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
     return [PurePosixPath(name) for name in names if (ROOT / name).is_file()]
@@ -72,7 +72,7 @@ def files() -> list[PurePosixPath]:
 
 @cache
 def tails() -> set[str]:
-    """Every way in which a file or folder may be written: its path from any folder above it."""
+    """Return every partial path by which a file or folder may be written, starting at any folder above it."""
     paths = {path for file in files() for path in (file, *file.parents[:-1])}
     return {"/".join(path.parts[start:]) for path in paths for start in range(len(path.parts))}
 
@@ -83,21 +83,21 @@ def words_of(file: PurePosixPath) -> set[str]:
 
 @cache
 def words() -> set[str]:
-    """Every word of the sources, the assets and their names."""
+    """Return every word in the sources, the assets and their names."""
     ours = [file for file in files() if file.suffix in SOURCES - {".md"} or file.parts[0] in {"tools", ".ci"}]
     ours = [file for file in ours if not file.match("test_docs_symbols.py")]
     return set().union(*map(words_of, ours))
 
 
 def options_of(command: Any) -> set[str]:
-    """The options of a command and of the commands that it has."""
+    """Return the options of a command and its subcommands."""
     own = {name for parameter in command.params for name in (*parameter.opts, *parameter.secondary_opts)}
     return own.union(*map(options_of, getattr(command, "commands", {}).values()))
 
 
 @cache
 def options() -> set[str]:
-    """The options of `uwsim`, and every option that another source names."""
+    """Return the options of `uwsim`, and every option that another source names."""
     ours = [
         file for file in files() if file.parts[0] in FOLDERS - {"docs", "assets"} and not file.match("test_docs_*.py")
     ]
@@ -121,7 +121,7 @@ def is_path(text: str) -> bool:
 
 
 def missing_names(symbol: str) -> set[str]:
-    """The parts of a dotted name that no source has; behind a module of ours, that the module does not have."""
+    """Return the parts of a dotted name found in no source; after one of our modules, those the module lacks."""
     parts = symbol.split(".")
     if parts[0] != "uwsim":
         return set(parts) - words()
@@ -144,7 +144,7 @@ def dead(text: str) -> bool:
     if re.fullmatch(r"[\w.*-]+(/[\w.*-]+)*/?", text) and is_path(text):
         return not exists(text)
     symbol = re.sub(r"\(.*\)$", "", text.replace("::", "."))
-    named = re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", symbol) and not symbol.endswith("_")  # a name's beginning
+    named = re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", symbol) and not symbol.endswith("_")  # a prefix
     return bool(named and re.search(r"[._]|[a-z][A-Z]|\)$", text) and missing_names(symbol))
 
 

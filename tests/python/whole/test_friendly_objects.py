@@ -1,4 +1,4 @@
-"""Public objects print readably, travel between processes, and have the types that they declare."""
+"""Public objects print readably, can be pickled, and have the types that they declare."""
 
 import copy
 import pickle

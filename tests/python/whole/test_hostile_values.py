@@ -1,4 +1,4 @@
-"""Numbers from users have bounds, in files and on the command line; hostile ones are refused in one line."""
+"""Numeric inputs are bounded, in files and on the command line; hostile values are refused in one line."""
 
 import math
 import re
@@ -45,7 +45,7 @@ HOSTILE = [
 
 
 def unbounded(node: Any, where: str) -> Iterator[str]:
-    """Yield the numbers of a JSON Schema that lack a bound."""
+    """Yield the numbers in a JSON Schema that lack a bound."""
     if isinstance(node, dict):
         is_number = node.get("type") in ("number", "integer") and not {"enum", "const"} & node.keys()
         has_bounds = all({name, f"exclusive{name.title()}"} & node.keys() for name in ("minimum", "maximum"))
@@ -145,7 +145,7 @@ def test_a_process_that_ends_at_once_leaves_no_temporary_file(tmp_path: Path, mo
 
 
 def test_hostile_command_lines_end_as_they_should() -> None:
-    """Some of `tools/hostile`, always the same ones."""
+    """A fixed selection from `tools/hostile`."""
     command = [sys.executable, str(ROOT / "tools" / "hostile_lines.py"), "--only", "map ", "--sample", "12"]
     attacked = subprocess.run(command, capture_output=True, text=True, check=False)
     assert attacked.returncode == 0, attacked.stdout + attacked.stderr

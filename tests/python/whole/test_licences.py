@@ -1,4 +1,4 @@
-"""All that users run has a licence that lets them use uwsim under its own, MIT."""
+"""Everything that users run has a licence compatible with uwsim's own, MIT."""
 
 import re
 import sys

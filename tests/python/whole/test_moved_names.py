@@ -1,4 +1,4 @@
-"""Documented modules that have moved are found under their old names for one version, with a warning."""
+"""Documented modules that have moved remain importable under their old names for one version, with a warning."""
 
 import importlib
 import subprocess

@@ -1,4 +1,4 @@
-"""No setting of a user is without effect: it acts, or raises an error that names the remedy."""
+"""No user setting is silently ignored: it has an effect, or raises an error that names the remedy."""
 
 import copy
 import pickle

@@ -1,7 +1,7 @@
-"""Files of earlier builds are read, or refused by their version. data/v1 has the first version of each.
+"""Files of earlier builds are read, or refused because of their version. data/v1 has the first version of each format.
 
-A later build may compute other bits, so results need not be equal. A file of v1 may become unreadable only if its
-version is raised: then the test that reads it is removed, and the one that checks the version stays.
+A later build may compute slightly different results, so equality is not required. A v1 file may become unreadable
+only if its version is raised: then the test that reads it is removed, and the one that checks the version stays.
 """
 
 import io
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::uwsim.scenario.fingerprint.Buil
 
 @pytest.fixture
 def v1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A copy that may be written to, and is the working folder."""
+    """A writable copy, used as the working directory."""
     shutil.copytree(V1, tmp_path / "v1")
     monkeypatch.chdir(tmp_path / "v1")
     return tmp_path / "v1"
@@ -52,7 +52,7 @@ def test_a_saved_estimate_is_restored_and_goes_on(v1: Path) -> None:
         sim.restore_state((v1 / "estimate.state").read_bytes())
         estimate = sim.rov.estimate
         assert estimate.time_s == 2.0
-        # As it was when the file was written, by a filter of first order that knew no field upwards.
+        # As when the file was written, by a first-order filter without a vertical field component.
         saved_m, std_m = [-1.52161272, 0.07169189, -2.01342177], [0.06634749, 0.05744256, 0.01897241]
         np.testing.assert_allclose(estimate.pose.position_world_m, saved_m, atol=1e-5)
         np.testing.assert_allclose(estimate.position_std_m, std_m, atol=1e-6)
@@ -149,7 +149,7 @@ def test_a_recording_of_another_version_is_refused_by_its_version(tmp_path: Path
 
 
 def test_a_field_with_its_default_is_no_part_of_a_scenarios_fingerprint() -> None:
-    """So a field that a later version adds leaves the fingerprints of saved states as they are."""
+    """Fields added in later versions therefore leave the fingerprints of saved states unchanged."""
     with Simulator("pool") as sim:
         scenario = sim.scenario
     field = next(name for name, info in type(scenario).model_fields.items() if name == "mission_time_s")

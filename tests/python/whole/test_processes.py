@@ -1,4 +1,4 @@
-"""Forks, threads, Ctrl-C and the end of the interpreter, at any moment."""
+"""Forks, threads, Ctrl-C and interpreter shutdown, at any time."""
 
 import gc
 import os
@@ -30,7 +30,7 @@ def points(count: int) -> np.ndarray:
 
 @contextmanager
 def threads_that_repeat(*calls: Callable[[], object]) -> Iterator[list[BaseException]]:
-    """Run each call again and again on a thread of its own; gives what they raise."""
+    """Run each call repeatedly on its own thread; yield the list of exceptions raised."""
     ended, raised = threading.Event(), []
 
     def repeat(call: Callable[[], object]) -> None:
@@ -52,7 +52,7 @@ def threads_that_repeat(*calls: Callable[[], object]) -> Iterator[list[BaseExcep
 
 
 def in_a_fork(call: Callable[[], object], limit_s: int = 60) -> str:
-    """Return what became of a call in a forked child: "done", or the error's text; "hangs" after limit_s."""
+    """Return the outcome of a call in a forked child: "done", the error's text, or "hangs" after limit_s."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
@@ -147,7 +147,7 @@ def test_what_has_used_a_simulator_lets_it_go(name: str, tmp_path: Path) -> None
     known = weakref.ref(sim)
     del sim
     end_s = time.monotonic() + 60.0
-    while known() is not None and time.monotonic() < end_s:  # threads that end may have a hand on it for a moment
+    while known() is not None and time.monotonic() < end_s:  # finishing threads may still hold a reference
         gc.collect()
         time.sleep(0.01)
     assert known() is None

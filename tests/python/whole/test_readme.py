@@ -14,7 +14,7 @@ README = Path(__file__).parents[3] / "README.md"
 
 
 def output_of(folder: Path, text: str, changes: dict[str, str] | None = None) -> str:
-    """Run the README's Python program that contains a text, with changes; return what it prints."""
+    """Run the README's Python program that contains a given text, with changes; return its output."""
     programs = re.findall(r"^```python\n(.*?)^```$", README.read_text(), flags=re.DOTALL | re.MULTILINE)
     (program,) = [program for program in programs if text in program]
     for old, new in (changes or {}).items():

@@ -11,19 +11,19 @@ KINDS = ("vehicles", "thrusters", "sensors", "sonars")
 FILES = sorted(p for kind in KINDS for p in (assets_folder() / kind).glob("*.yaml"))
 TAG = re.compile(r"\[([A-Za-z]+)\]")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])")
-LISTS = ("thrusters:", "fins:", "sensors:")  # each member of these needs its own source
+LISTS = ("thrusters:", "fins:", "sensors:")  # each entry of these lists needs its own source
 
 
 def defined_tags(text: str) -> set[str]:
-    """The sources that the file's comments list, one on each line: `#   [Wu] Wu 2018, ...`."""
+    """Return the tags of the sources listed in the file's comments, one per line: `#   [Wu] Wu 2018, ...`."""
     return set(re.findall(r"^#   \[([A-Za-z]+)\] \S", text, re.MULTILINE))
 
 
 def entries(text: str) -> list[tuple[str, str, str]]:
-    """Name, values and comments of each top-level key, and of each member of a list of thrusters, fins or sensors.
+    """Return the name, values and comments of each top-level key and of each thruster, fin or sensor entry.
 
-    Comments are those on the entry's lines and directly above it. Those above a list or its first member count for all
-    members; those above another member also for the members that follow it in one block without comments.
+    Comments are those on the entry's lines and directly above it. A comment above a list or its first entry applies
+    to all entries; one above another entry also applies to the entries that follow without comments of their own.
     """
     found: list[tuple[str, str, str]] = []
     above, shared, depth = "", "", 0
@@ -78,7 +78,7 @@ def test_the_listed_sources_are_those_that_are_used(path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["mass_kg", "added_mass", "friction", "port", "propeller"])
 def test_a_figure_without_a_source_is_found(name: str) -> None:
-    """An entry is reported once its comments are removed."""
+    """Each entry is reported if its comments are removed."""
     vehicle = "remus100" if name in ("port", "propeller") else "bluerov2_wu"
     lines = (assets_folder() / "vehicles" / f"{vehicle}.yaml").read_text().splitlines()
     at = next(k for k, line in enumerate(lines) if line.strip().startswith(name + ":"))

@@ -1,4 +1,4 @@
-"""Files from strangers are never code: they cannot write elsewhere, are read whole or not at all, and crash nothing."""
+"""Untrusted files never run code or write elsewhere, are read completely or not at all, and never crash a reader."""
 
 import json
 from pathlib import Path
@@ -68,7 +68,7 @@ def test_values_that_a_fuzzer_mutates_stay_readable_and_differ(name: str) -> Non
     assert values is not None
     for data in seeds(name).values():
         if (before := mutated(data, values, Random(0))) is None:
-            continue  # not of values: frames of CBOR
+            continue  # CBOR frames have no such values
         made = {mutated(data, values, Random(seed)) for seed in range(20)}
         assert len(made) > 10
         assert all(each is not None and values.read(each) is not None for each in made - {before, b"null"})

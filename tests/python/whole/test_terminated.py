@@ -1,4 +1,4 @@
-"""SIGTERM: the flight in progress is saved and ends without the report, which --resume makes."""
+"""SIGTERM: the current flight is saved and ends without a report; --resume creates it."""
 
 import signal
 import subprocess

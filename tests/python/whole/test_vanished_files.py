@@ -1,4 +1,4 @@
-"""Folders and files deleted while uwsim writes them: data in memory is written again, the rest is reported."""
+"""Folders and files deleted while uwsim writes them: data still in memory are rewritten, other losses are reported."""
 
 import json
 import shutil
@@ -16,7 +16,7 @@ from uwsim.recording import Recorder
 
 
 def dive_while(call: Callable[[], object]) -> Callable[..., Iterator[object]]:
-    """Return a mission during which something is called."""
+    """Return a mission that calls a function during its dive."""
 
     def mission(vehicle: OwnVehicle) -> Iterator[object]:
         vehicle.undock()

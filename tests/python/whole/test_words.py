@@ -1,4 +1,4 @@
-"""The prose's word list: no count rises, and a ceiling follows its count down."""
+"""The word list for prose: no count may rise, and ceilings follow counts down."""
 
 import pytest
 from tools.words import AREAS, SLACK, WORDS, area_of, count_in, lowered, problems
