@@ -1,7 +1,7 @@
-"""Compares the results of kinds of CPU: python tools/cpu_kinds.py prints a table for docs/inside/trust.md.
+"""Compare the results of different kinds of CPU: python tools/cpu_kinds.py prints a table for docs/inside/trust.md.
 
-One machine imitates the others: UWSIM_INSTRUCTION_SET chooses the instructions of the kernels and Embree,
-GLIBC_TUNABLES those of the C library, as on a machine without the rest.
+One machine emulates the others: UWSIM_INSTRUCTION_SET selects the instructions of the kernels and Embree,
+GLIBC_TUNABLES those of the C library, as on a machine that lacks the rest.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ np.savez(sys.argv[1], *[array for _, array in results()])
 
 
 def main() -> None:
-    """Print the differences from this machine as it is: the number of array elements and the largest gap."""
+    """Print the differences from this machine's default: the number of array elements and the largest gap."""
     from uwsim.evidence.fingerprint import results
 
     names = [name for name, _ in results()]

@@ -1,10 +1,10 @@
-"""Attacks every command of `uwsim` with hostile values, and reports the lines that broke a rule; see tests/hostile.
+"""Attack every command of `uwsim` with hostile values, and report the lines that broke a rule; see tests/hostile.
 
     tools/hostile                     # all lines, about a quarter of a second of processor time each
     tools/hostile --only map --sample 200
     tools/hostile --files --part 0/2
 
-Do not run it as root, who may write to the folders that are read-only here. Exits with 1 if a line broke a rule.
+Do not run it as root, who can write to folders that must be read-only here. Exits with 1 if a line broke a rule.
 """
 
 from __future__ import annotations

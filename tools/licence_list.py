@@ -1,4 +1,4 @@
-"""The command behind `tools/licences`."""
+"""Implementation of `tools/licences`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ REACHING = re.compile(r"\bA?GPL|GNU (Affero )?General Public", re.IGNORECASE)
 
 
 def main() -> int:
-    """Print a table; return 1 if a licence is unknown or reaches further than it may."""
+    """Print a table; return 1 if a licence is unknown or has a wider reach than allowed."""
     parser = argparse.ArgumentParser(prog="tools/licences", description="List dependencies and their licences.")
     parser.add_argument("--all", action="store_true", help="also list what tests and linters need")
     everything = parser.parse_args().all
@@ -47,7 +47,7 @@ def main() -> int:
 
 
 def reaches(licence: str) -> bool:
-    """Return whether every licence to choose from reaches beyond its own files."""
+    """Return True if each of the alternative licences extends beyond its own files."""
     return all(
         REACHING.search(each) and "LGPL" not in each and "exception" not in each
         for each in re.split(r" or | OR ", licence)
@@ -66,7 +66,7 @@ def _python(everything: bool) -> Iterable[tuple[str, str, str, str]]:
 
 
 def _closure(requirements: Iterable[str]) -> dict[str, metadata.Distribution]:
-    """Return the installed ones of these packages, with all that they need in turn."""
+    """Return the installed packages among these, with all their transitive requirements."""
     found: dict[str, metadata.Distribution] = {}
     waiting = [Requirement(line) for line in requirements]
     while waiting:
@@ -91,7 +91,7 @@ def _applies(requirement: Requirement) -> bool:
 
 
 def _licence_of(found: metadata.Distribution) -> str:
-    """Return the licence expression, else the classifiers, else the first line of the free text or licence file."""
+    """Return the licence expression, or else the classifiers, or else the first line of the text or licence file."""
     said = found.metadata
     if said.get("License-Expression"):
         return str(said["License-Expression"])
@@ -132,7 +132,7 @@ def _debian_version(package: str) -> str:
 
 
 def _debian_licence(package: str) -> str:
-    """Return a library's licence: that of `Files: *` in Debian's copyright file, else all that the file names."""
+    """Return a library's licence: that of `Files: *` in Debian's copyright file, or else every licence it names."""
     if package in WHOLE_LICENCES:
         return WHOLE_LICENCES[package]
     path = Path("/usr/share/doc") / package / "copyright"

@@ -1,4 +1,4 @@
-"""Writes the packaged JSON Schemas, assets/schema/*.json, from the models: python tools/schema.py."""
+"""Write the packaged JSON Schemas, assets/schema/*.json, from the models: python tools/schema.py."""
 
 import json
 

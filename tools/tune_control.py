@@ -1,4 +1,4 @@
-"""Tunes the `control:` of a vehicle's file: `python tools/tune_control.py bluerov2_heavy`; prints YAML.
+"""Tune the `control:` block of a vehicle's file: `python tools/tune_control.py bluerov2_heavy`; prints YAML.
 
 Differential evolution (Storn and Price 1997, SciPy's) finds one set of gains for surge, sway and heave and one for
 roll, pitch and yaw. It minimises, over the steps of `uwsim validate control` and a minute in gusts, the time-weighted
@@ -64,7 +64,7 @@ class NoisyEstimate:
 
 
 def with_gains(model: VehicleModel, driven: list[str], gains: np.ndarray) -> VehicleModel:
-    """Return the vehicle with these gains, three for the linear and three for the angular axes, on driven ones."""
+    """Return the vehicle with three gains for its linear and three for its angular axes, on the driven axes only."""
     linear, angular = (dict(zip(NAMES, part.round(2).tolist(), strict=True)) for part in (gains[:3], gains[3:]))
     loops = {axis: linear if axis in ("surge", "sway", "heave") else angular for axis in driven}
     limits = {key: value for key, value in model.control.model_dump().items() if not isinstance(value, dict)}
@@ -83,7 +83,7 @@ def cost(gains: np.ndarray, model: VehicleModel, driven: list[str]) -> float:
 
 
 def in_gusts(model: VehicleModel) -> tuple[float, float]:
-    """Return the rms distance from the place to hold [m], and the rms change of the efforts between periods."""
+    """Return the rms distance from the position to hold [m], and the rms change of the efforts between periods."""
     calm = deep_water(model).scenario
     gusty = calm.model_validate({**dict(calm), "water": {"current": GUSTS}})
     sim = Simulator(gusty)

@@ -1,6 +1,6 @@
-"""Hold the words that uwsim's prose avoids to their ceilings: python -m tools.words [--update].
+"""Keep words that uwsim's prose avoids below their ceilings: python -m tools.words [--update].
 
-Ceilings are counts by word and area in words.json. They may only fall; --update lowers them to today's counts.
+Ceilings are counts by word and area in words.json. They may only fall; --update lowers them to the current counts.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ AREAS = ("cpp", "python", "docs", "tests", "tools")
 SUFFIXES = {".h", ".cpp", ".py", ".js", ".html", ".j2", ".md", ".ipynb", ""}
 LEFT_OUT = re.compile(r"/vendor/|^tests/fuzz/found/|^tests/python/data/|^tools/words\.|test_words\.py$")
 SLACK = 5
-"""How far a count may lie below its ceiling before the ceiling must follow."""
+"""How far a count may lie below its ceiling before the ceiling must be lowered."""
 WORDS = {
     **{word: rf"\b{word}\b" for word in ("says", "tells", "told", "hears", "anew", "nobody", "somebody", "whoever")},
     "what is no": r"\bwhat is no\b",
@@ -62,7 +62,7 @@ def count() -> Table:
 
 
 def area_of(name: str) -> str | None:
-    """Return the area that a path counts in, if any; the Markdown files at the root belong to the docs."""
+    """Return the area in which a path counts, if any; the Markdown files at the root belong to the docs."""
     first, _, rest = name.partition("/")
     if Path(name).suffix not in SUFFIXES or LEFT_OUT.search(name):
         return None
@@ -77,7 +77,7 @@ def count_in(text: str) -> Counter[str]:
 
 
 def lowered(counts: Table, ceilings: Table) -> Table:
-    """Return the ceilings, each lowered to its count; a word without ceilings gets its counts."""
+    """Return each ceiling lowered to its count; a word without ceilings gets its counts."""
     return {
         word: {area: min(number, ceilings.get(word, {}).get(area, number)) for area, number in row.items()}
         for word, row in counts.items()

@@ -1,7 +1,8 @@
-"""Makes assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV; needs numpy and manifold3d.
+"""Generate assets/meshes/bluerov2.obj and bluerov2_heavy.obj, Blue Robotics' ROV; needs numpy and manifold3d.
 
-Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is what displaces water:
-tubes, foam, thrusters, side plates and ballast, united and closed. Thrusters have the positions of the vehicles' files.
+Metres; x forward, y left, z up; 0.457 x 0.338 x 0.254 m, heavy 0.575 m across. The hull is everything that displaces
+water (tubes, foam, thrusters, side plates and ballast), united into a closed solid. Thruster positions are those in
+the vehicle files.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ LOW_M, HIGH_M = -0.127, 0.127
 
 
 def thruster(at: Point, axis: Point) -> Manifold:
-    """Make a T200: nozzle, motor pod and the bar that holds it, 0.1 m across and 0.09 m long."""
+    """Return a T200 thruster: nozzle, motor pod and mounting bar, 0.1 m across and 0.09 m long."""
     direction = np.asarray(axis, np.float64) / np.linalg.norm(axis)
     across = np.cross(direction, (0.0, 0.0, 1.0) if abs(direction[2]) < 0.5 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
@@ -35,12 +36,12 @@ def thruster(at: Point, axis: Point) -> Manifold:
 
 
 def plate(outline: list[tuple[float, float]], y: float, thickness: float) -> Manifold:
-    """Make a plate across y with a convex outline in x and z."""
+    """Return a plate perpendicular to y with a convex outline in x and z."""
     return hull([(x, side, z) for side in (y - thickness / 2, y + thickness / 2) for x, z in outline])
 
 
 def side_panel(y: float) -> Manifold:
-    """Make a side of the frame: a bevelled plate with three windows, and its foot."""
+    """Return a side of the frame: a bevelled plate with three windows, and its foot."""
     end, bevel = LENGTH_M / 2, 0.05
     outline = [
         (x * (end - inset), z) for x in SIDES for inset, z in ((0, 0.02), (bevel, HIGH_M - 0.02), (0, LOW_M + 0.02))
@@ -53,7 +54,7 @@ def side_panel(y: float) -> Manifold:
 
 
 def tubes() -> list[Manifold]:
-    """Make the electronics tube with its dome in front, the battery below, and the cradles that hold them."""
+    """Return the electronics tube with its dome in front, the battery below, and their cradles."""
     return [
         rod((-0.16, 0, 0.03), (0.15, 0, 0.03), 0.057, 10),
         ball((0.15, 0, 0.03), 0.052, 8),
@@ -67,7 +68,7 @@ def tubes() -> list[Manifold]:
 
 
 def fairing(x: float, y: float) -> Manifold:
-    """Make a quarter of the foam on top, under its bevelled fairing."""
+    """Return a quarter of the top foam with its bevelled fairing."""
     near, far, low = 0.064, 0.158, 0.086
     ends = (0.045, 0.215)
     points = [(x * e, y * s, low) for e in ends for s in (near, far)]
@@ -77,24 +78,24 @@ def fairing(x: float, y: float) -> Manifold:
 
 
 def horizontal_thrusters() -> list[Manifold]:
-    """Make four thrusters, turned outward by 45 degrees."""
+    """Return four thrusters, turned outward by 45 degrees."""
     return [thruster((x, y * 0.092, 0.0), (1 if x < 0 else -1, y, 0)) for x in (0.14, -0.15) for y in SIDES]
 
 
 def frame() -> list[Manifold]:
-    """Make side panels, fairings, tubes and horizontal thrusters."""
+    """Return side panels, fairings, tubes and horizontal thrusters."""
     panels = [side_panel(y * 0.163) for y in SIDES]
     return [*panels, *tubes(), *(fairing(x, y) for x in SIDES for y in SIDES), *horizontal_thrusters()]
 
 
 def verticals() -> list[Manifold]:
-    """Make two vertical thrusters in the gap between the fairings, with their brackets."""
+    """Return two vertical thrusters in the gap between the fairings, with their brackets."""
     parts = [thruster((0, y * 0.111, 0.07), (0, 0, 1)) for y in SIDES]
     return [*parts, *(box((-0.05, y * 0.111 - 0.006, 0.052), (0.05, y * 0.111 + 0.006, 0.064)) for y in SIDES)]
 
 
 def heavy_sides() -> list[Manifold]:
-    """Make two vertical thrusters on each side, in a deck outside the panels, with foam between them."""
+    """Return two vertical thrusters per side, in a deck outside the panels, with foam between them."""
     parts = []
     for y in SIDES:
         inner, outer = y * 0.165, y * 0.2865

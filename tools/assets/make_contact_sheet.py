@@ -1,8 +1,8 @@
-"""Draws docs/guides/cameras.jpg, the contact sheet of docs/guides/cameras.md.
+"""Draw docs/guides/cameras.jpg, the contact sheet of docs/guides/cameras.md.
 
-The ROV's front and down cameras in several waters, at noon without lamps and at dusk with them; then the front camera
-without any effect and with warm and cold water mixing before it, the ROV from its chase camera, and in its cage from
-the station's. The layout is in figures/contact_sheet.py. Needs the built package.
+It shows the ROV's front and down cameras in several waters, at noon without lamps and at dusk with lamps; then the
+front camera without any effects and with warm and cold water mixing in front of it, the ROV from its chase camera, and
+the ROV in its cage from the station's camera. The layout is in figures/contact_sheet.py. Needs the built package.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from uwsim.scenario import load
 OUT = Path(__file__).resolve().parents[2] / "docs" / "guides" / "cameras.jpg"
 WATERS = ("I", "III", "5C", "9C")
 NOON_DEG, DUSK_DEG = 60.0, 1.0
-TURBULENT_K = 8.0  # far more than where warm and cold water usually mix, so that a small picture shows it
+TURBULENT_K = 8.0  # far more than natural mixing causes, to be visible in a small image
 THUMBNAIL = (240, 135)
 BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 
@@ -43,7 +43,7 @@ def thumbnail(
     effects: str = "on",
     turbulence_k: float = 0.5,
 ) -> np.ndarray:
-    """Capture one picture and reduce it."""
+    """Capture one image and downscale it."""
     sim.set_optics(jerlov=jerlov, sun_elevation_deg=sun_deg, turbulence_k=turbulence_k)
     for lamp in sim.rov.lamps.values():
         lamp.on = lamps
@@ -53,9 +53,9 @@ def thumbnail(
 
 
 def main() -> None:
-    """Draw the sheet and write it."""
+    """Draw the contact sheet and write it."""
     lake = load("lake")
-    shallow = lake.terrain.model_copy(update={"bed_depth_m": 9.0, "hill_height_m": 3.0})  # so that noon reaches the bed
+    shallow = lake.terrain.model_copy(update={"bed_depth_m": 9.0, "hill_height_m": 3.0})  # lit down to the bed at noon
     sim = Simulator(lake.model_copy(update={"terrain": shallow}))
     at_the_station = thumbnail(sim, "station", "IB", NOON_DEG, lamps=True)
     sim.rov.release()

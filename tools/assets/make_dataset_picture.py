@@ -1,4 +1,4 @@
-"""Make docs/guides/dataset.jpg: frames of a dataset of the lake, with the labels written for each."""
+"""Draw docs/guides/dataset.jpg: frames of a dataset of the lake, with the labels written for each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TITLES = ("colour and boxes", "depth", "normals", "classes", "sonar", "its class
 
 
 def main() -> None:
-    """Make a dataset, and draw the frames that show the most things."""
+    """Generate a dataset, and draw the frames that show the most objects."""
     with tempfile.TemporaryDirectory() as folder:
         made = uwsim.make_dataset(
             "lake",
@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def draw(data: Path) -> None:
-    """Draw a row for each of the frames that show the most things."""
+    """Draw one row for each of the frames that show the most objects."""
     boxes: dict[int, list[dict[str, Any]]] = {}
     for split in ("train", "val"):
         for thing in json.loads((data / f"annotations/instances_{split}.json").read_text())["annotations"]:

@@ -1,4 +1,4 @@
-"""Makes assets/foxglove/uwsim.json, the layout that the Foxglove app imports: 3D, cameras, values, steering."""
+"""Generate assets/foxglove/uwsim.json, the layout that the Foxglove app imports: 3D, cameras, values, steering."""
 
 import json
 from pathlib import Path
@@ -9,29 +9,29 @@ TARGET = Path(__file__).parents[2] / "assets/foxglove/uwsim.json"
 
 
 def visible(**settings: object) -> fl.BaseRendererSceneUpdateTopicSettings:
-    """Return a scene's settings."""
+    """Return settings that make a scene visible."""
     return fl.BaseRendererSceneUpdateTopicSettings(visible=True, **settings)
 
 
 def camera(topic: str) -> fl.ImagePanel:
-    """Return a panel of one camera."""
+    """Return an image panel for one camera."""
     return fl.ImagePanel(config=fl.ImageConfig(image_mode=fl.ImageModeConfig(image_topic=topic)))
 
 
 def plot(title: str, *values: str) -> fl.PlotPanel:
-    """Return a panel of lines over time."""
+    """Return a panel that plots values over time."""
     return fl.PlotPanel(title=title, config=fl.PlotConfig(paths=[fl.PlotSeries(value=value) for value in values]))
 
 
 def row(*panels: tuple[float, object]) -> fl.SplitContainer:
-    """Put panels side by side, with their shares."""
+    """Place panels side by side, with relative widths."""
     return fl.SplitContainer(
         direction="row", items=[fl.SplitItem(proportion=share, content=panel) for share, panel in panels]
     )
 
 
 def column(*panels: tuple[float, object]) -> fl.SplitContainer:
-    """Put panels one above the other, with their shares."""
+    """Stack panels vertically, with relative heights."""
     return fl.SplitContainer(
         direction="column", items=[fl.SplitItem(proportion=share, content=panel) for share, panel in panels]
     )

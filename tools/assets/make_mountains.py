@@ -1,7 +1,7 @@
-"""Makes assets/terrains/mountains.png, the bed of the scenario `paper`; needs numpy, pillow and pyfastnoiselite.
+"""Generate assets/terrains/mountains.png, the bed of the scenario `paper`; needs numpy, pillow and pyfastnoiselite.
 
-A plain on which mountains stand, 400 x 400 m, one pixel a metre. Grey levels are heights, 0 for the plain and 65535 for
-HIGHEST_M above it. Each mountain is a cone with a rounded top, cut by ridges of noise: sides of 40 to 60 degrees.
+A plain with mountains, 400 x 400 m, one pixel per metre. Grey levels are heights: 0 for the plain, 65535 for HIGHEST_M
+above it. Each mountain is a cone with a rounded top and noise ridges; its sides slope at 40 to 60 degrees.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ TERRAINS = Path(__file__).resolve().parents[2] / "assets" / "terrains"
 HALF_M = 200
 HIGHEST_M = 60.0
 RELIEF_M = 0.6
-"""How far sand waves rise above the plain."""
-PEAKS = [  # x, y, height, radius of the foot [m]
+"""Height of the sand waves above the plain."""
+PEAKS = [  # x, y, height, base radius [m]
     (-118, -28, 37, 66), (-58, 58, 33, 58), (26, 4, 34, 52), (96, 70, 52, 78), (128, -52, 38, 60),
     (-150, 132, 56, 84), (20, 150, 46, 76), (-168, -150, 34, 56), (160, -160, 36, 58), (76, -74, 22, 40),
 ]  # fmt: skip
@@ -35,7 +35,7 @@ def noise(x: np.ndarray, y: np.ndarray, wavelength_m: float, kind: FractalType, 
 
 
 def heights() -> np.ndarray:
-    """Return heights above the plain, (401, 401), the first row in the north."""
+    """Return heights above the plain, (401, 401); the first row is the northern edge."""
     x, y = np.meshgrid(np.arange(-HALF_M, HALF_M + 1.0), np.arange(HALF_M, -HALF_M - 1.0, -1.0))
     ridges = noise(x, y, 70, FractalType.FractalType_Ridged, 7)
     height = RELIEF_M * 0.5 * (1 + noise(x, y, 45, FractalType.FractalType_FBm, 8))
@@ -47,7 +47,7 @@ def heights() -> np.ndarray:
 
 
 def main() -> None:
-    """Write the picture."""
+    """Write the image."""
     levels = np.round(heights() / HIGHEST_M * 65535).astype(np.uint16)
     Image.fromarray(levels).save(TERRAINS / "mountains.png", optimize=True)
 

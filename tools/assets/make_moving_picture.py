@@ -1,7 +1,7 @@
-"""Draws docs/station.webp, the moving picture in the README: the operator's station while a map grows.
+"""Draw docs/station.webp, the animation in the README: the operator's station while a map grows.
 
-A mission flies over a rosbridge from the dock to a pipeline of the lake and along it; a page in headless Chromium
-watches. Needs the development installation (tools/setup --dev) and three minutes.
+A mission connected over rosbridge flies from the dock to a pipeline in the lake and along it, watched by a page in
+headless Chromium. Needs the development installation (tools/setup --dev) and three minutes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ALONG_M = ((-100.0, -30.0), (-65.0, -21.0), (-30.0, -12.0))  # the pipeline
 
 
 def mission(vehicle: OwnVehicle) -> Steps[None]:
-    """Go from the dock to the pipeline, mapping the bed, and along it with the lamp on."""
+    """Fly from the dock to the pipeline, mapping the bed, and along it with the lamp on."""
     vehicle.lamps["front"].on = True
     vehicle.undock()
     yield from goto(vehicle, (-112.0, -62.0), altitude_m=9.0, speed_m_s=1.4)
@@ -47,7 +47,7 @@ def mission(vehicle: OwnVehicle) -> Steps[None]:
 
 
 def frames(page: Page, live: LiveSimulator, flight: threading.Thread) -> list[Image.Image]:
-    """Take pictures of the page while the mission flies."""
+    """Take screenshots of the page while the mission flies."""
     taken: list[Image.Image] = []
     flight.start()
     begun_s, shown = live.simulator.time_s, ""
@@ -66,7 +66,7 @@ def frames(page: Page, live: LiveSimulator, flight: threading.Thread) -> list[Im
 
 
 def main() -> None:
-    """Fly, take the pictures and write them."""
+    """Fly, take the screenshots and write the animation."""
     station = Station(offered="lake")
     with (
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
@@ -81,7 +81,7 @@ def main() -> None:
         until(page, "globalThis.station.telemetry.message && station.station.isPilot")
         live = station.present().live
         live.command("aim", vehicle="rov", elevation_rad=-0.5).result()
-        time.sleep(6.0)  # the first pictures of all views
+        time.sleep(6.0)  # time for the first pictures of all views
         taken = frames(page, live, threading.Thread(target=fly_remote, args=(mission, server.url)))
         browser.close()
     first, *others = taken

@@ -1,7 +1,7 @@
-"""Makes assets/meshes/remus100.obj, a torpedo-shaped AUV; needs numpy and manifold3d.
+"""Generate assets/meshes/remus100.obj, a torpedo-shaped AUV; needs numpy and manifold3d.
 
-Metres; x forward, y left, z up; 1.6 m long, 0.19 m across; origin at the centre of volume. A hull of Myring's shape
-(Myring 1976, Aeronautical Quarterly 27): elliptic nose, cylinder, pointed tail; four fins and a propeller.
+Metres; x forward, y left, z up; 1.6 m long, 0.19 m across; origin at the centre of volume. A Myring hull (Myring 1976,
+Aeronautical Quarterly 27): elliptic nose, cylinder, pointed tail; four fins and a propeller.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from solids import ball, box, centroid, hull, rod, united, write_obj
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 LENGTH_M, DIAMETER_M = 1.6, 0.19
 NOSE_M, TAIL_M, TAIL_ANGLE = 0.62, 0.82, np.radians(20)
-"""Lengths of nose and tail for which the hull's volume is near that of the spheroid in the vehicle's file."""
+"""Nose and tail lengths for which the hull's volume is close to that of the spheroid in the vehicle's file."""
 
 
 def radius_m(from_nose_m: float) -> float:
-    """Radius of the hull by Myring's equations, with nose exponent 2."""
+    """Return the hull's radius by Myring's equations, with nose exponent 2."""
     half, middle = DIAMETER_M / 2, LENGTH_M - NOSE_M - TAIL_M
     if from_nose_m < NOSE_M:
         return half * float(np.sqrt(1 - ((from_nose_m - NOSE_M) / NOSE_M) ** 2))
@@ -32,7 +32,7 @@ def radius_m(from_nose_m: float) -> float:
 
 
 def body() -> Manifold:
-    """Revolve the profile about the axis; the tail is cut off where the propeller's shaft comes out."""
+    """Return the profile revolved about the axis; the tail is cut off where the propeller shaft emerges."""
     nose = NOSE_M * (1 - np.cos(np.linspace(0, np.pi / 2, 9)))
     stations = [*nose, *np.linspace(LENGTH_M - TAIL_M, LENGTH_M - 0.03, 11)]
     outline = [(0.0, -stations[0]), *((radius_m(x), -x) for x in stations[1:]), (0.0, -stations[-1])]
@@ -41,7 +41,7 @@ def body() -> Manifold:
 
 
 def fin(turn_deg: float) -> Manifold:
-    """Make a swept fin of 0.00665 m2 (Prestero 2001) on the tail, its tip 0.15 m from the axis, turned about x."""
+    """Return a swept fin of 0.00665 m2 (Prestero 2001) on the tail, its tip 0.15 m from the axis, rotated about x."""
     root, tip = 0.03, 0.15
     outline = [(-0.655, root), (-0.74, root), (-0.735, tip), (-0.69, tip)]
     points = [(x, side * half, z) for x, z in outline for side, half in ((-1, 0.002), (1, 0.002))]
@@ -50,7 +50,7 @@ def fin(turn_deg: float) -> Manifold:
 
 
 def propeller() -> list[Manifold]:
-    """Make the hub and three blades, 0.14 m across."""
+    """Return the hub and three blades, 0.14 m across."""
     parts = [rod((-0.79, 0, 0), (-0.75, 0, 0), 0.016, 10), ball((-0.79, 0, 0), 0.0155, 10)]
     for turn in (0, 120, 240):
         blade = box((-0.0015, -0.018, 0.01), (0.0015, 0.018, 0.07)).rotate((0, 0, 40))
@@ -59,7 +59,7 @@ def propeller() -> list[Manifold]:
 
 
 def fittings() -> list[Manifold]:
-    """Make the antenna mast and the acoustic transducer below the nose."""
+    """Return the antenna mast and the acoustic transducer below the nose."""
     mast = hull(
         [(x, y, z) for x, z in ((0.11, 0.08), (0.05, 0.08), (0.075, 0.17), (0.055, 0.17)) for y in (-0.006, 0.006)]
     )

@@ -1,7 +1,8 @@
-"""Makes assets/meshes/rov.obj, an open-frame ROV; needs numpy and manifold3d.
+"""Generate assets/meshes/rov.obj, an open-frame ROV; needs numpy and manifold3d.
 
-Metres; x forward, y left, z up; 1.2 x 0.8 x 0.7 m. The hull is what displaces water: foam block, pods, thrusters and
-the frame's bars, united and closed. The origin is the intended centre of mass, 0.10 m below the centre of buoyancy.
+Metres; x forward, y left, z up; 1.2 x 0.8 x 0.7 m. The hull is everything that displaces water (foam block, pods,
+thrusters and frame bars), united into a closed solid. The origin is the intended centre of mass, 0.10 m below the
+centre of buoyancy.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ BUOYANCY_ARM_M = 0.10
 
 
 def foam_block() -> Manifold:
-    """Make the buoyancy foam on top, with bevelled edges and the wells of two vertical thrusters."""
+    """Return the top buoyancy foam, with bevelled edges and the wells of two vertical thrusters."""
     bevel = 0.06
     points = []
     for x in SIDES:
@@ -33,12 +34,12 @@ def foam_block() -> Manifold:
 
 
 def vertical_thruster(y: float) -> Manifold:
-    """Make the hub and the guard bar in a well of the foam block."""
+    """Return the hub and the guard bar in a well of the foam block."""
     return rod((0, y, 0.19), (0, y, 0.29), 0.035, sides=6) + box((-0.12, y - 0.015, 0.22), (0.12, y + 0.015, 0.25))
 
 
 def horizontal_thruster(x: float, y: float) -> Manifold:
-    """Make a duct turned by 45 degrees towards the middle, its hub and the strut that carries both."""
+    """Return a duct turned inward by 45 degrees, its hub and the strut that carries both."""
     axis = np.array([np.sign(x), -np.sign(y), 0.0]) / np.sqrt(2)
     centre = np.array([x, y, -0.13])
 
@@ -51,7 +52,7 @@ def horizontal_thruster(x: float, y: float) -> Manifold:
 
 
 def skid(y: float) -> Manifold:
-    """Make a skid with an upturned toe."""
+    """Return a skid with an upturned toe."""
     inner, outer = y * 0.34, y * 0.40
     low, high = min(inner, outer), max(inner, outer)
     toe = [(x, side, z) for side in (low, high) for x, z in ((0.5, -0.35), (0.5, -0.29), (0.6, -0.27), (0.6, -0.21))]
@@ -59,7 +60,7 @@ def skid(y: float) -> Manifold:
 
 
 def frame() -> list[Manifold]:
-    """Make uprights, side rails and cross bars between the skids and the foam."""
+    """Return uprights, side rails and cross bars between the skids and the foam."""
     parts = []
     for y in SIDES:
         side = y * 0.37
@@ -71,7 +72,7 @@ def frame() -> list[Manifold]:
 
 
 def pods() -> list[Manifold]:
-    """Make two pressure cylinders for electronics and battery, hung from the foam by straps."""
+    """Return two pressure cylinders for electronics and battery, strapped below the foam."""
     parts = []
     for y in SIDES:
         parts.append(rod((-0.38, y * 0.13, 0.03), (0.34, y * 0.13, 0.03), 0.105, sides=10))
@@ -81,7 +82,7 @@ def pods() -> list[Manifold]:
 
 
 def sonar_head() -> list[Manifold]:
-    """Make the multibeam's head: a drum across the bow, on an arm from the frame."""
+    """Return the multibeam head: a drum across the bow, on an arm from the frame."""
     return [
         rod((0.53, -0.12, -0.18), (0.53, 0.12, -0.18), 0.07),
         box((0.33, -0.03, -0.24), (0.50, 0.03, -0.18)),

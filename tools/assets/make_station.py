@@ -1,8 +1,8 @@
-"""Makes assets/meshes/station.obj and station_davit.obj; needs numpy and manifold3d.
+"""Generate assets/meshes/station.obj and station_davit.obj; needs numpy and manifold3d.
 
-Metres; x forward, z up, z = 0 the water line. Both are a moored pontoon. station.obj has a dock beneath: its middle is
-at (0, 0, -5); a vehicle of 1.2 x 0.8 x 0.7 m leaves it in any direction but up: it hangs under a roof between four
-posts. station_davit.obj has a davit instead, which holds a vehicle over the water ahead, at (5, 0, 1).
+Metres; x forward, z up, z = 0 at the waterline. Both are moored pontoons. station.obj has a dock underneath, centred at
+(0, 0, -5): a 1.2 x 0.8 x 0.7 m vehicle hangs under a roof between four posts and can leave in any direction but up.
+station_davit.obj instead has a davit, which holds a vehicle over the water ahead, at (5, 0, 1).
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets"
 SIDES = (-1, 1)
 DOCK_Z = -5.0
 BAR_M = 0.03
-"""Half the width of the cage's bars."""
+"""Half the thickness of the cage's bars."""
 
 
 def pontoon(y: float) -> Manifold:
-    """Make a float with raked ends."""
+    """Return a float with raked ends."""
     return hull([(x, y + side * 0.6, z) for side in SIDES for x, z in ((-3, 0.4), (3, 0.4), (2.3, -0.5), (-2.3, -0.5))])
 
 
 def platform() -> list[Manifold]:
-    """Make two floats, a deck, a hut, and a mast with its lamp and antenna bar."""
+    """Return two floats, a deck, a hut, and a mast with its lamp and antenna bar."""
     return [
         pontoon(-1.9),
         pontoon(1.9),
@@ -39,14 +39,14 @@ def platform() -> list[Manifold]:
 
 
 def bar(start: tuple[float, float, float], end: tuple[float, float, float]) -> Manifold:
-    """Make a square bar along one axis."""
+    """Return a square bar along one axis."""
     low = tuple(min(a, b) - BAR_M for a, b in zip(start, end, strict=True))
     high = tuple(max(a, b) + BAR_M for a, b in zip(start, end, strict=True))
     return box(low, high)
 
 
 def cage() -> list[Manifold]:
-    """Make the dock: a roof, 2.4 x 2 m, on four posts from the deck down; sides, ends and bottom are open."""
+    """Return the dock: a 2.4 x 2 m roof on four posts that hang from the deck; sides, ends and bottom are open."""
     x, y, low, high = 1.2, 1.0, DOCK_Z - 0.5, DOCK_Z + 0.8
     parts = [bar((end * x, side * y, low), (end * x, side * y, 0.45)) for end in SIDES for side in SIDES]
     parts += [bar((-x, side * y, high), (x, side * y, high)) for side in SIDES]
@@ -58,7 +58,7 @@ def cage() -> list[Manifold]:
 
 
 def davit() -> list[Manifold]:
-    """Make two posts on the foredeck and a beam between them, with two arms that reach over the water."""
+    """Return two posts on the foredeck with a beam between them and two arms that reach over the water."""
     parts = []
     for side in SIDES:
         foot, head, tip = (2.6, side * 0.8, 0.5), (3.2, side * 0.8, 3.6), (5.2, side * 0.8, 3.9)

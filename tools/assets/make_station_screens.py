@@ -1,8 +1,8 @@
-"""Draw the pictures of the operator's station: docs/connections/station-start.jpg and station.jpg.
+"""Draw the screenshots of the operator's station: docs/connections/station-start.jpg and station.jpg.
 
-A pilot's page in headless Chromium, beside a pipeline of the lake, after a lane over the bed has been mapped. Needs
-the development installation (tools/setup --dev). `--extra FOLDER` also writes the screens at dusk, with alarms, in
-light colours and on a phone, to look at.
+They show a pilot's page in headless Chromium, next to a pipeline in the lake, after a lane over the bed has been
+mapped. Needs the development installation (tools/setup --dev). `--extra FOLDER` also writes screens for visual
+inspection: at dusk, with alarms, in the light theme and on a phone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ BESIDE_PIPE = (-72.0, -23.6, 1.5, 22.0)  # x, y, height above the bed, yaw [deg]
 
 
 def place(live: LiveSimulator, x: float, y: float, above_m: float, yaw_deg: float) -> None:
-    """Put the ROV somewhere above the bed."""
+    """Place the ROV at a given height above the bed."""
     bed = float(live.simulator.world.height_at([[x, y]])[0])
     half = 0.5 * np.radians(yaw_deg)
     orientation = [0.0, 0.0, float(np.sin(half)), float(np.cos(half))]
@@ -37,18 +37,18 @@ def place(live: LiveSimulator, x: float, y: float, above_m: float, yaw_deg: floa
 
 
 def survey_a_lane(live: LiveSimulator) -> None:
-    """Map a lane of the bed, and stop beside the pipeline with the lamp on."""
+    """Map a lane of the bed, and stop next to the pipeline with the lamp on."""
     (x0, y0), (x1, y1) = LANE
     yaw_deg = float(np.degrees(np.arctan2(y1 - y0, x1 - x0)))
     for share in np.linspace(0.0, 1.0, 120):
         place(live, x0 + share * (x1 - x0), y0 + share * (y1 - y0), ABOVE_BED_M, yaw_deg)
-        time.sleep(0.12)  # of real time: a ping or two
+        time.sleep(0.12)  # in real time: one or two pings
     place(live, *BESIDE_PIPE)
     live.command("set_lamp", vehicle="rov", lamp="front", on=True).result()
 
 
 def until(page: Page, expression: str) -> None:
-    """Wait until an expression holds in the page."""
+    """Wait until a JavaScript expression is true in the page."""
     deadline_s = time.monotonic() + 120.0
     while not page.evaluate(f"Boolean({expression})"):
         if time.monotonic() > deadline_s:
@@ -57,7 +57,7 @@ def until(page: Page, expression: str) -> None:
 
 
 def shoot(page: Page, path: Path) -> None:
-    """Take a picture of a page when its views have had time for new pictures."""
+    """Take a screenshot of a page after its views have had time to update."""
     time.sleep(4.0)
     if page.is_visible("#station"):
         until(page, "station.views.names.every((name) => (station.views.picture(name)?.drawn ?? 1) > 0)")
@@ -76,7 +76,7 @@ def open_page(browser: Browser, url: str, **options: object) -> Page:
 def main(
     extra: Annotated[Path | None, typer.Option(help="Folder for further screens.")] = None,
 ) -> None:
-    """Draw the two pictures."""
+    """Draw the two screenshots."""
     station = Station(offered="lake")
     with (
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
@@ -100,7 +100,7 @@ def main(
 
 
 def further(browser: Browser, page: Page, url: str, live: LiveSimulator, folder: Path) -> None:
-    """Take the further screens that are checked by eye before a release."""
+    """Take the additional screenshots that are inspected before a release."""
     for name in ("scene", "fan", "chase"):
         page.evaluate(f"station.views.enlarge('{name}')")
         shoot(page, folder / f"{name}.jpg")

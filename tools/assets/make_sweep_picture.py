@@ -1,4 +1,4 @@
-"""Draw docs/guides/sweep.png: run the sweep of sweeps.md, and save its plot of what the coverage depends on."""
+"""Draw docs/guides/sweep.png: run the sweep of sweeps.md, and save its sensitivity plot for coverage."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def first_program(page: str, language: str) -> str:
-    """Return the page's first program in a language."""
+    """Return the page's first code block in a language."""
     found = re.search(rf"^```{language}\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     if found is None:
         sys.exit(f"make_sweep_picture: docs/guides/sweeps.md has no {language} program")
@@ -21,7 +21,7 @@ def first_program(page: str, language: str) -> str:
 
 
 def main() -> None:
-    """Run the sweep, which takes some minutes."""
+    """Run the sweep, which takes a few minutes."""
     page = (DOCS / "guides" / "sweeps.md").read_text()
     with TemporaryDirectory() as folder:
         (Path(folder) / "mow.py").write_text(first_program(page, "python"))

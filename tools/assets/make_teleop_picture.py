@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make docs/guides/teleop.png: the pilot's terminal over the lake, drawn by textual and a headless Chromium."""
+"""Draw docs/guides/teleop.png: the pilot's terminal over the lake, rendered by textual and headless Chromium."""
 
 import asyncio
 from pathlib import Path
@@ -19,7 +19,7 @@ SCREEN, PIXELS = (132, 40), {"width": 1340, "height": 860}
 
 
 async def main() -> None:
-    """Fly for some seconds, then take the picture."""
+    """Fly for some seconds, then take the screenshot."""
     with LiveSimulator("lake") as live, RosbridgeServer(live, port=0) as server:
         live.command("aim", vehicle="rov", elevation_rad=-0.1).result()
         live.command("place", vehicle="rov", position_world_m=PLACE_M, orientation_xyzw=ALONG_XYZW).result()

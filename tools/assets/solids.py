@@ -1,4 +1,4 @@
-"""Solids for the mesh generators: made with manifold3d, united without overlaps, written as OBJ."""
+"""Solids for the mesh generators: built with manifold3d, united without overlaps, written as OBJ."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ Point = tuple[float, float, float]
 
 
 def box(low: Point, high: Point) -> Manifold:
-    """Make the cuboid between two corners."""
+    """Return the cuboid between two corners."""
     size = np.subtract(high, low)
     return Manifold.cube(tuple(size)).translate(low)
 
 
 def rod(start: Point, end: Point, radius_m: float, sides: int = 12) -> Manifold:
-    """Make a cylinder between two points."""
+    """Return a cylinder between two points."""
     along = np.subtract(end, start)
     length = float(np.linalg.norm(along))
     pitch = np.degrees(np.arccos(along[2] / length))
@@ -26,17 +26,17 @@ def rod(start: Point, end: Point, radius_m: float, sides: int = 12) -> Manifold:
 
 
 def ball(centre: Point, radius_m: float, sides: int = 12) -> Manifold:
-    """Make a sphere."""
+    """Return a sphere."""
     return Manifold.sphere(radius_m, sides).translate(centre)
 
 
 def hull(points: list[Point]) -> Manifold:
-    """Make the convex hull of points."""
+    """Return the convex hull of points."""
     return Manifold.hull_points(np.asarray(points, np.float64))
 
 
 def united(parts: list[Manifold]) -> Manifold:
-    """Unite solids into one, without slivers thinner than 0.1 mm."""
+    """Return the union of solids, without slivers thinner than 0.1 mm."""
     total = Manifold()
     for part in parts:
         total += part
@@ -44,7 +44,7 @@ def united(parts: list[Manifold]) -> Manifold:
 
 
 def centroid(solid: Manifold) -> Point:
-    """Return the centre of volume, from the tetrahedra that the triangles form with the origin."""
+    """Return the centre of volume, from the tetrahedra formed by the triangles and the origin."""
     mesh = solid.to_mesh()
     corners = np.asarray(mesh.vert_properties, np.float64)[:, :3][np.asarray(mesh.tri_verts)]
     volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))

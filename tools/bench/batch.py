@@ -1,7 +1,7 @@
-"""The cost of a step per member of a batch against that of a lone simulator, by size and threads; memory per member.
+"""The cost of a step per batch member relative to a single simulator, by batch size and threads; memory per member.
 
-The cases take turns in each round, and medians are reported. Vehicles are in open water; random efforts change every 10
-steps. Members with faults or a failsafe, and pings, are compared with plain ones on one thread by processor time.
+The cases alternate in each round, and medians are reported. Vehicles are in open water; random efforts change every
+10 steps. Members with faults or a failsafe, and pings, are compared with plain members on one thread by processor time.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ console = Console()
 HELD_STEPS = 10
 START_M = (-60.0, -28.0, -10.0)  # in the middle of the lake's water
 PAGE_KB = 4
-FEW = 32  # members with programs
+FEW = 32  # members with faults or a failsafe
 PROGRAMS_S = 5.0
 NEVER_S = 1e5
 WEAK = {"kind": "thruster", "axis": "surge", "health": 0.5}
@@ -48,7 +48,7 @@ def main(
     steps: Annotated[int, typer.Option(min=1, help="Steps of all members together in a measurement.")] = 100_000,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     lone = Simulator(scenario, threads=1)
     lone.rov.place(START_M)
     cases = [(n, threads) for n in (1, 16, 256) for threads in (1, 2) if n >= threads]
@@ -74,14 +74,14 @@ def main(
 
 
 def placed(scenario: str, n: int, threads: int) -> Batch:
-    """Make a batch in open water."""
+    """Return a batch in open water."""
     batch = Batch(scenario, n=n, threads=threads)
     batch.place(START_M)
     return batch
 
 
 def loop_s(sim: Simulator, steps: int) -> float:
-    """Return the seconds per step of a lone simulator in a Python loop that reads its motion after new efforts."""
+    """Return the seconds per step of a single simulator in a Python loop that reads its motion after new efforts."""
     sim.rov.place(START_M)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (steps // HELD_STEPS, 6))
     begin = time.perf_counter()
@@ -93,7 +93,7 @@ def loop_s(sim: Simulator, steps: int) -> float:
 
 
 def batch_s(batch: Batch, steps: int) -> float:
-    """Return the seconds per step and member of a batch that is read as often."""
+    """Return the seconds per step and member of a batch that is read equally often."""
     batch.place(START_M)
     calls = max(steps // HELD_STEPS // batch.n, 1)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (calls, batch.n, 6))
@@ -105,7 +105,7 @@ def batch_s(batch: Batch, steps: int) -> float:
 
 
 def programs(scenario: str, rounds: int) -> dict[str, float]:
-    """Return the processor time of a step of members that run programs, against that of plain ones."""
+    """Return the processor time of a step of members with faults or a failsafe, relative to plain members."""
     plain = load(scenario)
     cases = {"plain": Batch(plain, n=FEW, threads=1)}
     cases |= {name: Batch(plain, n=FEW, faults=faults, threads=1) for name, faults in FAULTS.items()}
@@ -121,13 +121,13 @@ def programs(scenario: str, rounds: int) -> dict[str, float]:
 
 
 def guarded(scenario: Scenario, figures: Failsafe) -> Scenario:
-    """Return the scenario with a failsafe in its first vehicle."""
+    """Return the scenario with a failsafe on its first vehicle."""
     first, *others = scenario.vehicles
     return scenario.model_copy(update={"vehicles": (first.model_copy(update={"failsafe": figures}), *others)})
 
 
 def cpu_s(batch: Batch) -> float:
-    """Return the processor time of some seconds of all members, with new efforts every 10 steps."""
+    """Return the processor time for some seconds of all members, with new efforts every 10 steps."""
     batch.reset()
     batch.place(START_M)
     efforts = np.random.default_rng(0).uniform(-0.3, 0.3, (batch.n, 6))
@@ -139,7 +139,7 @@ def cpu_s(batch: Batch) -> float:
 
 
 def pings(scenario: str, rounds: int) -> dict[str, float]:
-    """Return the processor time of a member's ping in both modes, against that of the lone simulator."""
+    """Return the processor time of a member's ping in both modes, relative to a single simulator."""
     figures: dict[str, float] = {}
     for mode in ("geometry", "physics"):
         change = {f"{load(scenario).vehicles[0].name}.sonar.mode": mode}
@@ -164,7 +164,7 @@ def pings(scenario: str, rounds: int) -> dict[str, float]:
 
 
 def member_kb(scenario: str, n: int = 256) -> float:
-    """Return the resident memory that a batch adds for each of its members, without what all share."""
+    """Return the resident memory that a batch adds per member, excluding shared memory."""
     shared = Batch(scenario, n=1)
     gc.collect()
     before = resident_kb()

@@ -1,10 +1,10 @@
-"""Frames per second of the ROV's front camera on the lake, against Embree alone casting the same rays.
+"""Frames per second of the ROV's front camera on the lake, compared with bare Embree casting the same rays.
 
-All cases alternate within one run, so that other load on the machine affects them alike; medians over the rounds, and
-ratios round by round. Each frame is at another time, so that waves, ripples and noise are computed again. The native
-peer builds its tree from the same triangles, receives the same packets of sixteen rays that the pictures cast (primary,
-shadow and shaft rays) and casts them on as many threads. With the terrain as quads, as in our own tree, the peer is
-faster; that rate is printed, too.
+All cases alternate within one run, so that other load on the machine affects them equally; results are medians over the
+rounds, and ratios are computed per round. Each frame is at a different time, so that waves, ripples and noise are
+recomputed. The native peer builds its tree from the same triangles, receives the same sixteen-ray packets that the
+images cast (primary, shadow and shaft rays) and casts them on as many threads. With the terrain as quads, as in our own
+tree, the peer is faster; that rate is also printed.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def main(
     threads: Annotated[int, typer.Option(min=1, help="Threads of each case.")] = 2,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turn and print medians."""
+    """Measure all cases alternately and print medians."""
     sim = Simulator("lake", threads=threads)
     sim.rov.release()
     sim.rov.place(PLACE_M)
@@ -78,14 +78,14 @@ def main(
 
 
 def capture(sim: Simulator, camera: Camera, *, geometry_only: bool, measure: bool = False) -> Frame:
-    """Capture a frame one step later, from the same place."""
+    """Capture a frame one step later, from the same pose."""
     sim.step()
     sim.rov.place(PLACE_M)
     return camera.capture(geometry_only=geometry_only, measure=measure)
 
 
 def timed(sim: Simulator, camera: Camera, *, geometry_only: bool) -> float:
-    """Return the seconds that one frame takes, without the simulation's step."""
+    """Return the seconds that one frame takes, excluding the simulation step."""
     sim.step()
     sim.rov.place(PLACE_M)
     begun = time.perf_counter()
@@ -94,7 +94,7 @@ def timed(sim: Simulator, camera: Camera, *, geometry_only: bool) -> float:
 
 
 def summarise(seconds: dict[str, list[float]], frame: Frame) -> dict[str, float]:
-    """Return medians, and the medians of the ratios of each round."""
+    """Return medians, and the medians of the per-round ratios."""
 
     def ratio(name: str, peer: str) -> float:
         return statistics.median(a / b for a, b in zip(seconds[name], seconds[peer], strict=True))
@@ -115,13 +115,13 @@ def summarise(seconds: dict[str, list[float]], frame: Frame) -> dict[str, float]
 
 
 def bare_rays_program() -> Path | None:
-    """Return the path of the native peer, which is installed with the compiled module; None if it is not."""
+    """Return the path of the native peer, which is installed with the compiled module, or None if it is missing."""
     program = Path(_core.__file__).parent / "bench" / "native" / "embree_bare_rays"
     return program if program.is_file() else None
 
 
 def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: bool) -> None:
-    """Write the world's surface and the packets of rays of one picture, for the peer."""
+    """Write the world's surface and the ray packets of one image for the peer."""
     packets, eye = camera.record_rays(geometry_only=geometry_only)
     vertices, triangles, _ = sim.world.surface_mesh()
     count = np.frombuffer(packets, np.uint8).size // 580
@@ -133,7 +133,7 @@ def write_rays(file: Path, sim: Simulator, camera: Camera, *, geometry_only: boo
 
 
 class BareEmbree:
-    """The peer's process; a call returns the seconds that it takes for all rays of one picture."""
+    """The peer's process; a call returns the seconds that it needs for all rays of one image."""
 
     def __init__(self, command: list[str]) -> None:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -146,7 +146,7 @@ class BareEmbree:
         return float(self._process.stdout.readline())
 
     def close(self) -> None:
-        """End the process."""
+        """Stop the process."""
         self._process.communicate()
 
 

@@ -1,7 +1,7 @@
-"""The cost of each part of a dataset's frame relative to the picture itself, and frames per second on several workers.
+"""The cost of each part of a dataset frame relative to the image itself, and frames per second on several workers.
 
-Parts are measured in turns in this process, by processor time, so that other load does not count; frames per second are
-by wall time. The peer is the bare picture, `Camera.capture` with all effects, which no writer can beat.
+Parts are measured alternately in this process, by processor time, so that other load does not count; frames per second
+use wall time. The peer is the bare image, `Camera.capture` with all effects, which is a lower bound for any writer.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def main(
     workers: Annotated[int, typer.Option(min=1, help="Number of worker processes.")] = 2,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure the parts in turns, then a whole dataset."""
+    """Measure the parts alternately, then a whole dataset."""
     width, _, height = size.partition("x")
     pixels = int(width), int(height)
     figures = parts(scenario, pixels, rounds)
@@ -61,7 +61,7 @@ def main(
 
 
 def parts(scenario: str, size: tuple[int, int], rounds: int) -> dict[str, float]:
-    """Return the processor milliseconds of the bare picture and of frames, and the ratios of each round."""
+    """Return the processor milliseconds of the bare image and of frames, and the ratios of each round."""
     specs = {
         name: DatasetSpec(scenario=scenario, n=rounds + 1, size=size, write=write) for name, write in CASES.items()
     }

@@ -1,7 +1,7 @@
-"""The depth-map method against one ray for each beam: range errors and cost at several resolutions.
+"""The depth-map method compared with one ray per beam: range errors and cost at several resolutions.
 
-All methods take turns within one run, at the same places over the lake, so that other load on the machine affects all
-of them equally; medians over the rounds. The exact ranges are the multibeam's own, one ray for each beam.
+All methods alternate within one run, at the same poses over the lake, so that other load on the machine affects all of
+them equally; results are medians over the rounds. The exact ranges are the multibeam's own, one ray per beam.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ console = Console()
 
 TILT_RAD = np.radians(30.0)  # as in the lake's survey
 ALTITUDE_M = 8.0
-AREA_M = ((-100.0, -76.0), (50.0, 20.0))  # of the survey, with pipeline and gate
-# Columns of all cameras, rows, cameras, whether interpolated, bits of a quantised depth. Of 64 rows none lies in the
-# fan's plane, of 65 the middle one does.
+AREA_M = ((-100.0, -76.0), (50.0, 20.0))  # the survey area, with pipeline and gate
+# Total columns of all cameras, rows, number of cameras, whether interpolated, bits of a quantised depth. With 64 rows
+# none lies in the fan's plane; with 65 the middle one does.
 METHODS = (
     (256, 1, 1, False, 0), (512, 1, 1, False, 0), (1024, 1, 1, False, 0), (2048, 1, 1, False, 0),
     (8192, 1, 1, False, 0), (1024, 1, 1, True, 0), (1024, 1, 1, False, 16), (1024, 1, 1, False, 8),
@@ -39,7 +39,7 @@ METHODS = (
 
 @dataclass
 class Method:
-    """A method to compute the ranges of a ping, its cost, and its differences from the exact ranges."""
+    """A method of computing the ranges of a ping, its cost, and its differences from the exact ranges."""
 
     name: str
     rays: int
@@ -92,7 +92,7 @@ def _angles_rad(model: _core.MultibeamModel) -> np.ndarray:
 
 
 def _rays(sim: Simulator, poses: list[np.ndarray]) -> Method:
-    """One ray for each beam, called from Python like the others."""
+    """Return the method with one ray per beam, called from Python like the others."""
     model = sim.rov.sonar.model
     angles = _angles_rad(model)
     flat = np.stack([np.cos(angles), np.sin(angles), np.zeros(model.beams)], axis=1)
@@ -119,7 +119,7 @@ def _depth_map(sim: Simulator, poses: list[np.ndarray], setting: tuple[int, int,
 
 
 def _figures(methods: list[Method]) -> dict[str, dict[str, float]]:
-    """Return for each method: seconds per ping, the cost ratio to rays round by round, and the range errors."""
+    """Return for each method: seconds per ping, cost relative to rays per round, and range errors."""
     figures = {}
     for method in methods:
         ratio = statistics.median(own / rays for own, rays in zip(method.seconds, methods[0].seconds, strict=True))
@@ -133,7 +133,7 @@ def _figures(methods: list[Method]) -> dict[str, dict[str, float]]:
 
 
 def _table(methods: list[Method], model: _core.MultibeamModel, places: int) -> Table:
-    """Return the cost relative to rays, errors of beams with both echoes, lost echoes and false echoes."""
+    """Return a table of costs relative to rays, errors of beams with both echoes, lost echoes and false echoes."""
     table = Table(title=f"{model.name}: {places} pings over the lake", title_justify="left", pad_edge=False, box=None)
     table.add_column("depth image", no_wrap=True)
     for column in ("rays", "us", "cost", "mean mm", "95 % mm", "max m", "lost", "false"):

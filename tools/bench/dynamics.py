@@ -1,7 +1,7 @@
-"""Steps per second of a vehicle with all its forces, against Bullet's bare step and pybullet with NumPy forces.
+"""Steps per second of a vehicle with all its forces, compared with Bullet's bare step and pybullet with NumPy forces.
 
-All cases take turns within one run, so that other load on the machine affects them alike; medians over the rounds are
-reported. Each case runs on one thread and is measured in the processor time of that thread.
+All cases alternate within one run, so that other load on the machine affects them equally; medians over the rounds are
+reported. Each case runs on one thread and is measured by that thread's processor time.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def main(
     ),
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     cases: dict[str, Callable[[], float]] = {
         "open_water": Flight(depth_m=10.0, steps=500, repeats=20),
         "above_bottom": Flight(above_bed_m=0.5, steps=500, repeats=10),
@@ -83,7 +83,7 @@ def main(
 
 
 def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
-    """Return the median steps per second of each case, and the medians of ratios within rounds."""
+    """Return the median steps per second of each case, and the medians of the per-round ratios."""
 
     def ratio(name: str, peer: str) -> float:
         return statistics.median(a / b for a, b in zip(rates[name], rates[peer], strict=True))
@@ -101,9 +101,10 @@ def summarise(rates: dict[str, list[float]]) -> dict[str, float]:
 
 
 class Flight:
-    """Vehicles that move over the lake; calling it returns steps per second.
+    """Vehicles that move over the lake; a call returns steps per second.
 
-    Runs of `steps` steps are timed. The vehicles are put back to their starts before each, so that all runs are alike.
+    Runs of `steps` steps are timed. The vehicles are returned to their initial state before each, so that all runs are
+    alike.
     """
 
     def __init__(
@@ -147,9 +148,9 @@ class Flight:
 
 
 class Settled:
-    """A vehicle that rests on the lake's bed or floats at its surface; calling it returns steps per second.
+    """A vehicle that rests on the lake's bed or floats at its surface; a call returns steps per second.
 
-    It comes to rest once, before anything is timed.
+    It settles once, before any timing.
     """
 
     def __init__(
@@ -164,7 +165,7 @@ class Settled:
         touches, height_m = self._sim.rov.telemetry().collision_warning, self._sim.rov.pose.position_world_m[2]
         if above_bed_m is not None and not touches:
             raise RuntimeError("the vehicle does not rest on the bed")
-        if above_bed_m is None and not waves and abs(height_m) > 0.13:  # its half height
+        if above_bed_m is None and not waves and abs(height_m) > 0.13:  # half its height
             raise RuntimeError(f"the vehicle does not float: it is at z = {height_m:.3f} m")
 
     def __call__(self) -> float:
@@ -181,7 +182,7 @@ def _lowest_m(vehicle: VehicleEntry) -> float:
 
 
 def bare_step_program() -> Path | None:
-    """Return the native peer's program, which is installed beside the compiled module, if it is there."""
+    """Return the path of the native peer, which is installed next to the compiled module, or None if it is missing."""
     program = Path(_core.__file__).parent / "bench" / "native" / "bullet_bare_step"
     return program if program.is_file() else None
 
@@ -205,7 +206,7 @@ def pybullet_peer() -> Callable[..., PybulletPeer] | None:
 class PybulletPeer:
     """A BlueROV2 Heavy in pybullet: no added mass; drag and thrust are computed in Python and applied at every step.
 
-    With `on_bed`, it lies on a plane, and its lift is 20 N less than its weight.
+    With `on_bed`, it lies on a plane and is 20 N heavier than its buoyancy.
     """
 
     def __init__(self, pybullet: Any, *, on_bed: bool) -> None:

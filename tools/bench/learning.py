@@ -1,8 +1,8 @@
-"""Environment steps per second by members, observations and threads, against the bare C++ step and pybullet.
+"""Environment steps per second by members, observations and threads, compared with the bare C++ step and pybullet.
 
-All cases take turns in each round; medians of rates, and of ratios within rounds, are reported. Cases of one thread are
-measured in processor time. The others, and the ratio of many threads to one, are measured by the wall clock, which
-requires a quiet machine. Actions are random; episodes end and restart as in training.
+All cases alternate in each round; medians of rates, and of per-round ratios, are reported. Single-threaded cases are
+measured by processor time. The others, and the ratio of many threads to one, are measured by wall time, which
+requires an idle machine. Actions are random; episodes end and restart as in training.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "sonar of 64 beams": ("uwsim/PipelineFollowing-v0", {}),
     "camera of 84 x 84": ("uwsim/PipelineFollowing-v0", {"camera": "front"}),
 }
-GOAL = 0.5  # share of the rate of the bare C++ step, for 256 members and proprioception
+GOAL = 0.5  # share of the bare C++ step's rate, for 256 members and proprioception
 MARINEGYM = 250_000
 MARINEGYM_SOURCE = "MarineGym, arXiv:2503.09203, abstract: frames a second on an RTX 3060; not measured here"
 
@@ -42,7 +42,7 @@ def main(
     seconds: Annotated[float, typer.Option(min=0.01, help="About how long each case takes in a round.")] = 0.3,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     cores = len(os.sched_getaffinity(0))
     cases: dict[str, Callable[[float], Rate]] = {}
     for kind, (name, options) in KINDS.items():
@@ -69,14 +69,14 @@ def main(
 
 
 class Rate(NamedTuple):
-    """Environment steps per second of all members, by the case's own clock and by the wall clock."""
+    """Environment steps per second of all members, by the case's own clock and by wall time."""
 
     own: float
     wall: float
 
 
 def timed(step: Callable[[int], object], members: int, threads: int, seconds: float) -> Rate:
-    """Call step(0), step(1), ... for about `seconds` of the clock that suits the number of threads."""
+    """Call step(0), step(1), ... for about `seconds` of processor time, or wall time if there are several threads."""
     clock = time.process_time if threads == 1 else time.perf_counter
     calls, begin, wall_begin = 0, clock(), time.perf_counter()
     while (elapsed := clock() - begin) < seconds or calls < 1:
@@ -86,7 +86,7 @@ def timed(step: Callable[[int], object], members: int, threads: int, seconds: fl
 
 
 class Driven:
-    """A vector environment under random actions."""
+    """A vector environment driven by random actions."""
 
     def __init__(self, name: str, count: int, threads: int, options: dict[str, Any]) -> None:
         self._env = gymnasium.make_vec(name, count, threads=threads, **options)
@@ -105,7 +105,7 @@ class Driven:
 
 
 class Bare:
-    """The C++ step alone, of as many members in the same water, without actions, observations, rewards and episodes."""
+    """The bare C++ step of as many members in the same water, without actions, observations, rewards or episodes."""
 
     def __init__(self, name: str, threads: int) -> None:
         env = gymnasium.make_vec(name, max(COUNTS), threads=threads).unwrapped
@@ -121,16 +121,16 @@ class Bare:
 
 
 def pybullet_step() -> Callable[[float], Rate] | None:
-    """Return a function that steps a BlueROV2 Heavy in pybullet for the periods of an environment; None without it."""
+    """Return a function that steps a BlueROV2 Heavy in pybullet for an environment's period; None without pybullet."""
     peer = runpy.run_path(str(Path(__file__).with_name("dynamics.py")))["pybullet_peer"]()
     if peer is None:
         return None
     steps_s = peer(on_bed=False)
-    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten of its steps are a period of uwsim/StationKeeping-v0
+    return lambda seconds: Rate(*[steps_s() / 10.0] * 2)  # ten pybullet steps are one period of uwsim/StationKeeping-v0
 
 
 def compared(per_round: list[dict[str, Rate]], cores: int) -> dict[str, float]:
-    """Return medians of ratios within rounds."""
+    """Return medians of the per-round ratios."""
 
     def ratio(one: str, other: str) -> float:
         return statistics.median(turn[one].own / turn[other].own for turn in per_round)

@@ -1,7 +1,7 @@
-"""The cost of a link: a step of 20 vehicles with one, under as much traffic as it carries, against a step without.
+"""The cost of a link: a step of 20 vehicles with a link at full load, compared with a step without one.
 
-Both take turns within one run, so that other load on the machine affects them alike; the median of the ratios of the
-rounds is reported. Measured in the processor time of the process, on one thread.
+Both alternate within one run, so that other load on the machine affects them equally; the median of the per-round
+ratios is reported. Measured by the process's CPU time, on one thread.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def main(
     vehicle: Annotated[str, typer.Option(help="The vehicles' model.")] = "bluerov2_heavy",
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the results to this JSON file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print the medians of their ratios to a step without a link."""
+    """Measure all cases alternately and print the medians of their ratios to a step without a link."""
     cases = {"no link": Fleet(None, vehicle)}
     cases |= {modem: Fleet(modem, vehicle) for modem in ("ideal_acoustic", "s2cm_hs", "micromodem")}
     cases["s2cm_hs, aloha"] = Fleet("s2cm_hs", vehicle, access="aloha")
@@ -55,7 +55,7 @@ def main(
 
 
 class Fleet:
-    """Twenty vehicles over the lake, each with the panel's message to send once a second."""
+    """Twenty vehicles over the lake, each of which sends the panel's message once a second."""
 
     def __init__(self, modem: str | None, model: str, *, access: str | None = None) -> None:
         scenario = load("lake")
@@ -79,7 +79,7 @@ class Fleet:
             rov.set_effort(surge=EFFORT)
 
     def step_s(self, steps: int) -> float:
-        """Return the mean processor time of a step; messages are submitted before, once per simulated second."""
+        """Return the mean CPU time of a step; messages are submitted once per simulated second, outside the timing."""
         spent_s, sim = 0.0, self._sim
         per_second = round(1.0 / sim.step_s)
         for _ in range(max(1, steps // per_second)):
@@ -92,7 +92,7 @@ class Fleet:
         return spent_s / (max(1, steps // per_second) * per_second)
 
     def delivered_per_s(self) -> float:
-        """Return the messages that arrived in each simulated second so far."""
+        """Return the number of messages delivered per simulated second so far."""
         link = self._sim.link
         return 0.0 if link is None else sum(one.delivered for one in link.counts()) / self._sim.time_s
 

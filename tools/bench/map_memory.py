@@ -1,7 +1,7 @@
 """Time and memory of a map over ten kilometres of track, with and without a memory limit.
 
-A multibeam sonar with the widest fan is towed to and fro, 8 m above hills of noise; its pings are cast and inserted.
-Each case runs in a separate process, whose memory the system reports. Both maps must write the same bytes.
+A multibeam sonar with the widest fan is towed to and fro, 8 m above noise hills; its pings are cast and inserted. Each
+case runs in a separate process, whose memory is reported by the system. Both maps must write the same bytes.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def main(
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
     one: Annotated[bool, typer.Option(hidden=True, help="Run one case in this process; 0 MB is no limit.")] = False,
 ) -> None:
-    """Fly the track twice, compare the maps, print and draw."""
+    """Fly the track twice, compare the maps, print and plot the results."""
     if one:
         print(json.dumps(fly(track_km, resolution, step, limit_mb or None, threads)))
         return
@@ -71,7 +71,7 @@ def main(
 
 
 def hills(width_m: float, height_m: float, rng: np.random.Generator) -> _core.World:
-    """Return a bed of smooth noise about 30 m deep, with hills some metres high every few tens of metres."""
+    """Return a bed of smooth noise about 30 m deep, with hills a few metres high every few tens of metres."""
     x, y = np.arange(-150.0, width_m + 150.0), np.arange(-150.0, height_m + 150.0)
     heights = np.full((len(y), len(x)), -30.0)
     for wave_m, size_m in ((160.0, 3.0), (60.0, 1.2), (23.0, 0.4)):
@@ -92,7 +92,7 @@ def track(track_m: float, step_m: float) -> NDArray[np.float64]:
 
 
 def fan() -> NDArray[np.float64]:
-    """Return the directions of a fan across x that is tilted forward, (beams, 3)."""
+    """Return the directions of a fan across x, tilted forward, (beams, 3)."""
     angles, tilt = np.radians(np.linspace(-FAN_DEG / 2.0, FAN_DEG / 2.0, BEAMS)), np.radians(TILT_DEG)
     down = np.cos(angles)
     return np.column_stack([down * np.sin(tilt), np.sin(angles), -down * np.cos(tilt)])
@@ -144,7 +144,7 @@ def fly(track_km: float, resolution_m: float, step_m: float, limit_mb: float | N
 
 
 def write(occupancy: OccupancyMap) -> dict[str, Any]:
-    """Write the files; return their digests, and their time and memory."""
+    """Write the map files; return their digests, and the time and memory used."""
     found: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in ("ot", "bt"):
@@ -188,7 +188,7 @@ def _table(cases: dict[str, dict[str, Any]]) -> Table:
 
 
 def draw(path: Path, cases: dict[str, dict[str, Any]]) -> None:
-    """Draw the map's time and the process's memory against distance."""
+    """Plot the map's time and the process's memory against distance."""
     figure = new_figure(10.0, 4.6)
     figure.subplots_adjust(left=0.08, right=0.98, top=0.9, bottom=0.27, wspace=0.22)
     per_100_m, memory = figure.subplots(1, 2)

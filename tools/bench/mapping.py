@@ -1,11 +1,11 @@
-"""Milliseconds to insert a ping, bricks against stock OctoMap, and the memory of both.
+"""Milliseconds to insert a ping, bricks compared with stock OctoMap, and the memory of both.
 
-The workload is a seabed survey over the packaged lake: 8 m above its hills, a ping every 10 cm, ranges from the true
-surfaces; a beam without an echo marks voxels free up to the sonar's range. The cases take turns within one run, each on
-its own map and with the same pings, so that other load on the machine affects all alike; medians over the rounds are
-reported. One core is measured in processor time, two cores in wall time, stock OctoMap in both. Stock takes seconds,
-but bricks take milliseconds, too short for an idle core to reach its full clock rate: each round takes the median of a
-few insertions in a row, each into a new map.
+The workload is a survey of the packaged lake's bed: 8 m above its hills, a ping every 10 cm, ranges from the true
+surfaces; a beam without an echo marks voxels free up to the sonar's range. The cases alternate within one run, each
+with its own map and the same pings, so that other load on the machine affects all equally; medians over the rounds are
+reported. One core is measured by processor time, two cores by wall time, stock OctoMap by both. Stock takes seconds;
+bricks take milliseconds, too short for an idle core to reach its full clock rate. Each round therefore takes the median
+of several consecutive brick insertions, each into a new map.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from uwsim.scenario import build_world, load
 console = Console()
 
 ALTITUDE_M, SPACING_M, START_M = 8.0, 0.1, (-60.0, 0.0)
-NO_ECHO_M = 5.0  # a beam without an echo gets a point this far beyond the range
+NO_ECHO_M = 5.0  # a beam without an echo becomes a point this far beyond the range
 BATCH = 32  # scans per call
-REPEATS = 9  # insertions by bricks for each one by stock OctoMap
+REPEATS = 9  # brick insertions per stock OctoMap insertion
 MEMORY_PINGS = 600
 MEMORY_GOAL = 1 / 3
 
@@ -57,7 +57,8 @@ WORKLOADS = {
     "B": Workload(513, 85, 55, 10, {0.2: 100, 0.5: 200}),
     "D": Workload(1025, 170, 95, 45, {0.2: 60, 0.5: 200}),
 }
-# Ratios to the time of stock OctoMap, eager: one core, two cores. They are 0.8 of the first prototype's.
+# Ratios to the time of stock OctoMap in eager mode: one core, two cores. They are 0.8 times those of the first
+# prototype.
 GOALS = {
     "A 0.2": (256, 402),
     "A 0.5": (50, 75),
@@ -103,7 +104,7 @@ def main(
     only: Annotated[str, typer.Option(help="Only this workload: A, B or D.")] = "",
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     if only not in ("", *WORKLOADS):
         raise ValueError(f"--only {only}: must be one of {', '.join(WORKLOADS)}")
     chosen = {name: work for name, work in WORKLOADS.items() if only in ("", name)}
@@ -158,7 +159,7 @@ Case = Callable[[], Cost]
 
 
 def make_cases(scans: Scans, resolution_m: float, folder: Path) -> dict[str, Case]:
-    """Return the cases that this machine can run, by name."""
+    """Return the cases available on this machine, by name."""
 
     def bricks(instruction_set: str = "best", threads: int = 1, batch: int = BATCH) -> Case:
         return lambda: median([insert(scans, resolution_m, batch, threads, instruction_set) for _ in range(REPEATS)])
@@ -215,7 +216,7 @@ def insert(scans: Scans, resolution_m: float, batch: int, threads: int, instruct
 
 
 def insert_one_by_one(scans: Scans, resolution_m: float) -> Cost:
-    """Insert with the brick engine, one call for each ping."""
+    """Insert with the brick engine, one call per ping."""
     batches = scans.batches(1)
     occupancy = OccupancyMap(resolution_m)
     with Stopwatch(len(scans.counts)) as watch:
@@ -225,7 +226,7 @@ def insert_one_by_one(scans: Scans, resolution_m: float) -> Cost:
 
 
 class Stopwatch:
-    """Measures processor and wall time of a block, for one ping."""
+    """Measure the processor and wall time of a block, per ping."""
 
     def __init__(self, pings: int) -> None:
         self._pings = pings
@@ -254,7 +255,7 @@ def native(program: Path, path: Path, resolution_m: float, range_m: float, mode:
 
 
 def pyoctomap_peer(scans: Scans, resolution_m: float) -> Case | None:
-    """Return a case for OctoMap through pyoctomap, its best-known Python wheel, if that is installed."""
+    """Return a case for OctoMap through pyoctomap, its best-known Python wheel, or None if it is not installed."""
     try:
         import pyoctomap  # type: ignore[import-not-found, unused-ignore]
     except ImportError:

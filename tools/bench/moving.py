@@ -1,6 +1,6 @@
-"""The cost of other vehicles to a ping: alone in the lake, among 20, and with all 20 close to the sonar.
+"""The cost of other vehicles for a ping: alone in the lake, among 20, and with all 20 close to the sonar.
 
-The cases take turns, each round at the same places; medians of the ratios of the rounds are reported. One thread's
+The cases alternate, each round at the same positions; medians of the per-round ratios are reported. One thread's
 processor time.
 """
 
@@ -27,7 +27,7 @@ console = Console()
 SONAR_MODEL = 3  # 1,025 beams to 95 m
 LINE_M = ((-104.0, -28.0), (-44.0, -28.0))
 ALTITUDE_M = 8.0
-GOAL = 1.3  # at most, among the others
+GOAL = 1.3  # maximum ratio, among the others
 
 
 def main(
@@ -36,7 +36,7 @@ def main(
     others: Annotated[int, typer.Option(min=1, max=200, help="Number of other vehicles.")] = 20,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     table = Table("mode", "case", "us per ping", "of alone", "beams on vehicles", title="Pings among other vehicles")
     figures: dict[str, float] = {}
     for mode in ("geometry", "physics"):
@@ -63,13 +63,13 @@ def lake(mode: str, others: int) -> Simulator:
     scenario = load("lake").with_changes(sonar_model=SONAR_MODEL)
     first = scenario.vehicles[0]
     first = first.model_copy(update={"sonar": first.sonar.model_copy(update={"mode": mode})})
-    start = StartPose(position_m=(*LINE_M[0], -1.0))  # they are placed later
+    start = StartPose(position_m=(*LINE_M[0], -1.0))  # positioned later
     more = [first.model_copy(update={"name": f"other_{k}", "start": start}) for k in range(others)]
     return Simulator(scenario.model_copy(update={"vehicles": (first, *more)}))
 
 
 def line(sim: Simulator, count: int) -> NDArray[np.float64]:
-    """Return places (count, 3) along a line at the survey's altitude above the bed."""
+    """Return positions (count, 3) along a line at the survey's altitude above the bed."""
     xy = np.linspace(*LINE_M, count)
     return np.column_stack([xy, np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)])
 
@@ -84,7 +84,7 @@ def scatter(sim: Simulator, places: NDArray[np.float64]) -> None:
 
 
 def gather(sim: Simulator, places: NDArray[np.float64]) -> None:
-    """Place the other vehicles side by side in the sonar's fan, at the middle of the line."""
+    """Place the other vehicles side by side in the sonar's fan, at the centre of the line."""
     sim.rov.place(places[len(places) // 2])
     ping = sim.rov.sonar.ping()
     head, others = ping.world_from_sonar, list(sim.vehicles.values())[1:]

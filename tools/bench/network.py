@@ -1,11 +1,11 @@
-"""The load that the rosbridge carries and its cost: many subscribers, some that do not read, and maximum throughput.
+"""The load that the rosbridge supports and its cost: many subscribers, some that do not read, and maximum throughput.
 
 The simulator runs in real time on the lake; its channels here are one true ping of 1,025 beams at 50 Hz and one true
-picture (JPEG) at 10 Hz, taken at the start, so that the network is measured and not the sonar. Subscribers run in
-another process; latency is from the reading on the simulator's thread to the decoded message. The simulator's lateness
-(the worst delay of a step) is measured for a minute, with and without 50 clients that have stopped reading until their
-queues were full. For the throughput, scans go from the server, and from one client to another, whose limits are raised
-for it; a bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
+picture (JPEG) at 10 Hz, captured at the start, so that the network is measured and not the sonar. Subscribers run in
+another process; latency is measured from the reading on the simulator's thread to the decoded message. The simulator's
+lateness (the worst delay of a step) is measured for a minute, with and without 50 clients that have stopped reading
+until their queues are full. For the throughput, scans go from the server to a client, and from one client to another,
+with raised limits; a bare WebSocket server that sends the same bytes without any protocol is measured in the same run.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ SCAN, PICTURE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/CompressedImage"
 GOALS = {"scans_per_s": 5000.0}
 SWITCH_S = 0.0005  # as uwsim serve sets it
 ASLEEP_S = 45.0
-FILLED_S = 120.0  # within which the queues of clients that do not read must be full
+FILLED_S = 120.0  # time limit for filling the queues of clients that do not read
 UNLIMITED = Limits(messages_per_s=1e9, bytes_per_s=1e12, work_share=1.0)
 JSON = orjson.OPT_SERIALIZE_NUMPY
 
@@ -142,7 +142,7 @@ def full(server: RosbridgeServer) -> int:
 
 
 def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
-    """Let one client publish scans to another as fast as the server relays them."""
+    """Have one client publish scans to another as fast as the server relays them."""
     with RosbridgeServer(None, limits=UNLIMITED) as server:
         source = child(server.url, compression, 1, seconds + 10.0, "publish")
         try:
@@ -159,7 +159,7 @@ def relay(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
 
 
 def flat_out(scan: Any, compression: str, seconds: float) -> dict[str, Any]:
-    """Publish scans as fast as one subscriber takes them; each is encoded separately."""
+    """Publish scans as fast as one subscriber reads them; each is encoded separately."""
     with RosbridgeServer(None) as server:
         process = child(server.url, compression, 1, seconds, "count")
         wait_for(lambda: server.graph.topics.get("scan") is not None and server.graph.topics["scan"].sinks)
@@ -183,7 +183,7 @@ async def publish_on(server: RosbridgeServer, scan: Any) -> None:
 
 
 async def bare(scan: Any, seconds: float) -> dict[str, Any]:
-    """Send the same scan, encoded once, by `websockets` alone."""
+    """Send the same scan, encoded once, using only `websockets`."""
     frame = cbor2.dumps({"op": "publish", "topic": "/scan", "msg": to_plain(scan, 1, "cbor")})
 
     async def send(connection: Any) -> None:
@@ -211,7 +211,7 @@ def result(process: subprocess.Popen[str]) -> dict[str, Any]:
 
 
 def wait_for(condition: Callable[[], object], patience_s: float = 60.0) -> None:
-    """Wait until a condition holds, for a minute at most."""
+    """Wait until a condition is true, for at most a minute by default."""
     deadline_s = time.monotonic() + patience_s
     while not condition():
         if time.monotonic() > deadline_s:
@@ -236,7 +236,7 @@ async def publish(url: str, compression: str, seconds: float) -> dict[str, Any]:
 
 
 def slow_socket(url: str) -> socket.socket:
-    """Return a connection whose own buffer is small: data that is not read waits at the sender."""
+    """Return a connection with a small receive buffer, so that unread data wait at the sender."""
     place = urlsplit(url)
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -245,7 +245,7 @@ def slow_socket(url: str) -> socket.socket:
 
 
 async def subscribe(url: str, compression: str, count: int, seconds: float, mode: str) -> dict[str, Any]:
-    """Subscribe with `count` clients, which "read" and decode, "count" alone, or "sleep" and never read."""
+    """Subscribe with `count` clients, which "read" and decode, only "count", or "sleep" and never read."""
     latencies_ms: list[float] = []
     messages = 0
 

@@ -1,9 +1,9 @@
-"""The cost of a recording on the wall clock: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
+"""The wall-clock cost of a recording: scans at 50 Hz and pictures (JPEG) at 10 Hz, with and without it.
 
 The simulator runs in real time on the lake with one true ping of 513 beams and one true picture, so that the recording
 is measured and not the sonar. Cases alternate; each line is the median of the rounds. CPU is the whole process's;
 lateness is the worst delay of a step, which a recording must not change. Two more cases: the time of the simulator's
-thread per message, and all channels but pictures as fast as possible, where the steps wait for the file.
+thread per message, and all channels except pictures as fast as possible, where the steps wait for the file.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="Measurements of each case.")] = 3,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure both cases in turn and print them."""
+    """Measure both cases alternately and print them."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake")
     load = true_channels(sim)
@@ -78,7 +78,7 @@ def true_channels(sim: Simulator) -> list[Channel]:
 
 
 def sharing(sim: Simulator, load: list[Channel]) -> Table:
-    """Return a channel table with these channels alone."""
+    """Return a channel table with only these channels."""
     table = Table(sim)
     table.channels = load
     return table
@@ -115,7 +115,7 @@ def median(cases: list[dict[str, float]]) -> dict[str, float]:
 
 
 def message_cost_us(sim: Simulator, load: list[Channel], folder: Path) -> dict[str, float]:
-    """Return the time that the simulator's thread takes to hand over one message."""
+    """Return the time that the simulator's thread needs to hand over one message."""
     costs = {}
     with Recorder(sim, folder / "cost.mcap", shared=sharing(sim, load), topics=["scan", "picture"]) as recorder:
         for channel in load:

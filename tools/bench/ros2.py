@@ -1,8 +1,8 @@
-"""The ROS 2 node: the cost of a message, and what arrives at a node of ROS 2's default middleware.
+"""The ROS 2 node: the cost of a message, and what arrives at a node that uses ROS 2's default middleware.
 
-The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a separate process on this machine; `tools/setup
---dev` builds it. Costs are CPU time of all our threads, Cyclone DDS's included; latencies are from the reading on the
-simulator's thread to the decoded message. Each value is printed with its goal.
+The reader is tests/fast_dds/fast_dds_peer.cpp (Fast DDS, Fast CDR), a separate process on this machine, built by
+`tools/setup --dev`. Costs are CPU time of all our threads, including Cyclone DDS's; latencies are measured from the
+reading on the simulator's thread to the decoded message. Each value is printed with its goal.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SCAN, CLOUD, IMAGE = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2",
 IMU, TWIST, TF = "sensor_msgs/msg/Imu", "geometry_msgs/msg/Twist", "tf2_msgs/msg/TFMessage"
 ODOMETRY = "nav_msgs/msg/Odometry"
 GOALS_US = {SCAN: 30.0, CLOUD: 250.0, IMAGE: 350.0}
-# Each topic's type and rate, 690 messages per second in all, the most that readings at a step of 5 ms allow.
+# Type and rate of each topic: 690 messages per second in total, the most that readings at a step of 5 ms allow.
 MIXED = {
     "scan": (SCAN, 40.0), "cloud": (CLOUD, 20.0), "image": (IMAGE, 10.0), "imu": (IMU, 200.0), "tf": (TF, 200.0),
     "odom": (ODOMETRY, 200.0), "twist": (TWIST, 20.0),
@@ -45,7 +45,7 @@ console = Console()
 
 
 def messages() -> dict[str, Any]:
-    """Return one message of each kind: a scan of 1,025 beams, a cloud of 30,000 points, a picture of 1 MB, others."""
+    """Return one message of each kind: a scan of 1,025 beams, a cloud of 30,000 points, a 1 MB picture and others."""
     rng = np.random.default_rng(1)
     header = build.header(0, "base_scan")
     fields = [build.message("sensor_msgs/msg/PointField", name=n, offset=4 * k, datatype=7, count=1)
@@ -110,7 +110,7 @@ def main(
 
 
 def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the CPU time of a message, encoded and written to one reader that takes all."""
+    """Return the CPU time of a message, encoded and written to one reader that receives all."""
     from fast_dds import fast_dds_peer, sub
     from ros2_tools import Peer, until
     from uwsim.bridges.ros2.graph import dds_name
@@ -126,7 +126,7 @@ def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float
         with fast_dds_peer(settings.domain_id, *sub("bench", kind)) as other:
             until(writer.readers)
             costs, calls = [], []
-            for _ in range(20):  # as fast as possible, but only a few messages at a time, so that the reader can follow
+            for _ in range(20):  # as fast as possible, but only a few messages at a time so that the reader keeps up
                 cpu = time.process_time()
                 for _ in range(10):
                     began = time.thread_time()
@@ -143,7 +143,7 @@ def encode_and_write(live: LiveSimulator, settings: Ros2Settings, seconds: float
 
 
 def mixed(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the share of a core that 690 mixed messages per second take in addition to the simulator."""
+    """Return the fraction of a core that 690 mixed messages per second use in addition to the simulator."""
     from fast_dds import fast_dds_peer, sub
 
     found = messages()
@@ -192,7 +192,7 @@ def cpu_share(seconds: float) -> float:
 
 
 def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the delivered shares of scans at 40 Hz and clouds at 20 Hz, and the latched messages of a late reader."""
+    """Return the delivered fractions of scans at 40 Hz and clouds at 20 Hz, and a late reader's latched messages."""
     from fast_dds import fast_dds_peer, sub
 
     found = messages()
@@ -224,7 +224,7 @@ def delivered(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> li
 
 
 def commanded(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the share of commands at 100 Hz that arrive."""
+    """Return the fraction of commands at 100 Hz that arrive."""
     from fast_dds import fast_dds_peer
     from ros2_tools import until
 
@@ -238,7 +238,7 @@ def commanded(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> li
 
 
 def stalled(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return the longest write while a reader of pictures of 1 MB is stopped."""
+    """Return the longest write while a reader of 1 MB pictures is stopped."""
     from fast_dds import fast_dds_peer, sub
     from uwsim.bridges.ros2.dds import RawWriter
 
@@ -274,7 +274,7 @@ def stalled(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list
 
 
 def closing(live: LiveSimulator, settings: Ros2Settings, seconds: float) -> list[Row]:
-    """Return how long closing takes while messages flow, and how many threads are left."""
+    """Return how long closing takes while messages flow, and how many threads remain."""
     from fast_dds import fast_dds_peer, sub
 
     before = threading.active_count()

@@ -1,11 +1,11 @@
-"""Pings per second on the lake, against the rays alone (the limit), Bullet, pybullet and trimesh with embreex.
+"""Pings per second on the lake, compared with the rays alone (the limit), Bullet, pybullet and trimesh with embreex.
 
-All cases take turns within one run, so that other load affects all of them equally; medians over the rounds, and
-medians of ratios round by round. One thread and its processor time; wall time for the threads of ping_batch.
+All cases alternate within one run, so that other load affects all of them equally; results are medians over the rounds,
+and medians of per-round ratios. Measured by one thread's processor time; ping_batch with threads by wall time.
 
-All cases ping from the same places: along the survey's lines, each close to the last, as a sonar does. From scattered
-places each ping waits for another part of the ray tree to be loaded from memory; this is reported separately. The limit
-is the best rate of Embree's packets here, with triangles or, as for our terrain, quads.
+All cases ping from the same poses: along the survey's lines, each close to the last, as in a real survey. From
+scattered poses, each ping waits for another part of the ray tree to be loaded from memory; this is reported separately.
+The limit is the best rate of Embree's packets here, with triangles or, as for our terrain, quads.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ GOALS = {
     "ping/bullet": 10.0,
     "ping/pybullet": 10.0,
     "ping/trimesh": 2.0,
-    "ping/physics": 12.0,  # at most
+    "ping/physics": 12.0,  # maximum
 }
 
 
 @dataclass(frozen=True)
 class Heads:
-    """The poses of the pings: of the vehicle, and of the head (n, 4, 4), with the fan's angles (beams,)."""
+    """The poses of the pings: those of the vehicle, those of the head (n, 4, 4), and the fan's angles (beams,)."""
 
     positions_world_m: NDArray[np.float64]
     orientations_xyzw: NDArray[np.float64]
@@ -66,13 +66,13 @@ class Heads:
 
     @property
     def rays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Origins and directions (n, beams, 3), world."""
+        """Return origins and directions (n, beams, 3) in the world frame."""
         table = np.column_stack([np.cos(self.angles_rad), np.sin(self.angles_rad)])
         directions = np.einsum("nij,bj->nbi", self.world_from_sonar[:, :3, :2], table)
         return np.broadcast_to(self.world_from_sonar[:, None, :3, 3], directions.shape), directions
 
     def first_again(self) -> Heads:
-        """Return as many pings, all from the first place, where the terrain stays in the processor's caches."""
+        """Return as many pings, all from the first pose, where the terrain stays in the processor's caches."""
         poses = ("positions_world_m", "orientations_xyzw", "world_from_body", "world_from_sonar")
         return replace(
             self, **{name: np.repeat(getattr(self, name)[:1], len(self.positions_world_m), 0) for name in poses}
@@ -86,7 +86,7 @@ def main(
     plot: Annotated[Path, typer.Option(help="The file for the plot of that cost.")] = Path("sonar_triangles.png"),
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turns and print medians."""
+    """Measure all cases alternately and print medians."""
     sim = lake()
     heads, scattered = heads_at(sim, along_lines(pings)), heads_at(sim, scattered_over_area(pings))
     vertices, triangles, _ = sim.world.surface_mesh()
@@ -109,7 +109,7 @@ def main(
 
 
 def measure(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, list[float]]:
-    """Return the pings per second of each case, round by round."""
+    """Return the pings per second of each case in each round."""
     rates: dict[str, list[float]] = {name: [] for name in cases}
     for turn in range(-1, rounds):
         with console.status(f"round {turn + 1} of {rounds}"):
@@ -148,7 +148,7 @@ def lake(triangles: int | None = None) -> Simulator:
 
 
 def along_lines(count: int) -> tuple[NDArray[np.float64], Rotation]:
-    """Return places (count, 2) along parallel lines over the survey's area, with small random rotations."""
+    """Return positions (count, 2) along parallel lines over the survey's area, with small random rotations."""
     (west, east), (south, north) = AREA_M
     line, along = np.divmod(np.arange(count) * PINGS_APART_M, east - west)
     back = line % 2 == 1
@@ -159,14 +159,14 @@ def along_lines(count: int) -> tuple[NDArray[np.float64], Rotation]:
 
 
 def scattered_over_area(count: int) -> tuple[NDArray[np.float64], Rotation]:
-    """Return random places (count, 2) in the survey's area, with any heading and some pitch and roll."""
+    """Return random positions (count, 2) in the survey's area, with any heading and some pitch and roll."""
     random = np.random.default_rng(1)
     xy = np.column_stack([random.uniform(low, high, count) for low, high in AREA_M])
     return xy, Rotation.from_euler("ZYX", random.normal(0, [180, 5, 5], (count, 3)), degrees=True)
 
 
 def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> Heads:
-    """Return the places at the survey's altitude above the bed."""
+    """Return the poses at the survey's altitude above the bed."""
     xy, turns = places
     z = np.minimum(sim.world.height_at(xy) + ALTITUDE_M, -1.0)
     positions = np.column_stack([xy, z])
@@ -185,17 +185,17 @@ def heads_at(sim: Simulator, places: tuple[NDArray[np.float64], Rotation]) -> He
 
 
 class Pings:
-    """One ping at a time from Python, each from a new place; a call returns the pings per second of one thread."""
+    """Single pings from Python, each from a new pose; a call returns the pings per second of one thread."""
 
     def __init__(self, sim: Simulator, heads: Heads) -> None:
         self._rov = sim.rov
         positions = heads.positions_world_m.copy()
-        # Coarser terrain may be a little higher.
+        # Coarser terrain may be slightly higher.
         positions[:, 2] = np.maximum(positions[:, 2], sim.world.height_at(positions[:, :2]) + 1.0)
         self._places = list(zip(positions, heads.orientations_xyzw, strict=True))
 
     def __call__(self) -> float:
-        """Return pings per second, without the time to place the vehicle."""
+        """Return pings per second, excluding the time to place the vehicle."""
         elapsed_s, rov, sonar = 0.0, self._rov, self._rov.sonar
         for position, orientation in self._places:
             rov.place(position, orientation)
@@ -246,7 +246,7 @@ def peer_cases(
 def limit_cases(
     heads: Heads, vertices_m: NDArray[np.float64], triangles: NDArray[np.uint32], case: Path, suffix: str = ""
 ) -> dict[str, Callable[[], float]]:
-    """Return Embree's packets alone, in each variant that may be the fastest."""
+    """Return cases of Embree's bare packets, in each variant that may be the fastest."""
     write_case(heads, vertices_m, triangles, case)
     cases: dict[str, Callable[[], float]] = {}
     for name, options in LIMITS.items():
@@ -374,7 +374,7 @@ def _table(figures: dict[str, float]) -> Table:
 
 
 def _growth(figures: dict[str, float], path: Path) -> dict[str, float]:
-    """Draw the cost against the number of triangles, with the best straight line in log n."""
+    """Plot the cost against the number of triangles, with the best straight line in log n."""
     sizes, slopes, figure = np.array(SIZES), {}, new_figure(7.0, 4.5)
     panel = figure.subplots()
     for suffix, label in GROWTH.items():

@@ -1,10 +1,10 @@
 """The operator's station without a browser: the server's cost, the data that it sends, and the latency of a key.
 
-The lake in real time, flown by this benchmark's own pilot in another process. Cases: no page; a page that shows map and
-panel; the same with one view of 640 x 360 at 10 Hz; three pages of which one never reads. The server's CPU is that of
-this process, simulator and map included. Both processes use one clock. The latency of a key is the time until the
-server confirms that it took effect; that of a picture is the time until its message is decoded, both from when the
-picture is ready and from the moment that it shows.
+The lake runs in real time and is flown by this benchmark's own pilot in another process. Cases: no page; a page that
+shows map and panel; the same with one view of 640 x 360 at 10 Hz; three pages, one of which never reads. The server's
+CPU is that of this process, including simulator and map. Both processes use one clock. The latency of a key is the time
+until the server confirms that it took effect. The latency of a picture is the time until its message is decoded,
+measured both from when the picture is ready and from its simulated capture time.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def main(
         "with a view": ["pilot view"],
         "three, one stalled": ["pilot view", "view", "stalled view"],
     }.items():
-        console.print(f"[dim]{name}[/dim]")  # a spinner's thread would be measured, too
+        console.print(f"[dim]{name}[/dim]")  # a spinner's thread would also be measured
         cases[name] = measure(scenario, pages, seconds)
     console.print(case_table(cases))
     figures = against_goals(cases)
@@ -92,7 +92,7 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
         crowd = [child(server.url, kind, seconds) for kind in pages]
         wait_for(lambda: len(server.sessions) == len(pages))
         time.sleep(1.0)
-        began_s = time.monotonic() - live.simulator.time_s  # when simulated time was 0, if the pace holds
+        began_s = time.monotonic() - live.simulator.time_s  # wall time at simulated time 0, if on pace
         slipped_s = live.slipped_s
         live.forget_delays()
         ready_s.clear()
@@ -117,7 +117,7 @@ def measure(scenario: str, pages: list[str], seconds: float) -> dict[str, Any]:
 
 
 def watch_pictures(station: Station) -> dict[int, float]:
-    """Return the times [s] at which pictures were ready, by stamp [ns], filled in as they come."""
+    """Return the times [s] at which pictures were ready, by stamp [ns]; filled as they arrive."""
     assert station.running is not None
     views, ready_s = station.running.views, {}
     publish = views._node.publish
@@ -155,7 +155,7 @@ def result(process: subprocess.Popen[str]) -> dict[str, Any]:
 
 
 def wait_for(condition: Callable[[], object]) -> None:
-    """Wait until a condition holds, for a minute at most."""
+    """Wait until a condition is true, for at most a minute."""
     deadline_s = time.monotonic() + 60.0
     while not condition():
         if time.monotonic() > deadline_s:
@@ -164,7 +164,7 @@ def wait_for(condition: Callable[[], object]) -> None:
 
 
 async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
-    """Act as a page: subscribe, draw at once, and drive if it is the pilot."""
+    """Act as a page: subscribe, draw immediately, and drive if it is the pilot."""
     sizes: dict[str, list[int]] = defaultdict(list)
     keys_ms: list[float] = []
     came: list[tuple[int, float]] = []
@@ -220,7 +220,7 @@ async def be_page(url: str, kind: str, seconds: float) -> dict[str, Any]:
 
 
 def percentiles(values: list[float]) -> dict[str, float]:
-    """Return the median and the 95th percentile; nan without values."""
+    """Return the median and the 95th percentile; nan if there are no values."""
     return {f"p{p}": float(np.percentile(values, p)) if values else float("nan") for p in (50, 95)}
 
 

@@ -1,9 +1,9 @@
 """The operator's station in a browser: how soon it loads, how smoothly it draws, and how its memory grows.
 
-Debian's headless Chromium draws WebGL in software, as a laptop without a GPU does, on the cores that the simulator runs
-on. A picture's latency is measured from when the server has it until it is on the canvas, and from the moment that it
-shows, which adds rendering and compressing. Needs the development installation (tools/setup --dev). `uwsim bench
-station` measures the server without a browser.
+Debian's headless Chromium draws WebGL in software, like a laptop without a GPU, on the same cores as the simulator. A
+picture's latency is the time until it is on the canvas, measured both from when the server has it and from its
+simulated capture time, which includes rendering and compression. Needs the development installation (tools/setup
+--dev). `uwsim bench station` measures the server without a browser.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ console = Console()
 SWITCH_S = 0.0005  # as `uwsim station` sets it
 CHROMIUM = "/usr/bin/chromium-headless-shell"
 SIZE = {"width": 1440, "height": 900}
-EDGE = 16  # voxels of a block along an axis
+EDGE = 16  # voxels per block along an axis
 OCCUPIED = 0x8000
 GOALS = {
     "first paint [s]": ("<=", 0.3),
@@ -67,7 +67,7 @@ def main(
 
 
 def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: float) -> dict[str, float]:
-    """Start a lake from the start screen, fly it, and turn the map; return all values."""
+    """Start a lake from the start screen, fly it, and rotate the map; return all values."""
     station = Station(offered="lake")
     with (
         RosbridgeServer(None, guests=[station], site=Site(station)) as server,
@@ -100,11 +100,11 @@ def measure(surveyed: Path, seconds: float, heap_minutes: float, reading_s: floa
 
 
 def flying(page: Page, station: Station, seconds: float) -> dict[str, float]:
-    """Watch the front camera while a key is held."""
+    """Watch the front camera while a key is held down."""
     live, ready_s = station.present().live, watch_pictures(station)
     time.sleep(2.0)
-    # The time when simulated time was 0, by the clock that the page stamps with: the earliest of many, as readings are
-    # delayed.
+    # The time when simulated time was 0, by the clock that the page uses for time stamps: the earliest of many
+    # readings, because readings are delayed.
     began_s = min(live.read(lambda sim: time.time() - sim.time_s).result() for _ in range(50))
     drawn, taken = page.evaluate("station.views.picture('front').drawn"), page.evaluate("station.station.bridge.bytes")
     begun = time.perf_counter()
@@ -128,7 +128,7 @@ def flying(page: Page, station: Station, seconds: float) -> dict[str, float]:
 
 
 def watch_pictures(station: Station) -> dict[int, float]:
-    """Return the times [s] at which pictures of the front camera were ready, by the moment that they show [ms]."""
+    """Return the times [s] at which pictures of the front camera were ready, by capture time [ms]."""
     views, ready_s = station.present().views, {}
     node = views._node
 
@@ -144,7 +144,7 @@ def watch_pictures(station: Station) -> dict[int, float]:
 
 
 def orbiting(page: Page, surveyed: Path, seconds: float) -> dict[str, float]:
-    """Turn the camera about the whole map, in 3D, while pictures and telemetry come."""
+    """Rotate the 3D camera about the whole map while pictures and telemetry arrive."""
     changes = map_changes(surveyed)
     page.evaluate(
         """({resolution, blocks, counts, cells}) => {
@@ -182,7 +182,7 @@ def orbiting(page: Page, surveyed: Path, seconds: float) -> dict[str, float]:
 
 
 def map_changes(path: Path) -> dict[str, Any]:
-    """Return a map as one uwsim_msgs/MapChanges."""
+    """Return a map as a single uwsim_msgs/MapChanges message."""
     known = OccupancyMap.read(path)
     voxels = np.unique(np.floor(known.occupied_voxels()[:, :3] / known.resolution_m).astype(np.int64), axis=0)
     blocks, inverse, counts = np.unique(voxels // EDGE, axis=0, return_inverse=True, return_counts=True)
@@ -197,7 +197,7 @@ def map_changes(path: Path) -> dict[str, Any]:
 
 
 def heap_growth(page: Page, minutes: float) -> float:
-    """Return how fast the page's memory grows, garbage aside [MB/h]."""
+    """Return the growth rate of the page's memory, excluding garbage [MB/h]."""
     session = page.context.new_cdp_session(page)
     time.sleep(5.0)
     first, begun = heap_mb(session), time.perf_counter()
@@ -213,7 +213,7 @@ def heap_mb(session: CDPSession) -> float:
 
 
 def until(page: Page, expression: str, limit_s: float = 120.0) -> None:
-    """Wait until an expression holds in the page."""
+    """Wait until a JavaScript expression is true in the page."""
     deadline_s = time.monotonic() + limit_s
     while not page.evaluate(f"Boolean({expression})"):
         if time.monotonic() > deadline_s:
@@ -222,7 +222,7 @@ def until(page: Page, expression: str, limit_s: float = 120.0) -> None:
 
 
 def goal_table(figures: dict[str, float]) -> Table:
-    """Return values, goals, and whether they are met."""
+    """Return a table of values, goals, and whether they are met."""
     table = Table("figure", "goal", "measured", "met", title="the station in a browser, software GL")
     for name, value in figures.items():
         sign, goal = GOALS.get(name, ("", float("nan")))

@@ -1,6 +1,6 @@
-"""Measures where a survey spends its time: real-time factor and share of each stage, medians of runs in one process.
+"""Measure where a survey spends its time: real-time factor and share of each stage, medians of runs in one process.
 
-With several engines the runs alternate, so that a busy machine slows all of them alike.
+With several engines the runs alternate, so that a busy machine slows all of them equally.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A sweep of short surveys: runs per second, the overhead of a run over its flight, and the workers' memory over time.
 
-The flight and the whole run around it are measured in turns in this process, by processor time, so that other load does
-not count; wall time and memory are those of a sweep with workers.
+The flight and the whole run around it are measured alternately in this process, by processor time, so that other load
+does not count; wall time and memory are those of a sweep with workers.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ VARY = {
     "rov.drag.linear.surge": {"low": 20, "high": 60},
 }
 VOXEL_M = 0.5
-TEN = 10  # samples of the memory
+TEN = 10  # memory samples
 
 
 def main(
@@ -49,7 +49,7 @@ def main(
     ] = None,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the figures here too.")] = None,
 ) -> None:
-    """Measure a run against its flight, then a sweep."""
+    """Compare a run with its flight, then measure a sweep."""
     always: dict[str, Any] = {} if mission_time is None else {"mission_time_s": mission_time}
     figures = run_against_flight(scenario, turns, always) | whole_sweep(scenario, runs, workers, always)
     table = Table("figure", "value", title=f"{runs:,} surveys of {scenario} on {workers} workers")
@@ -81,7 +81,7 @@ def cpu_s(work: Callable[[], object]) -> float:
 
 
 def flight_cpu_s(job: Job) -> float:
-    """Return the processor time of a run's flight and score alone, in a simulator that exists already."""
+    """Return the processor time of a run's flight and score alone, in an existing simulator."""
     sim = Simulator(job.varied_scenario(), threads=1)
 
     def fly() -> None:
@@ -95,7 +95,7 @@ def flight_cpu_s(job: Job) -> float:
 
 
 def whole_sweep(scenario: str, runs: int, workers: int, always: dict[str, Any]) -> dict[str, Any]:
-    """Return a sweep's wall time, the part of it that was not flight, and the workers' memory [MB] at ten moments."""
+    """Return a sweep's wall time, the part of it not spent on flights, and the workers' memory [MB] at ten times."""
     same = {name: {"choices": [value]} for name, value in always.items()}
     sweep = {
         "scenario": scenario, "vary": VARY | same, "method": "latin_hypercube", "samples": runs, "voxel_m": VOXEL_M,

@@ -1,8 +1,8 @@
-"""Learns uwsim/StationKeeping-v0 by PPO (Stable-Baselines3, `pip install 'uwsim[rl]'`) and compares it with the PID.
+"""Train uwsim/StationKeeping-v0 by PPO (Stable-Baselines3, `pip install 'uwsim[rl]'`) and compare it with the PID.
 
     python tools/learn/ppo_station_keeping.py --steps 1000000
 
-Episodes for learning are drawn from the seed; those for the comparison have seeds from 1,000,000 on.
+Training episodes are derived from the seed; those for the comparison have seeds from 1,000,000 on.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def main(
     threads: Annotated[int, typer.Option(min=1, help="Threads of the simulation; torch uses one.")] = 1,
     out: Annotated[Path | None, typer.Option(help="The file for the model.")] = None,
 ) -> None:
-    """Learn and compare."""
+    """Train and compare."""
     torch.set_num_threads(1)
     env = BatchVecEnv("uwsim/StationKeeping-v0", members, threads=threads)
     model = PPO(

@@ -1,10 +1,10 @@
-"""Learns uwsim/StationKeeping-v0 by CMA-ES, compares the result with the PID of the vehicle's file, and draws both.
+"""Train uwsim/StationKeeping-v0 by CMA-ES, compare the result with the PID of the vehicle's file, and plot both.
 
     python tools/learn/station_keeping.py --out assets/learning/policies/station_keeping.json \
         --curve docs/guides/learning.png
 
 The search starts at proportional control with damping, one gain for all axes of a kind (`first_guess`), and is
-unconstrained from there. Episodes for learning have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.
+unconstrained from there. Training episodes have the seeds 0, 1, ...; those for the comparison begin at 1,000,000.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def main(
     compared: Annotated[int, typer.Option(min=1, help="Episodes for the comparison.")] = 64,
     threads: Annotated[int | None, typer.Option(min=1)] = None,
 ) -> None:
-    """Learn, compare and draw."""
+    """Train, compare and plot."""
     options = EpisodeOptions(threads=threads)
     course: list[Generation] = []
 
@@ -75,7 +75,7 @@ def main(
 
 
 def first_guess() -> LinearPolicy:
-    """Return proportional control towards the place, the heading and level attitude, with damping."""
+    """Return proportional control towards the target position and heading and level attitude, with damping."""
     weights = np.zeros((6, 21))
     for axis in range(3):
         weights[axis, axis], weights[axis, 9 + axis] = 3.0, -2.0  # the direction to the place; the velocity
@@ -85,13 +85,13 @@ def first_guess() -> LinearPolicy:
 
 
 def settled_m(flown: Flown) -> float:
-    """Return the rms distance from the place over the second half of the episodes."""
+    """Return the rms distance from the target over the second half of the episodes."""
     later = flown.figures["distance_m"][round(SETTLED_S / StationKeeping.period_s) :]
     return float(np.sqrt(np.nanmean(later**2)))
 
 
 def draw(course: list[Generation], pid: Flown, learned: Flown, path: Path) -> None:
-    """Draw the progress of learning, and the distance of both over time."""
+    """Plot the progress of training, and the distance of both controllers over time."""
     import matplotlib.pyplot as plt
 
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
@@ -114,7 +114,7 @@ def draw(course: list[Generation], pid: Flown, learned: Flown, path: Path) -> No
 
 
 def band(panel: object, distance_m: NDArray[np.float64], label: str, colour: str) -> None:
-    """Draw the median and the 10th to 90th percentile over the episodes."""
+    """Plot the median and the 10th to 90th percentile over the episodes."""
     time_s = StationKeeping.period_s * np.arange(1, len(distance_m) + 1)
     low, middle, high = np.nanpercentile(distance_m, [10, 50, 90], axis=1)
     panel.fill_between(time_s, low, high, alpha=0.2, color=colour)  # type: ignore[attr-defined]

@@ -1,1 +1,1 @@
-"""Reference pages that are generated from the program itself, so that they cannot be out of date."""
+"""Reference pages generated from the code, so that they cannot become outdated."""

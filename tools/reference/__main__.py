@@ -1,4 +1,4 @@
-"""Writes the reference pages that are generated from the program itself: python -m tools.reference FOLDER."""
+"""Write the reference pages that are generated from the code: python -m tools.reference FOLDER."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The reference of the environments for learning: their tasks, observations and actions."""
+"""The reference of the learning environments: their tasks, observations and actions."""
 
 from tools.reference.markdown import code, plain, table
 

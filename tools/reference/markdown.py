@@ -1,4 +1,4 @@
-"""Tables and escapes of Markdown."""
+"""Markdown tables and escapes."""
 
 from collections.abc import Iterable, Sequence
 
@@ -15,7 +15,7 @@ def code(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Return text on one line in which nothing is markup."""
+    """Return text on one line, with all markup escaped."""
     line = " ".join(text.split())
     for mark in ("\\", "*", "_", "<", "[", "]", "`", "$"):
         line = line.replace(mark, "\\" + mark)

@@ -1,4 +1,4 @@
-"""The Python reference: the public names, from their docstrings."""
+"""The Python reference: the public names, documented by their docstrings."""
 
 PUBLIC = {
     "The simulator": [
@@ -84,7 +84,7 @@ release.
 
 
 def python_page() -> str:
-    """Return the page: directives that make the site read the docstrings."""
+    """Return the page: directives that include the docstrings when the site is built."""
     text = HEAD
     for title, names in PUBLIC.items():
         text += f"\n## {title}\n\n```{{eval-rst}}\n"

@@ -1,4 +1,4 @@
-"""The scenario reference: every key of every model that a scenario's YAML file may hold."""
+"""The scenario reference: every key of every model that a scenario's YAML file may contain."""
 
 import inspect
 import types
@@ -28,7 +28,7 @@ def scenario_page() -> str:
 
 
 def reachable(root: type[Model]) -> list[type[Model]]:
-    """Return the models that a scenario may hold, each once, in the order of their first mention."""
+    """Return the models that a scenario may contain, each once, in the order of their first mention."""
     found: list[type[Model]] = []
 
     def visit(model: type[Model]) -> None:
@@ -49,7 +49,7 @@ def _models_in(annotation: Any) -> list[type[Model]]:
 
 
 def section(model: type[Model]) -> str:
-    """Return the section of a model: a table of its keys."""
+    """Return a model's section: a table of its keys."""
     words = descriptions(model)
     rows = [_row(name, info, words.get(name, "")) for name, info in model.model_fields.items()]
     summary = (inspect.getdoc(model) or "").split("\n\n")[0]

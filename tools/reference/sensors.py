@@ -1,4 +1,4 @@
-"""The sensor reference: kinds, their quantities, the channels of their noise, their own keys, and the packaged ones."""
+"""The sensor reference: the kinds, with their quantities, noise channels and own keys, and the packaged sensors."""
 
 import math
 
@@ -42,7 +42,7 @@ def _section(kind: _core.SensorKind) -> str:
 
 
 def _packaged(kind: str) -> str:
-    """Return the table of the packaged vehicles' sensors of a kind; vehicles with equal ones share a line."""
+    """Return the table of the packaged vehicles' sensors of a kind; vehicles with equal sensors share a row."""
     vehicles: dict[tuple[str, ...], list[str]] = {}
     for vehicle in packaged_names("vehicles"):
         for name, mount in read_spec(VehicleModel, vehicle, "vehicles").sensors.items():

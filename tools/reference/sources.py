@@ -38,7 +38,7 @@ def _entries(file: Path) -> list[str]:
 
 
 def _markdown(text: str) -> str:
-    """Return a comment as Markdown; indented lines are equations, which stay as they are."""
+    """Return a comment as Markdown; indented lines are equations and kept unchanged."""
     blocks: list[str] = []
     for equation, lines in _runs(text.splitlines()):
         if equation:

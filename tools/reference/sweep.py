@@ -1,4 +1,4 @@
-"""The reference of sweeps: every key that a sweep's YAML file may hold."""
+"""The sweep reference: every key that a sweep's YAML file may contain."""
 
 from tools.reference.scenario import reachable, section
 

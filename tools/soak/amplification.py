@@ -1,12 +1,12 @@
-"""The cost of a client's frames to a rosbridge: memory and the network's thread, one attack after the other.
+"""The cost of a client's frames to a rosbridge: memory and the network thread's time, for one attack at a time.
 
     .venv/bin/python tools/soak/amplification.py [NAME ...]
 
-Each attack comes from a separate process against a new server. One line per attack: what was sent; the peak growth of
-resident memory, and the growth that remained after all clients had left; the longest time for which the network's
-thread did not reach a timer of 2 ms (by the wall clock, which includes time that the machine gave to others), and the
-most CPU time that all of the process's threads, and that thread, spent between two timers; and the slowest answer to
-another client, which calls a service all the time.
+Each attack comes from a separate process against a new server. One line per attack reports: the attack's frames; the
+peak growth of resident memory, and the growth that remained after all clients had left; the longest time for which the
+network's thread missed a 2 ms timer (by the wall clock, which includes time that other processes used), and the most
+CPU time that all of the process's threads, and that thread, spent between two timers; and the slowest answer to another
+client, which calls a service continuously.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Frames = Iterator[str | bytes]
 
 
 def publishes(kind: str, field: str, element: str, size: int = SIZE - 200) -> Frames:
-    """Publish a list of as many elements as a frame holds."""
+    """Publish a list with as many elements as fit in a frame."""
     yield json.dumps({"op": "advertise", "topic": "/t", "type": kind})
     yield f'{{"op":"publish","topic":"/t","msg":{{"{field}":[{",".join([element] * (size // (len(element) + 1)))}]}}}}'
 
@@ -48,13 +48,13 @@ def typed(kind: str, field: str, array: bytes, tag: int) -> Frames:
 
 
 def image() -> Frames:
-    """Publish a picture in base64."""
+    """Publish an image in base64."""
     yield json.dumps({"op": "advertise", "topic": "/t", "type": "sensor_msgs/CompressedImage"})
     yield json.dumps({"op": "publish", "topic": "/t", "msg": {"data": "AAAA" * ((SIZE - 200) // 4)}})
 
 
 def poses() -> Frames:
-    """Publish a path of 3,000 whole poses."""
+    """Publish a path of 3,000 complete poses."""
     pose = {"position": {"x": 1.25, "y": 2.5, "z": 3.75}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
     header = {"stamp": {"secs": 1, "nsecs": 2}, "frame_id": "odom"}
     element = json.dumps({"header": header, "pose": pose})
@@ -103,7 +103,7 @@ ONCE: dict[str, Callable[[], Frames]] = {
 
 
 def flood(url: str, count: int, frame: Callable[[int], str], first: tuple[str, ...] = ()) -> None:
-    """Send these first frames, and then `count` others."""
+    """Send the frames of `first`, and then frame(0) to frame(count - 1)."""
     with (
         suppress(ConnectionClosed),
         connect(url, compression=None, max_size=None, ping_interval=None, close_timeout=0.1) as client,
@@ -123,7 +123,7 @@ def settle(client: ClientConnection) -> None:
 
 
 def slow_reader(url: str) -> None:
-    """Subscribe to 20 topics, on which 2 MB come ten times each, and do not read."""
+    """Subscribe to 20 topics, each of which carries ten messages of 2 MB, and do not read."""
     with connect(url, compression=None, max_size=None, max_queue=1, ping_interval=None, close_timeout=0.1) as reader:
         for k in range(20):
             reader.send(json.dumps({"op": "subscribe", "topic": f"/t{k}", "type": "std_msgs/String"}))
@@ -154,13 +154,13 @@ def unanswered(url: str) -> None:
 
 
 def long_ids(url: str) -> None:
-    """Subscribe to a topic with ids of 2 MB."""
+    """Subscribe to a topic using 2 MB ids."""
     pad = "x" * (SIZE - 200)
     flood(url, 100, lambda k: f'{{"op":"subscribe","topic":"/t","type":"std_msgs/String","id":"{k}{pad}"}}')
 
 
 def rosapi_texts(url: str) -> None:
-    """Advertise 900 topics of a type with a long definition, and request all definitions five times."""
+    """Advertise 900 topics whose type has a long definition, and request all definitions five times."""
     kind = "visualization_msgs/MarkerArray"
     first = tuple(json.dumps({"op": "advertise", "topic": f"/t{k}", "type": kind}) for k in range(900))
     flood(url, 5, lambda k: '{"op":"call_service","service":"/rosapi/topics_and_raw_types"}', first)
@@ -207,7 +207,7 @@ def once(url: str, name: str) -> None:
 
 
 def memory_mb(field: str) -> float:
-    """Return a size of this process's memory in RAM: VmRSS now, VmHWM at most."""
+    """Return this process's resident memory in MB: VmRSS for the current size, VmHWM for the peak."""
     text = Path("/proc/self/status").read_text()
     return next(int(line.split()[1]) for line in text.splitlines() if line.startswith(field)) / 1e3
 
@@ -248,7 +248,7 @@ class Watch:
 
 
 def witness(url: str) -> float:
-    """Call for the time repeatedly until the standard input ends; return the longest wait for an answer."""
+    """Call for the time repeatedly until standard input closes; return the longest wait for an answer."""
     worst_s, ends = 0.0, Event()
     Thread(target=lambda: (sys.stdin.readline(), ends.set()), daemon=True).start()
     with connect(url, compression=None, ping_interval=None) as client:
@@ -265,7 +265,7 @@ def witness(url: str) -> float:
 
 
 def main(names: list[str]) -> None:
-    """Run the attacks of these names, all by default."""
+    """Run the attacks with these names; by default, all."""
     for name in names or [*ONCE, *LONG]:
         subprocess.run([sys.executable, __file__, "--serve", name], check=True)
 
@@ -277,7 +277,7 @@ def serve(name: str) -> None:
             settle(client)
         keep_threads_moving()
         first_mb = memory_mb("VmRSS")
-        Path("/proc/self/clear_refs").write_text("5")  # resets the peak so far
+        Path("/proc/self/clear_refs").write_text("5")  # resets the recorded peak
         with Watch(server) as watch:
             time.sleep(1.0)
             watch.held_s = watch.spent_s = watch.worked_s = 0.0

@@ -24,7 +24,7 @@ PICTURE_MS, CLOUD_MS = 2000, 500  # minimum interval between two messages
 
 
 async def connected(url: str) -> ClientConnection:
-    """Return a connection that takes large messages."""
+    """Return a connection that accepts large messages."""
     return await connect(url, compression=None, max_size=None, open_timeout=60, close_timeout=1)
 
 
@@ -50,10 +50,10 @@ async def read(url: str, topics: tuple[str, ...], every_ms: int = 0) -> int:
 
 
 async def steer(url: str) -> None:
-    """Undock the vehicle, and turn it on the spot, to and fro, for two seconds of every twenty.
+    """Undock the vehicle, and turn it on the spot, to and fro, for two seconds out of every twenty.
 
-    The turns are short because the loop that holds a velocity sends 20 commands per second, which stay in the
-    simulator's log.
+    The turns are short because the velocity control loop sends 20 commands per second, which stay in the simulator's
+    log.
     """
     connection = await connected(url)
     await say(connection, op="subscribe", topic="/odom", throttle_rate=1000)
@@ -68,7 +68,7 @@ async def steer(url: str) -> None:
 
 
 async def listen(connection: ClientConnection, seconds: float) -> None:
-    """Read messages for some time."""
+    """Read messages for a given time."""
     with suppress(TimeoutError):
         async with asyncio.timeout(seconds):
             while True:
@@ -76,7 +76,7 @@ async def listen(connection: ClientConnection, seconds: float) -> None:
 
 
 async def come_and_vanish(url: str, rng: random.Random) -> None:
-    """Subscribe to anything, and leave without closing."""
+    """Subscribe to random topics, and leave without closing the connection."""
     while True:
         connection = await connected(url)
         await subscribe(connection, (rng.choice(PICTURES), rng.choice(CLOUDS), rng.choice(TELEMETRY)), 200)
@@ -93,7 +93,7 @@ async def talk_nonsense(url: str, rng: random.Random) -> None:
 
 
 async def stop_reading(url: str) -> None:
-    """Subscribe to everything large, and read nothing for a minute; then connect again."""
+    """Subscribe to all large topics and read nothing for a minute; then reconnect."""
     while True:
         connection = await connect(url, compression=None, max_queue=1, open_timeout=60, ping_interval=None)
         await subscribe(connection, CLOUDS + PICTURES[:1], 1000)
@@ -102,7 +102,7 @@ async def stop_reading(url: str) -> None:
 
 
 async def serve_again(client: Any, *arguments: Any) -> None:
-    """Run a client, and another one whenever the server has ended the connection."""
+    """Run a client, and restart it whenever the server has closed its connection."""
     while True:
         with suppress(OSError, TimeoutError, WebSocketException):
             await client(*arguments)

@@ -1,18 +1,18 @@
-"""Eight simulated days of surveys, pings, pictures and missions in one process, while it serves a few clients.
+"""Eight simulated days of surveys, pings, images and missions in one process, while it serves a few clients.
 
     .venv/bin/python tools/soak/days.py [--days 8] [--minutes 60] [--json FILE]
 
-A lap is 1.5 simulated hours: 33 minutes are the survey of the lake, 6 minutes five surveys of the pool, 20 s `uwsim
-fingerprint` (pictures, samples and pings of both modes), 1 minute a mission that maps, 10 minutes a ping each second,
-and the rest idle flight, the last two on one simulator that is restored to its initial state. It takes some 22 s of
+A lap is 1.5 simulated hours: 33 minutes of a lake survey, 6 minutes of five pool surveys, 20 s of `uwsim fingerprint`
+(images, samples and pings of both modes), 1 minute of a mission that maps, 10 minutes with a ping each second, and idle
+flight for the rest; the last two use one simulator that is restored to its initial state. It takes about 22 s of
 processor time. Each lap must produce the bytes of the first. At the same time a rosbridge server with its own simulator
-runs on the wall clock for the clients of clients.py, which are in another process.
+runs on the wall clock for the clients of clients.py, which run in another process.
 
-One line is printed after each lap: simulated days, memory in RAM (after a garbage collection, before and after the C
+One line is printed after each lap: simulated days, resident memory (after a garbage collection, before and after the C
 library has returned its freed blocks), memory allocated by malloc, the peak, and processor seconds per simulated hour,
-without those of the server. The exit code is 1 if memory grew by more than 2 % (straight line), processor time drifted
-by more than 5 % (medians of the first and last third), bytes differ, or the number of threads or open files rose. The
-first fifth of the laps, in which these settle, does not count.
+excluding those of the server. The exit code is 1 if memory grew by more than 2 % (straight line), processor time
+drifted by more than 5 % (medians of the first and last third), bytes differ, or the number of threads or open files
+rose. The first fifth of the laps, in which these settle, does not count.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ from uwsim.live import LiveSimulator
 DAY_S, HOUR_S = 86_400.0, 3600.0
 POOL_SURVEYS, PINGS = 5, 600
 MEMORY, PACE, SETTLING = 0.02, 0.05, 0.2
-LAPS_MIN = 10  # fewer laps prove nothing
+LAPS_MIN = 10  # fewer laps are not conclusive
 Digest = Callable[[bytes], None]
 
 
 class Laps:
-    """Flies laps; all results go into digests, one for each part."""
+    """Fly laps; all results go into digests, one for each part."""
 
     def __init__(self, folder: Path, lap_s: float) -> None:
         self._folder, self._lap_s = folder, lap_s
@@ -148,13 +148,13 @@ def told(sample: dict[str, Any], first: dict[str, Any], days: float) -> str:
 
 
 def fly_days(days: float, minutes: float, lap_s: float, live: LiveSimulator) -> list[dict[str, Any]]:
-    """Fly laps until the days or the minutes are over; print a line for each."""
+    """Fly laps until the days or the minutes have elapsed; print a line for each."""
     ends_s = time.monotonic() + 60.0 * minutes
     samples: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as name:
         laps = Laps(Path(name), lap_s)
         while len(samples) < days * DAY_S / lap_s and time.monotonic() < ends_s:
-            live.reset()  # the clients' vehicle and its map start again
+            live.reset()  # the clients' vehicle and map restart
             samples.append(sample(laps, lap_s) | {"served": live.factor, "commands": len(live.log)})
             print(told(samples[-1], samples[0], len(samples) * lap_s / DAY_S), flush=True)
     return samples

@@ -1,11 +1,11 @@
-"""Kills surveys, missions, sweeps and fleets at random moments, resumes them, and compares what they made.
+"""Kill surveys, missions, sweeps and fleets at random times, resume them, and compare their results.
 
     .venv/bin/python tools/soak/kill.py --kills 200
 
-A kill is a kill -9 of the command and of all its workers. Half the moments are uniform over the job; a quarter are
-within milliseconds of a file being written (autosaves, renames, results), a quarter within the results at the end.
-After each kill an existing map must open; the job is resumed, and killed again. Its final results must have the bytes
-of an undisturbed job. Exits with 1 if one of these rules is broken.
+A kill is a kill -9 of the command and of all its workers. Half of the kill times are uniform over the job; a quarter
+are within milliseconds of a file being written (autosaves, renames, results), and a quarter while the final results are
+written. After each kill an existing map must open; the job is resumed, and killed again. Its final results must have
+the bytes of an undisturbed job. Exits with 1 if one of these rules is broken.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ FLEET = ("fleet", "pool", "--tile", "5", "--voxel", "0.3", "--workers", "2")
 
 @dataclass(frozen=True)
 class Work:
-    """A job to kill. options: of the command, except --out and --resume. digest: that of the results in a folder."""
+    """A job to kill. options: the command's, except --out and --resume. digest: hashes the results in a folder."""
 
     name: str
     options: tuple[str, ...]
@@ -65,7 +65,7 @@ def digest_of_flight(out: Path) -> str:
 
 
 def digest_of_table(out: Path) -> str:
-    """Return the hash of all rows, except their wall times."""
+    """Return the hash of all rows, ignoring their wall times."""
     table = pd.read_parquet(out / "runs.parquet")
     return hashlib.sha256(table.drop(columns=["run_wall_s", "flight_wall_s"]).to_csv().encode()).hexdigest()
 
@@ -94,12 +94,12 @@ def start(work: Work, out: Path, *, resume: bool) -> subprocess.Popen[str]:
 
 
 def is_writing(out: Path) -> bool:
-    """Return whether a temporary file exists, which is renamed when it is complete."""
+    """Return True if a temporary file exists, which is renamed when complete."""
     return any(name.startswith(".") for _, _, files in os.walk(out) for name in files)
 
 
 def wait_for_the_moment(process: subprocess.Popen[str], out: Path, whole_s: float, draw: random.Random) -> str:
-    """Wait for the moment of the kill or the end of the process; return the kind of the moment."""
+    """Wait for the time of the kill or the end of the process; return which kind of time it was."""
     kind = draw.choice(["any", "any", "write", "end"])
     began_s = time.monotonic()
     after_s = draw.uniform(0.0, whole_s) if kind != "end" else draw.uniform(0.7, 1.0) * whole_s
@@ -139,7 +139,7 @@ def done_whole(work: Work, folder: Path) -> Whole:
 
 
 def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int) -> tuple[list[str], str]:
-    """Kill the job up to `kills` times, then let it end; return the kinds of moments, and "" or the fault found."""
+    """Kill the job up to `kills` times, then let it finish; return the kinds of kill times, and "" or a fault."""
     kinds: list[str] = []
     resume = False
     while True:
@@ -151,7 +151,7 @@ def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int)
                 kinds.append(kind)
                 resume = True
                 if (out / "map.bt").exists():
-                    OccupancyMap.read(out / "map.bt")  # raises if it is damaged
+                    OccupancyMap.read(out / "map.bt")  # raises an error if the file is damaged
                 continue
         _, errors = process.communicate()
         if resume and any(words in errors for words in NOTHING_SAVED):
@@ -166,7 +166,7 @@ def attack(work: Work, out: Path, whole: Whole, draw: random.Random, kills: int)
 
 
 def judged(work: Work, out: Path, whole: Whole) -> str:
-    """Return "", or what is wrong with the results."""
+    """Return "", or a description of what is wrong with the results."""
     return "" if work.digest(out) == whole.digest else "other bytes than when nobody kills it"
 
 
@@ -189,7 +189,7 @@ def main(
         for work in itertools.cycle(todo):
             out = folder / "killed"
             shutil.rmtree(out, ignore_errors=True)
-            # measured each time: if the machine has become faster, kills would come too late
+            # measured each time: on a machine that has become faster, kills would come too late
             whole = done_whole(work, folder)
             kinds, wrong = attack(work, out, whole, draw, draw.randint(1, each))
             if first.setdefault(work.name, whole.digest) != whole.digest:

@@ -1,4 +1,4 @@
-"""Kills a recording process at random moments, and checks what is left of its recording each time.
+"""Kill a recording process at random times, and check the remaining recording each time.
 
     .venv/bin/python tools/soak/recording.py --kills 25
 
@@ -63,7 +63,7 @@ def main(
 
 
 def killed_run(path: Path, after_s: float) -> int:
-    """Record in another process, kill it; return the simulated time that it reached."""
+    """Record in another process and kill it; return the simulated time that it reached."""
     process = subprocess.Popen([sys.executable, "-c", CHILD, str(path)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     process.stdout.readline()
@@ -75,7 +75,7 @@ def killed_run(path: Path, after_s: float) -> int:
 
 
 def verdict(path: Path, reached_ns: int) -> tuple[str | None, float]:
-    """Return what is wrong with a recording, and how much of the run it lacks [s]."""
+    """Return what is wrong with a recording, and how much of the run is missing from it [s]."""
     opened = recording.open(path)
     times = [recorded.time_ns for recorded in opened.messages("odom")]
     lost_s = max(1e-9 * (reached_ns - (times[-1] if times else 0)), 0.0)

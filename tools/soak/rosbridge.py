@@ -1,14 +1,14 @@
-"""Soak test: hostile clients at a live rosbridge for ten minutes. Memory, sessions and the pace must end as they began.
+"""Soak test: hostile clients at a live rosbridge for ten minutes. Memory, sessions and pace must end as they began.
 
     .venv/bin/python tools/soak/rosbridge.py [SECONDS]
 
 Clients connect in waves of up to 1,000, send garbage, valid and damaged operations, floods, unfinished fragments and
-huge frames, subscribe and do not read, and leave at any moment. One line is printed after each minute: resident memory,
+huge frames, subscribe without reading, and leave at any time. One line is printed after each minute: resident memory,
 Python's objects in use, sessions, topics, and the simulator's pace.
 
-A first wave comes before memory is first measured, since the allocator keeps and reuses the memory of the largest
-number of clients so far, some 15 MB. The exit code is 1 if afterwards memory grew by more than 16 MB, objects in use by
-more than 1 %, or anything was left behind.
+A first wave precedes the first memory measurement, since the allocator keeps and reuses the memory of the largest
+number of clients so far, about 15 MB. The exit code is 1 if memory grew after that by more than 16 MB, objects in use
+by more than 1 %, or anything was left behind.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from uwsim.cli.run_live import keep_threads_moving
 from uwsim.live import LiveSimulator
 
 GROWTH_MB = 16.0
-GROWTH_OBJECTS = 0.01  # some thousand freed tuples are kept for reuse
+GROWTH_OBJECTS = 0.01  # a few thousand freed tuples are kept for reuse
 SETTLE_S = 5.0
 CROWD = 40
 WAVE = 1000
@@ -54,13 +54,13 @@ TYPES = ("std_msgs/String", "sensor_msgs/LaserScan", "geometry_msgs/Pose", "nons
 
 
 def resident_mb() -> float:
-    """Return this process's memory in RAM."""
+    """Return this process's resident memory in MB."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def operation(rng: random.Random) -> dict[str, object]:
-    """Return an operation that may make sense."""
+    """Return an operation that may be valid."""
     fields: dict[str, object] = {"op": rng.choice(OPS), "topic": rng.choice(TOPICS), "type": rng.choice(TYPES)}
     fields |= {"id": str(rng.randrange(20)), "service": rng.choice(("/rosapi/topics", "/own", "/nobody"))}
     fields |= {"msg": {"data": "x" * rng.randrange(2000)}, "args": {"a": [rng.random()] * rng.randrange(50)}}
@@ -93,15 +93,15 @@ async def attack(url: str, rng: random.Random) -> None:
                 if rng.random() < 0.3:
                     await asyncio.sleep(rng.random() * 0.05)
             if rng.random() < 0.3:
-                await asyncio.sleep(rng.random() * 3.0)  # reads nothing
+                await asyncio.sleep(rng.random() * 3.0)  # without reading
             if rng.random() < 0.5:
                 connection.transport.abort()
-    except Exception:  # whatever ends a hostile client is fine
+    except Exception:  # any error that ends a hostile client is fine
         pass
 
 
 async def besiege(url: str, until_s: float, seed: int) -> None:
-    """Keep up a crowd of hostile clients, with an occasional wave."""
+    """Maintain a crowd of hostile clients, with an occasional wave."""
     rng = random.Random(seed)
     while time.monotonic() < until_s:
         count = WAVE if rng.random() < 0.02 else CROWD
@@ -119,7 +119,7 @@ def main() -> int:
     keep_threads_moving()
     with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
         topics = len(server.graph.topics)
-        # In separate processes, since in this one they would compete with the simulator for the interpreter.
+        # In separate processes, since here they would compete with the simulator for the interpreter.
         subprocess.run([sys.executable, __file__, "--wave", server.url], check=True)
         first_mb, first_objects = settled()
         print(f"after the first wave: {first_mb:.0f} MB, {first_objects} objects", flush=True)
@@ -148,7 +148,7 @@ def main() -> int:
 
 
 def settled() -> tuple[float, int]:
-    """Return memory [MB] and objects in use, some seconds after the last client."""
+    """Return memory [MB] and objects in use, some seconds after the last client has left."""
     time.sleep(SETTLE_S)
     gc.collect()
     return resident_mb(), sys.getallocatedblocks()

@@ -1,4 +1,4 @@
-"""Soak test: the operator's station, flown in a browser for an hour, keeps nothing that it no longer needs.
+"""Soak test: the operator's station, flown in a browser for an hour, does not leak memory.
 
     .venv/bin/python tools/soak/station.py [--minutes 60] [--json FILE]
 
@@ -75,7 +75,7 @@ def fly(browser: Browser, page: Page, station: Station, minutes: float) -> list[
     samples = []
     begun = time.monotonic()
     for minute in range(1, round(minutes) + 1):
-        hold(page, "s", ASTERN_S)  # away from any obstacle that it has hit
+        hold(page, "s", ASTERN_S)  # away from any obstacle it has hit
         hold(page, "q" if minute % 3 else "e", TURN_S)
         hold(page, "w", begun + 60.0 * minute - time.monotonic())
         samples.append({"min": (time.monotonic() - begun) / 60.0, **sample(session, processes, page, station)})
@@ -84,7 +84,7 @@ def fly(browser: Browser, page: Page, station: Station, minutes: float) -> list[
 
 
 def hold(page: Page, key: str, seconds: float) -> None:
-    """Hold a key."""
+    """Hold a key down."""
     page.keyboard.down(key)
     time.sleep(max(seconds, 0.0))
     page.keyboard.up(key)
@@ -114,7 +114,7 @@ def page_process_mb(processes: CDPSession) -> float:
 
 
 def resident_mb(pid: int) -> float:
-    """Return a process's memory in RAM."""
+    """Return a process's resident memory in MB."""
     return 1e-6 * int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 

@@ -1,4 +1,4 @@
-"""The memory, processor time and files that a process uses, and tests that they stay the same during a soak."""
+"""The memory, processor time and files that a process uses, and checks that they stay constant during a soak test."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 
 
 def resident_mb() -> float:
-    """Return this process's memory in RAM, after a garbage collection."""
+    """Return this process's resident memory in MB, after a garbage collection."""
     gc.collect()
     return 1e-6 * int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def trimmed_mb() -> float:
-    """Return the memory in RAM after the C library has returned its freed blocks, whose size varies."""
+    """Return the resident memory in MB after the C library has returned its freed blocks, whose size varies."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     return resident_mb()
@@ -45,24 +45,24 @@ def in_use_mb() -> float:
 
 
 def peak_mb() -> float:
-    """Return the most memory in RAM that this process has ever had."""
+    """Return this process's peak resident memory in MB."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(1e-3 * 1.024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
 
 
 def thread_cpu_s() -> dict[int, float]:
-    """Return the processor time of each thread, by its number."""
+    """Return the CPU time of each thread, by thread id."""
     used = {}
     for folder in Path("/proc/self/task").iterdir():
         try:
             used[int(folder.name)] = 1e-9 * int((folder / "schedstat").read_text().split()[0])
-        except OSError:  # the thread has ended meanwhile
+        except OSError:  # the thread has ended in the meantime
             continue
     return used
 
 
 def open_files() -> int:
-    """Return the number of open files without sockets, since the number of clients does not depend on this process."""
+    """Return the number of open files except sockets, since the number of clients does not depend on this process."""
     count = 0
     for link in Path("/proc/self/fd").iterdir():
         try:
@@ -73,14 +73,14 @@ def open_files() -> int:
 
 
 def growth(samples: Sequence[float], settling: float) -> float:
-    """Return the relative growth of a straight line through the samples, without the first share of them."""
+    """Return the relative growth of a straight line through the samples, ignoring the first share of them."""
     kept = np.array(samples[int(settling * len(samples)) :])
     slope, begin = np.polyfit(np.arange(len(kept)), kept, 1)
     return float(slope * (len(kept) - 1) / begin)
 
 
 def drift(samples: Sequence[float], settling: float) -> float:
-    """Return the relative difference between the medians of the last and first thirds, without the first share."""
+    """Return the relative difference between the medians of the last and first thirds, ignoring the first share."""
     kept = samples[int(settling * len(samples)) :]
     third = max(len(kept) // 3, 1)
     return float(np.median(kept[-third:]) / np.median(kept[:third]) - 1.0)

@@ -3,7 +3,7 @@
     .venv/bin/python tools/soak/threads.py [--minutes 10] [--threads 8] [--seed 0]
 
 The rules: only documented errors and no crash; no lost step (of a simulator, a batch, a live simulator); a thread's
-work on its own objects gives the same bytes as without other threads; memory stays flat: a straight line through it
+work on its own objects gives the same bytes as without other threads; memory stays constant: a straight line through it
 grows by at most 2 % after the first fifth of the time, in which it settles. Exits with 1 if a rule is broken.
 """
 
@@ -43,7 +43,7 @@ Call = Callable[[random.Random], object]
 class Shared:
     """The objects that all threads call.
 
-    stepped: the expected steps of each; exact, since every thread counts its own.
+    stepped: the expected number of steps of each object; exact, since every thread counts its own.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -118,11 +118,11 @@ class Shared:
             own.advance(1.0)
         count = sum(1 for _ in recording.open(path).messages("odom"))
         path.unlink()
-        if count != 51:  # 50 per second, and the first
+        if count != 51:  # 50 per second, plus the first
             raise AssertionError(f"{count} messages of odom are in a recording of one second")
 
     def came_to(self) -> dict[str, int]:
-        """Return the number of steps that each has made."""
+        """Return the number of steps that each object has made."""
         return {
             "simulator": self.sim.tick,
             "batch": self.batch.simulator(0).tick,
@@ -131,7 +131,7 @@ class Shared:
 
 
 def scan(rng: random.Random) -> np.ndarray:
-    """Return the points of one of a few scans, so that a map of them does not grow for ever."""
+    """Return the points of one of a few scans, so that a map of them does not grow indefinitely."""
     return np.random.default_rng(rng.randrange(50)).uniform(-5.0, 5.0, (POINTS, 3)).astype(np.float32)
 
 
@@ -204,7 +204,7 @@ class Worker(threading.Thread):
 
 
 def idle_mb(workers: list[Worker], gate: threading.Event) -> float:
-    """Return the memory while no thread is within a call, whose objects would count."""
+    """Return the memory in use while no thread is inside a call, whose objects would count."""
     gate.clear()
     with ExitStack() as held:
         for worker in workers:
