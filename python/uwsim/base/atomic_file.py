@@ -18,7 +18,7 @@ def remove_unfinished() -> None:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a temporary file beside the target, flush it to disk and rename it.
+    """Write a temporary file next to the target, flush it to disk and rename it.
 
     On failure, raises OSError that names the target, and leaves no temporary file behind.
     """

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False, repr=False, init=False)  # one in each step: a frozen class's own init is slow
+@dataclass(frozen=True, eq=False, repr=False, init=False)  # one per step: a frozen class's own __init__ is slow
 class Pose:
     """A vehicle's pose: position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4); ENU, REP 103."""
 
@@ -41,7 +41,7 @@ class Pose:
         return f"Pose(({east:.3f}, {north:.3f}, {up:.3f}) m, yaw {yaw_deg:.1f} deg, orientation x y z w ({turn}))"
 
 
-@dataclass(frozen=True, eq=False, init=False)  # as Pose
+@dataclass(frozen=True, eq=False, init=False)  # as for Pose
 class Velocity:
     """A vehicle's velocity over ground, in body axes: linear_body_m_s (3,), angular_body_rad_s (3,)."""
 

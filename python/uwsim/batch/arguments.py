@@ -18,7 +18,7 @@ FaultList = Sequence[Mapping[str, Any]]
 
 
 class _Faults(Model):
-    """Used to check faults that are not in a file."""
+    """Validates faults that are passed as arguments instead of in a file."""
 
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)]
 
@@ -31,7 +31,7 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int]:
-    """Return the seeds of the chosen ones of n members. Raises ValueError."""
+    """Return the seeds of the chosen members out of n. Raises ValueError."""
     given = list(values)
     if len(given) != n:
         raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
@@ -39,7 +39,7 @@ def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int
 
 
 def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
-    """Return the parameters of the chosen ones of n members; a single mapping is for all. Raises ValueError."""
+    """Return the parameters of the chosen members out of n; a single mapping applies to all. Raises ValueError."""
     each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
@@ -72,7 +72,7 @@ def _mapping(one: object, name: str) -> dict[str, Any]:
 
 
 def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64]:
-    """Return (n, width) numbers; a single row is for all. Raises ValueError."""
+    """Return (n, width) numbers; a single row applies to all members. Raises ValueError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name}.dtype = {array.dtype}: must be real numbers")

@@ -1,4 +1,4 @@
-"""Programs of a batch's members, and the stepping of members that have any: each in parts, between its events."""
+"""Programs of a batch's members. Members with programs are stepped in parts, from one of their events to the next."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Programs:
         self._off: dict[int, list[tuple[int, int]]] = {}
 
     def check(self, k: int, member: Member) -> None:
-        """Raise ValueError if a member's programs are not possible."""
+        """Raise ValueError if a member's programs are invalid."""
         if member.has_programs:
             self._new(k, member)
 

@@ -26,7 +26,7 @@ def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
 
 
 class Lane:
-    """Threads for calls that may wait. most: the limit on unanswered calls; None: no limit."""
+    """A pool of threads for calls that may block. most: the limit on unanswered calls; None: no limit."""
 
     def __init__(self, name: str, threads: int, log: Logger, most: int | None = None) -> None:
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix=name)
@@ -35,7 +35,7 @@ class Lane:
         self._free = None if most is None else threading.Semaphore(most)
 
     def submit(self, call: Callable[[], Any], answer: Answer) -> None:
-        """Run a call on one of the threads, and answer on it.
+        """Run a call on one of the threads, and send the answer from that thread.
 
         Raises ValueError if too many calls wait, RuntimeError after `close`.
         """

@@ -54,7 +54,7 @@ class Bridge:
         self._going_on: list[Subscription] = []
 
     def keep_up(self) -> None:
-        """Start the work that channels do whether or not they are read; the last step of a subclass's constructor."""
+        """Start the work that channels do whether or not they are read. Subclass constructors call this last."""
         self._going_on = keep_up(self.live, self.outputs.values())
 
     def close(self) -> bool:
@@ -142,9 +142,9 @@ class Bridge:
             self.log.warning("topic '%s': %s", channel.name, error)
 
     def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
-        """Call a service on a thread, since it may wait for steps, and answer on it. Raises ValueError, RuntimeError.
+        """Call a service on a separate thread, because it may block waiting for steps, and answer from that thread.
 
-        Vital services have a separate thread, so that no other call delays them.
+        Vital services have their own thread, so that no other call delays them. Raises ValueError, RuntimeError.
         """
         lane = self._vital if service.is_vital else self._usual
         lane.submit(partial(service.call, require_live(self.live), request), answer)

@@ -31,7 +31,7 @@ OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], Non
 """Opens a session from a connection, a function that wakes its writer, and one that disconnects the client."""
 
 STOP_S = 5.0
-HALF_OPEN_MAX = 64  # connections beyond the places, which have not yet sent a request
+HALF_OPEN_MAX = 64  # connections in addition to `places` that have not sent a request yet
 WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session's queues fill
 
 

@@ -174,7 +174,7 @@ def _plain(name: str, field: str, channel: str) -> Write:
 
 
 def _bare(name: str, convert: Callable[[float], Any]) -> Write:
-    """Return a function that builds a message of a scalar alone."""
+    """Return a function that builds a message that contains only a scalar."""
     return lambda value, header, errors: build.message(name, data=convert(value))
 
 
@@ -202,4 +202,7 @@ KINDS: dict[str, Kind] = {
     "compass": Kind("std_msgs/msg/Float64", _bare("std_msgs/msg/Float64", float)),
     "contact": Kind("std_msgs/msg/Bool", _bare("std_msgs/msg/Bool", bool)),
 }
-"""The message of each kind of sensor. A new kind is one entry. /odom carries kinds without an entry: true motion."""
+"""The message of each kind of sensor. Adding a kind takes one entry.
+
+Kinds without an entry describe the true motion, which is published on /odom.
+"""

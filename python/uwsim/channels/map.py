@@ -52,7 +52,7 @@ class _Late:
 
     @property
     def said(self) -> tuple[int, Any] | None:
-        """The stamp and the result that are due now, after waiting for the result."""
+        """The stamp and the result that are due now; waits for the result."""
         return None if self._said is None else (self._said[0], self._said[1].result())
 
 

@@ -64,7 +64,7 @@ ADDED = {
         "float32[] ranges\nmarine_acoustic_msgs/SonarImageData image\n"
     ),
 }
-"""Types that neither typestore contains, as .msg texts. Add further types here, with their source."""
+"""Types that neither typestore contains, as .msg definitions. Add further types here, with their source."""
 
 NEWEST_ONLY = frozenset(
     {

@@ -1,4 +1,4 @@
-"""Our own message types, as .msg texts, for content that no existing package covers.
+"""Our own message types, as .msg definitions, for content that no existing package covers.
 
 docs/connections/station-wire.md explains the fields.
 """

@@ -70,11 +70,11 @@ class _Job:
 class Pictures:
     """The last two pictures of each camera or imaging sonar, and its stream settings.
 
-    Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts rendering a picture of
-    that moment, on a separate thread. If the steps may wait, the next reading in a later period waits for the picture
-    and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in the
-    first period in which it is ready, and no other picture is started before, so pictures are skipped if the machine is
-    too slow.
+    Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts rendering the scene as
+    it is at that time, on a separate thread. If the steps may wait, the next reading in a later period waits for the
+    picture and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in
+    the first period in which it is ready, and no other picture is started before, so pictures are skipped if the
+    machine is too slow.
 
     may_wait: called at each reading; returns whether the steps may wait.
     """

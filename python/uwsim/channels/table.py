@@ -1,4 +1,4 @@
-"""The table: every channel and service of a simulator. A new family of channels is one line here."""
+"""The table: every channel and service of a simulator. Adding a family of channels takes one line here."""
 
 from __future__ import annotations
 

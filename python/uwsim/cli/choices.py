@@ -1,4 +1,4 @@
-"""Options and arguments that take one of a few words, checked before a command starts and completed by the shell."""
+"""Options and arguments that accept one of a fixed set of words, which is checked early and completed by the shell."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from uwsim.cli.values import words
 
 
 def one_of(*known: str) -> dict[str, Any]:
-    """Return typer's settings for a parameter that takes one of these words, or a list of them."""
+    """Return typer's settings for a parameter that accepts one of these words, or a list of them."""
 
     def check(param: typer.CallbackParam, value: Any) -> Any:
         for word in value if isinstance(value, list) else (value,):

@@ -65,7 +65,7 @@ def mission_name(mission: MissionFunction, file: Path | None) -> str:
 
 
 def _module(file: Path) -> Any:
-    """Import a file as a module; as in a script, it can import the modules beside it."""
+    """Import a file as a module; as in a script, it can import modules from its own folder."""
     spec = importlib.util.spec_from_file_location(file.stem, file.resolve())
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -99,7 +99,7 @@ class Pinger:
         with self._rays:
             ping = self._hull.sonar.ping()
         true_body, panel = self._hull.pose.world_from_body, self._hull.telemetry()
-        true_sonar = ping.world_from_sonar  # once: each look makes an array
+        true_sonar = ping.world_from_sonar  # read once, since each access creates an array
         body, sonar, mapped_from_m = true_body, true_sonar, None
         if self._vehicle.estimate is not self._hull:
             body = np.asarray(self._vehicle.pose.world_from_body, np.float64)

@@ -1,7 +1,7 @@
 """The engine of all environments: starts and steps the episodes of a batch, and reports which have ended.
 
-A lone environment is a batch of one, so member i of a vector environment has the same episodes, to the last bit, as a
-lone environment with the same seed.
+A single environment is a batch of one, so member i of a vector environment has the same episodes, to the last bit, as a
+single environment with the same seed.
 """
 
 from __future__ import annotations

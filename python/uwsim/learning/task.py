@@ -23,8 +23,8 @@ Flags = NDArray[np.bool_]
 class Field:
     """A part of an observation: `width` values with the same unit, each within +-limit (or [low, limit]).
 
-    mirror: the factor on each value when port and starboard are exchanged; () if the exchange is not such a factor.
-    usual: the usual size of each value, for learners; by default its limit.
+    mirror: the factor on each value when port and starboard are exchanged; () if no such factors exist. usual: the
+    usual size of each value, for learners; by default its limit.
     """
 
     name: str

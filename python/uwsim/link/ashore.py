@@ -46,7 +46,7 @@ class MapAshore(PingMap):
     def read(self, sim: Simulator) -> Any:
         """Return the map if pings have arrived since the last map, at most once a second; else None.
 
-        All readers at one time get the same.
+        All readers at one time get the same map.
         """
         if self._whole_said[0] != sim.time_ns:
             self._whole_said = sim.time_ns, self._new_map(sim)
@@ -55,7 +55,7 @@ class MapAshore(PingMap):
     def read_changes(self, sim: Simulator) -> Any:
         """Return the changes made by the pings that have arrived since the last call, or None.
 
-        All readers at one time get the same.
+        All readers at one time get the same changes.
         """
         if self._changes_said[0] != sim.time_ns:
             self._changes_said = sim.time_ns, self._new_changes(sim)

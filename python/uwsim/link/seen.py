@@ -25,8 +25,8 @@ def seen_channels(
     """Return a table's channels as seen at the station: those that cross the link deliver the messages that arrived.
 
     Channels that could go over the link but are not carried are missing; maps, including the table's own, are built
-    ashore. Messages depend only on the simulator's state, so that a replay reads the same. given: the table's channels
-    to consider, by default all. looked_for: called each time that a channel is read.
+    ashore. Messages depend only on the simulator's state, so that a replay reads the same messages. given: the table's
+    channels to consider, by default all. looked_for: called each time that a channel is read.
     """
     network = sim.link
     given = list(table.channels if given is None else given)

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from uwsim.mapping.difference import map_difference
 from uwsim.mapping.occupancy_map import OccupancyMap
 
-BESIDE = 1.8  # in voxels: this close to an occupied voxel of the other map, a voxel is of the same surface
+BESIDE = 1.8  # in voxels: a voxel this close to an occupied voxel of the other map belongs to the same surface
 TOGETHER = 2.5  # in voxels: largest distance between neighbours in a group
 
 

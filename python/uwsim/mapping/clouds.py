@@ -69,7 +69,7 @@ def voxel_grid(points_m: ArrayLike, voxel_m: float) -> NDArray[np.float32]:
     """Return the centroid of the points in each non-empty cube of edge voxel_m: (k, 3) float32.
 
     The cubes' corners are at multiples of voxel_m, as in OctoMap. Non-finite points are discarded. Raises ValueError
-    if the cloud's bounding box holds 2**31 cubes or more.
+    if the cloud's bounding box contains 2**31 cubes or more.
     """
     return _core.voxel_grid(points_m, voxel_m)
 

@@ -1,4 +1,4 @@
-"""Where two recordings diverge: the first tick and channel whose messages differ, by how much, and what follows."""
+"""Finds where two recordings diverge: the first tick and channel whose messages differ, by how much, what follows."""
 
 from __future__ import annotations
 

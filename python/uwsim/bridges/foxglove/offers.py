@@ -1,4 +1,4 @@
-"""Offers: the simulator's channels, in CDR, and scenes, numbered, with the clients subscribed to each."""
+"""Offers: the numbered topics (the simulator's channels, in CDR, and scenes), with the subscribers of each."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class Node:
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
-        """Run callbacks until the condition, checked between messages, holds or the server closes the connection."""
+        """Run callbacks until the condition, checked between messages, is true or the server closes the connection."""
         while not until():
             try:
                 frame = self._connection.recv(wait_s)

@@ -15,7 +15,7 @@ PATIENCE_S = 20.0
 
 
 class RemoteClock:
-    """Simulated time from /clock, or, without such a topic, the wall time since now.
+    """Simulated time from /clock, or, if there is no such topic, the wall time since the clock was created.
 
     A wait ends duration_s after the previous wait was due, if that is in the future, so that a control loop keeps its
     period.

@@ -105,7 +105,7 @@ class RemoteConnection:
         return values
 
     def wait_for(self, condition: Callable[[], bool], patience_s: float | None, complaint: str) -> None:
-        """Wait until a condition, checked after each message, holds. Raises OSError."""
+        """Wait until a condition, checked after each message, is true. Raises OSError."""
         deadline_s = None if patience_s is None else time.monotonic() + patience_s
         with self.changed:
             while not condition():

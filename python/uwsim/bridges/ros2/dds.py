@@ -128,7 +128,7 @@ DOMAINS = Domains()
 class Participant:
     """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError, OSError.
 
-    `close` deletes all of them.
+    `close` also deletes its writers and readers.
     """
 
     def __init__(self, settings: Ros2Settings, user_data: bytes) -> None:

@@ -164,7 +164,7 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other: subscribers receive one message with all they lack.
+    """A change to a topic whose messages build on each other: a subscriber receives one message with all it lacks.
 
     catch_up: returns the message for a cursor (None: the subscriber has nothing), and the next cursor.
     """

@@ -18,7 +18,7 @@ BATCH, MAX_BATCHES = 64, 200
 MARGIN = 0.1
 """The fraction of the picture at each border in which the target point must not lie."""
 SEEN_M = 0.05
-"""A line of sight may end at this distance in front of its target point."""
+"""A target point counts as visible if the line of sight ends at most this far in front of it."""
 
 
 @dataclass(frozen=True, eq=False)

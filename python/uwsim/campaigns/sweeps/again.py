@@ -1,4 +1,4 @@
-"""Repetition of one run, bit by bit the same, plus everything that a sweep leaves out: recording, map, report."""
+"""Repeats one run, identical bit for bit, and produces everything that a sweep leaves out: recording, map, report."""
 
 from __future__ import annotations
 

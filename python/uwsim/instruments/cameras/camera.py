@@ -25,7 +25,7 @@ from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 Floats = NDArray[np.float64]
 CLEARANCE_M = 0.3  # least height above the ground of a camera that follows a vehicle's heading
 Carrier = int | tuple[Floats, Floats]
-"""What carries a camera: a vehicle, as its index, or a fixed pose, as position (3,) and orientation x, y, z, w (4,)."""
+"""The carrier of a camera: a vehicle's index, or a fixed pose as position (3,) and orientation x, y, z, w (4,)."""
 
 
 @dataclass(eq=False)

@@ -1,4 +1,4 @@
-"""The table of packings, which convert messages to bytes and back. A new packing is one line here.
+"""The table of packings, which convert messages to bytes and back. Adding a packing takes one line here.
 
 Anything left out or rounded is lost: listeners receive the unpacked message, not the original.
 """

@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MownArea(FlownLanes):
-    """spacing_m: distance between lanes. lanes: number of lanes. See FlownLanes for the other fields."""
+    """The outcome of `mow_area`. spacing_m: distance between lanes. lanes: number of lanes. Others: see FlownLanes."""
 
     spacing_m: float
     lanes: int

@@ -25,7 +25,7 @@ STUCK_S = 30.0  # added to the time limit of a path, four times its nominal dura
 
 @dataclass(frozen=True, eq=False)
 class Explored:
-    """map: built during the flight. known_m2: area of the known columns within the bound.
+    """The outcome of `explore`. map: built during the flight. known_m2: area of the known columns within the bound.
 
     given_up: centres of the columns that remained unknown.
     """
@@ -69,7 +69,10 @@ def explore(
 
 
 class _Search:
-    """given_up: columns that remain unknown. _closed: known columns that cannot be entered for another reason."""
+    """The progress of `explore`.
+
+    given_up: columns that remain unknown. _closed: known columns that cannot be entered for another reason.
+    """
 
     def __init__(self, lookout: Wayfinder, live: LiveMap, cells: Cells, bound_m: float) -> None:
         self._lookout, self._vehicle, self._live, self._cells = lookout, lookout.vehicle, live, cells

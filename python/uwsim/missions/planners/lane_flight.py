@@ -29,9 +29,10 @@ ROUND, ROUND_M = 2.5, 8.0  # a detour is short up to ROUND times the straight di
 
 @dataclass(frozen=True)
 class FlownLanes:
-    """left_out: indices of the lanes of which nothing was flown. trimmed_m: total length too close to shoals.
+    """The outcome of `fly_lanes`.
 
-    unreached_m: length to which there was no path in the area. seen_m: length not flown, but seen from elsewhere.
+    left_out: indices of the lanes that were not flown at all. trimmed_m: total length too close to shoals. unreached_m:
+    length to which there was no path in the area. seen_m: length not flown, but seen from elsewhere.
     """
 
     left_out: tuple[int, ...]
@@ -51,9 +52,10 @@ def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> St
 
 
 class _LaneFlight:
-    """_left: for each lane, which of its points are still to be flown. _flown: how many were flown.
+    """The progress of `fly_lanes`.
 
-    _next: for each lane, the index after the last flown point.
+    _left: for each lane, which of its points are still to be flown. _flown: how many were flown. _next: for each lane,
+    the index after the last flown point.
     """
 
     def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:

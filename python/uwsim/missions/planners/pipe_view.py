@@ -33,7 +33,7 @@ DARK = 2.0  # of 255; a picture with a lower median is too dark
 
 @dataclass(frozen=True, eq=False)
 class SeenPipe:
-    """point_world_m (2,): the point on the pipe's axis nearest to the point below the camera.
+    """A pipe in a picture. point_world_m: (2,), the point on its axis nearest to the point below the camera.
 
     direction (2,): unit vector along the pipe, of either sign. reach_m: the visible interval along it, relative to that
     point. contrast: in standard deviations.

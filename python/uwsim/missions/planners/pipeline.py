@@ -36,8 +36,9 @@ BLIND_S = 15.0  # time without a sighting after which an instrument counts as no
 
 @dataclass(frozen=True, eq=False)
 class PipelineTrack:
-    """crossings_m: positions where the pipe was seen, in order, (n, 2). by_sonar, by_camera: numbers of sightings.
+    """The outcome of `follow_pipeline`.
 
+    crossings_m: positions where the pipe was seen, in order, (n, 2). by_sonar, by_camera: numbers of sightings.
     pictures: number of pictures taken along length_m.
     """
 

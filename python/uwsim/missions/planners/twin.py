@@ -36,7 +36,7 @@ DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """map: from the whole flight; first_map: before any patch was revisited.
+    """The outcome of `make_twin`. map: from the whole flight; first_map: before any patch was revisited.
 
     weak_before, weak_after: fraction of the area's columns that were thin or uncertain, before and after. patches:
     number of patches revisited. docked: whether the vehicle is back in the station's dock.

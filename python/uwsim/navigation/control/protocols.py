@@ -26,7 +26,7 @@ class Clock(Watch, Protocol):
 
 
 class PoseLike(Protocol):
-    """position_world_m (3,), world_from_body (4, 4), yaw_rad."""
+    """A pose: position_world_m (3,), world_from_body (4, 4), yaw_rad."""
 
     @property
     def position_world_m(self) -> NDArray[Any]: ...
@@ -37,7 +37,7 @@ class PoseLike(Protocol):
 
 
 class VelocityLike(Protocol):
-    """linear_body_m_s (3,), angular_body_rad_s (3,)."""
+    """A velocity: linear_body_m_s (3,), angular_body_rad_s (3,)."""
 
     @property
     def linear_body_m_s(self) -> NDArray[Any]: ...
@@ -46,7 +46,7 @@ class VelocityLike(Protocol):
 
 
 class PingLike(Protocol):
-    """ranges_m (beams,), inf = no echo; points_sonar_m (beams, 3), NaN = no echo; world_from_sonar (4, 4)."""
+    """A ping: ranges_m (beams,), inf = no echo; points_sonar_m (beams, 3), NaN = no echo; world_from_sonar (4, 4)."""
 
     @property
     def ranges_m(self) -> NDArray[Any]: ...

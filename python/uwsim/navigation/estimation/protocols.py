@@ -11,7 +11,10 @@ from uwsim import _core
 
 
 class SamplesLike(Protocol):
-    """stamps_ns, arrivals_ns (n,) uint64; readings (n, width): the kind's fields side by side; valid (n,) bool."""
+    """A sensor's samples: stamps_ns, arrivals_ns (n,) uint64; readings (n, width); valid (n,) bool.
+
+    The columns of `readings` are the fields of the sensor's kind, side by side.
+    """
 
     @property
     def stamps_ns(self) -> NDArray[Any]: ...

@@ -19,7 +19,7 @@ MAX_TAKEN_OFF = 0.5
 
 
 class PointMass(NamedTuple):
-    """mass_kg: negative for removed weight. position_m: (3,), body frame."""
+    """A point mass. mass_kg: negative for removed weight. position_m: (3,), body frame."""
 
     mass_kg: float
     position_m: Floats

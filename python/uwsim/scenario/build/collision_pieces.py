@@ -2,7 +2,7 @@
 
 CoACD (Wei et al. 2022, ACM Trans. Graph. 41(4)) takes ten seconds to a minute to decompose a hull of 2,000 triangles,
 too long for every start. So the decomposition is done once (`uwsim decompose`), and the pieces are an asset stored
-beside the mesh; loading them does not need CoACD.
+next to the mesh; loading them does not need CoACD.
 """
 
 from __future__ import annotations

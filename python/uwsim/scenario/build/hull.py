@@ -40,7 +40,7 @@ class RigidBody:
 
 
 class _Solid(NamedTuple):
-    """centroid_m: (3,). inertia_m5: (3,), about the centroid for a density of 1."""
+    """A closed mesh's volume integrals. centroid_m: (3,). inertia_m5: (3,), about the centroid for a density of 1."""
 
     volume_m3: float
     centroid_m: NDArray[np.float64]
@@ -48,7 +48,7 @@ class _Solid(NamedTuple):
 
 
 class _Hull(NamedTuple):
-    """vertices_m: (n, 3), body frame. triangles: (m, 3)."""
+    """A closed hull. vertices_m: (n, 3), body frame. triangles: (m, 3)."""
 
     vertices_m: NDArray[np.float64]
     triangles: NDArray[np.uint32]

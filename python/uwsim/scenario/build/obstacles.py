@@ -35,7 +35,10 @@ Standing = Box | Cylinder | Sphere | MeshObstacle
 
 
 class Solid(NamedTuple):
-    """vertices (n, 3), world frame, metres; triangles (m, 3), winding outward; exact shapes if it is round."""
+    """A closed solid: vertices (n, 3), world frame, metres; triangles (m, 3), winding outward; and its exact shapes.
+
+    The exact, analytic shapes exist only if the solid is round.
+    """
 
     vertices: Vertices
     triangles: Triangles

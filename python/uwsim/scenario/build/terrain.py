@@ -15,7 +15,7 @@ from uwsim.scenario.spec.terrain import ImageTerrain, NoiseTerrain, RasterTerrai
 
 @dataclass(frozen=True, eq=False)
 class Terrain:
-    """heights_m: (ny, nx) float32, finite; heights_m[j, i] is z at (x0 + i spacing, y0 + j spacing).
+    """Terrain heights. heights_m: (ny, nx) float32, finite; heights_m[j, i] is z at (x0 + i spacing, y0 + j spacing).
 
     origin_m: (x0, y0). World frame; the water surface is at z = 0.
     """

@@ -45,7 +45,10 @@ GRID_NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 @dataclass(frozen=True)
 class _Raster:
-    """elevations (h, w), without gaps. file_from_pixel: from pixel corners (column, row) to the file's coordinates."""
+    """A raster read from a file.
+
+    elevations: (h, w), without gaps. file_from_pixel: from pixel corners (column, row) to the file's coordinates.
+    """
 
     name: str
     elevations: FloatGrid

@@ -12,10 +12,11 @@ from uwsim.scenario.read.yaml_document import Key, YamlDocument, dotted
 
 @dataclass(frozen=True)
 class SourceFile:
-    """document: None for a scenario built in Python. in_file: converts places if parts of the file were left out.
+    """The file from which a scenario was read, for error messages.
 
-    in_file takes a place in the scenario and returns the place in the file. All source files compare equal, so that
-    they do not affect the equality of scenarios.
+    document: None for a scenario built in Python. in_file: converts a place in the scenario to the place in the file;
+    they differ if parts of the file were left out. All source files compare equal, so that they do not affect the
+    equality of scenarios.
     """
 
     document: YamlDocument | None = field(default=None, compare=False, repr=False)

@@ -34,7 +34,10 @@ def dotted(path: Sequence[Key]) -> str:
 
 @dataclass(frozen=True)
 class YamlDocument:
-    """name: the file's name, for messages. values: only dicts, lists, text, numbers, booleans and None."""
+    """A parsed YAML file. name: the file's name, for messages.
+
+    values: only dicts, lists, text, numbers, booleans and None.
+    """
 
     name: str
     values: dict[str, Any]

@@ -291,7 +291,7 @@ class Water(Model):
 
     @model_serializer(mode="wrap")
     def _without_what_the_profile_gives(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Omit the defaults that the validator would reject beside a profile."""
+        """Omit the defaults that the validator would reject alongside a profile."""
         data: dict[str, Any] = plain(self)
         return data if self.profile is None else {key: item for key, item in data.items() if key not in ONE_WATER}
 
