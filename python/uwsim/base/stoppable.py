@@ -37,8 +37,9 @@ class Stoppable:
 def stop_on_signals(flight: Stoppable) -> Iterator[None]:
     """During the block, the first Ctrl-C or SIGTERM ends the flight at its next pause, the second immediately.
 
-    After SIGTERM it ends in haste, and KeyboardInterrupt is raised if no pause comes within GRACE_S, for example
-    because a mission computes for long. Only the main thread receives signals: in other threads this does nothing.
+    After SIGTERM, work that can be done later is skipped, and KeyboardInterrupt is raised if there is no pause within
+    GRACE_S, for example during a long computation. Only the main thread receives signals: in other threads this does
+    nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

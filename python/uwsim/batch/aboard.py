@@ -98,7 +98,7 @@ class MemberAboard:
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:
-        """Return whether anything is due before this many steps have been made."""
+        """Return whether anything is due within this number of steps."""
         return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:

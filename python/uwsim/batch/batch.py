@@ -125,7 +125,7 @@ class Batch(Sealed):
 
         efforts: (n, 6) in [-1, 1], surge to yaw, for each member's first vehicle, or a dict of such arrays by vehicle;
         float64 in C order is not copied. Raises ValueError for invalid efforts, before any step. Also raises ValueError
-        if a member's motion diverges, after all others have made their steps: that member stays where it was and must
+        if a member's motion diverges, after all others have been stepped: that member stays where it was and must
         be reset.
         """
         steps = whole(n, "n", 0, 2**63 - 1)

@@ -72,7 +72,7 @@ class Programs:
             aboard.hear_effort(vehicle, efforts[k])
 
     def step(self, steps: int) -> None:
-        """Step all members. Raises ValueError if a member cannot continue, after the others have made their steps."""
+        """Step all members. Raises ValueError if a member cannot continue, after the others have been stepped."""
         if not self._aboard:
             self._core.step(steps)
             return

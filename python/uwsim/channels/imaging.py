@@ -101,7 +101,7 @@ class Aside:
 
 
 class Across:
-    """A profiling sonar, whose beam a motor steps to and fro; the picture shows the last echo in each direction.
+    """A profiling sonar, whose beam a motor steps back and forth; the picture shows the last echo in each direction.
 
     In each period of 1 / RATE_HZ, the sonar pings as often as the sound's travel time allows.
     """

@@ -28,7 +28,7 @@ class Part(NamedTuple):
 
 
 class MapChanges:
-    """Records changes on one thread, and gives readers on other threads the changes that they lack.
+    """Records changes on one thread, and provides readers on other threads with the changes that they lack.
 
     A cursor is the number of changes that a reader has received.
     """

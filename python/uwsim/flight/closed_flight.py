@@ -38,7 +38,7 @@ class PingKeeper:
         self.true_path_m: list[Array] = []
 
     def __call__(self, ping: _core.Ping, panel: _core.Telemetry, world_from_body: Array) -> None:
-        """Store a ping that was taken at the present tick."""
+        """Store a ping that was taken at the current tick."""
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
         std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
@@ -53,8 +53,8 @@ class ClosedPath:
     """A vehicle's track after loop closure.
 
     times_s: (n,), ping times. path_world_m: (n, 3), positions at those times. errors_m: (n,), distances of the
-    positions from the truth. submaps: number of submaps. tried, matched: number of overlaps between submaps that were
-    tried, and that could be matched.
+    positions from the truth. submaps: number of submaps. tried, matched: number of overlaps between submaps for which
+    a match was attempted and found.
     """
 
     times_s: Array

@@ -218,7 +218,7 @@ class Flight:
             raise FlightOverError(INTERRUPTED)
 
     def _save(self, request: FlightRequest, begun: Begun) -> None:
-        """Save the present state of the flight, as soon as the map contains all pings so far."""
+        """Save the current state of the flight, as soon as the map contains all pings so far."""
         maker, out = self._maker, self._setup.out
         assert out is not None
         now = self._now(request, begun)

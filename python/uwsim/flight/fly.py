@@ -72,7 +72,7 @@ def fly(
         record = fly("my_mission.py", "lake", "out/", map=True)      # a file; results in a folder
 
     mission: see found_mission; if None, the scenario's survey. scenario: a name, a path, a Scenario, or a Simulator,
-    which continues from its present state. out: folder for log.jsonl, track-VEHICLE.csv and map.bt. report: "full" also
+    which continues from its current state. out: folder for log.jsonl, track-VEHICLE.csv and map.bt. report: "full" also
     writes summary.json and report.html, "json" only summary.json, "none" neither. function: name of the mission's
     function, if the mission is a file. arguments: values for the mission's other parameters. vehicles: names; by
     default all if the mission takes `vehicles`, else the first. estimate: source of the poses that the mission and the

@@ -71,7 +71,7 @@ def flyable_plan(
     """
     start_m, _ = start_pose(
         sim.scenario, sim.scenario.vehicles[0]
-    )  # not the present pose, so that a resumed flight has the same plan
+    )  # not the current pose, so that a resumed flight has the same plan
     lanes = lawn_mower_lanes(plan.area_m, plan.line_spacing_m, plan.reach_m, np.array(start_m[:2]))
     found = flyable_lanes(sim, lanes, least_share)
     return (plan, None) if found.left_out is None else (replace(plan, lanes=found.lanes), found.left_out)

@@ -76,7 +76,7 @@ class PingLog:
             self._consider(ping, points_world_m, position)
 
     def _consider(self, ping: _core.Ping, points_world_m: NDArray[np.float32], position: list[float]) -> None:
-        """Store a ping as the sample if it is better than the present one."""
+        """Store a ping as the sample if it is better than the current one."""
         # The best sample is a full fan that hits solids as well as the bed.
         labels = ping.labels[ping.valid]
         score = 100.0 * np.count_nonzero(np.bincount(labels)) + len(labels) / len(ping.labels)

@@ -42,7 +42,7 @@ class Sample(Generic[R]):
 
 
 class Sensor(Sealed, Generic[R]):
-    """A sensor whose noise comes from a seeded random stream of its own.
+    """A sensor whose noise comes from its own seeded random stream.
 
     Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
@@ -114,7 +114,7 @@ class Sensor(Sealed, Generic[R]):
         self._distortion = distortion
 
     def stick(self) -> None:
-        """Repeat the present reading from now on. Faults call this."""
+        """Repeat the current reading from now on. Faults call this."""
         self.distort(Distortion.stuck_at(self._simulation.read_sensor(self._vehicle, self._index, True).values))
 
     def _told(self, stamps_ns: Any, arrivals_ns: Any, readings: Any, valid: Any) -> tuple[Any, Any, Any, Any]:
@@ -141,7 +141,7 @@ class Sensor(Sealed, Generic[R]):
         """Return the newest sample that has arrived: a float in `unit`, or several values (`readings.py`).
 
         Between samples, the last sample is returned; dropped samples are skipped. Before the first sample arrives, the
-        present value is measured. `sample` distinguishes these cases. noise=False returns the present true value,
+        present value is measured. `sample` distinguishes these cases. noise=False returns the current true value,
         without errors, rate, latency or drop-outs. A sensor that is off returns NaN.
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)

@@ -67,7 +67,7 @@ class Episodes:
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
-        """Give a member a new generator; if the seed is None, only if it has none yet, with a random seed."""
+        """Assign a new generator to a member; if the seed is None, only if it has none yet, with a random seed."""
         if seed is not None or self.generators[member] is None:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 
@@ -115,7 +115,7 @@ class Episodes:
         return self._motion
 
     def observe(self) -> Any:
-        """Return all members' observations at the present time."""
+        """Return all members' observations at the current time."""
         motion = self._motion = Motion.of(self.batch.observe(self.task.vehicle))
         observation = self.task.observe(motion, self._actions)
         if self.eye is None:
@@ -170,7 +170,7 @@ class Episodes:
         return values
 
     def render(self, member: int, camera: str, width: int, height: int) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3) of the present state, taken by a camera of the member's vehicle."""
+        """Return a picture (height, width, 3) of the current state, taken by a camera of the member's vehicle."""
         vehicle = self.batch.simulator(member).vehicles[self.task.vehicle]
         seen = vehicle.cameras[camera]
         seen.change(seen.mount.model_copy(update={"width": width, "height": height}))

@@ -70,7 +70,7 @@ class Task(ABC):
     needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
     all else is true motion.
 
-    A task may have arrays of its own; `start` resets the rows of the members that begin.
+    A task may have additional arrays; `start` resets the rows of the members that begin.
     """
 
     scenario_file: ClassVar[str]

@@ -163,7 +163,7 @@ class Carrier:
         return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
-        """Submit a message to the link. is_vital: whether it is sent however late it is, and repeated."""
+        """Submit a message to the link. is_vital: whether it is sent even if late, and repeated."""
         repeats = max(self._repeats(topic), VITAL_REPEATS if is_vital else 0)
         return self._live.command(
             "link_send", sender=STATION, receiver=vehicle, topic=topic, payload=payload, priority=0,
@@ -242,7 +242,7 @@ class Carrier:
         self._listened.clear()
 
     def _say(self, name: str) -> bool:
-        """Send a channel's present message; return whether there was one to send."""
+        """Send a channel's current message; return whether there was one to send."""
         one, sim = self._carried[name], self._sim
         channel = one.channel
         only_if_heard = self._network.modem.kind != "modem" or channel.late
@@ -286,7 +286,7 @@ def _chosen(channels: Iterable[Channel], sim: Simulator, only: Iterable[str] | N
 
 
 def _size(one: Carried, sim: Simulator) -> int:
-    """Return the packed size of a channel's messages in bytes: the usual size, or that of its present message."""
+    """Return the packed size of a channel's messages in bytes: the usual size, or that of its current message."""
     if one.packing.usual_bytes is not None:
         return one.packing.usual_bytes
     message = one.channel.read(sim)

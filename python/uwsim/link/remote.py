@@ -1,4 +1,4 @@
-"""The simulator as seen from the station: commands to vehicles go over the link, all others are applied at once."""
+"""The simulator as seen from the station: commands to vehicles go over the link, all others are applied directly."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class RemoteSimulator:
         return getattr(self._live, name)
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:
-        """Send a command to a vehicle, or apply it at once if it is for the simulator.
+        """Send a command to a vehicle, or apply it directly if it is for the simulator.
 
         Raises ValueError if it is invalid.
         """

@@ -119,7 +119,7 @@ def _is_clear(sim: Simulator, place: Floats) -> bool:
 
 
 def _leg(sim: Simulator, network: Network, vehicle: str, size: int) -> Leg:
-    """Send PACKETS_A_PLACE messages from the present place, and wait until all have arrived or are lost."""
+    """Send PACKETS_A_PLACE messages from the current place, and wait until all have arrived or are lost."""
     began_s, modem = sim.time_s, network.modem
     station = in_world(sim.scenario.station, sim.scenario.link.station_transducer_m)  # type: ignore[union-attr]
     place = sim.rov.pose.position_world_m.copy()

@@ -1,4 +1,4 @@
-"""Schedules when each of the vehicles' channels is sent: items of the simulator's agenda."""
+"""Schedules when each of the vehicles' channels is sent, as items of the simulator's agenda."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ AGAIN_S = 0.25
 """Delay before a picture that was not ready, or had no reader, is checked again."""
 
 Send = Callable[[str], bool]
-"""A function that sends a channel's present message and returns whether there was one."""
+"""A function that sends a channel's current message and returns whether there was one."""
 
 
 class Turn:

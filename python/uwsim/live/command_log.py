@@ -69,7 +69,7 @@ def replay(
     """Replay a log; return the simulator at until_tick, in the original's state to the last bit.
 
     simulator: must have the same scenario, seed and build. A CommandLog starts from the initial state that it contains;
-    other entries start from the simulator's present state. until_tick: not before the last entry. Raises ValueError if
+    other entries start from the simulator's current state. until_tick: not before the last entry. Raises ValueError if
     the log cannot be replayed.
     """
     sim = simulator if isinstance(simulator, Simulator) else Simulator(simulator)

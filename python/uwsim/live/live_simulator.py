@@ -73,13 +73,13 @@ class LiveSimulator:
 
     @contextmanager
     def mission_clock(self) -> Iterator[MissionClock]:
-        """Return a clock for one mission, with which simulated time stands still while the mission computes.
+        """Return a clock for one mission, with which simulated time pauses while the mission computes.
 
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
 
-        Thus the mission gives the same bytes as on a Simulator, however busy the machine is. A mission that computes
-        for long makes the simulator late.
+        Thus the mission gives the same bytes as on a Simulator, no matter how busy the machine is. A mission that
+        computes for long makes the simulator late.
         """
         clock = MissionClock(self._loop)
         try:
@@ -176,7 +176,7 @@ class LiveSimulator:
 
     @property
     def paused(self) -> bool:
-        """Whether simulated time stands still."""
+        """Whether simulated time is paused."""
         return self._loop.paused
 
     @property

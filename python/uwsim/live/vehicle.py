@@ -1,4 +1,4 @@
-"""Vehicles of a live simulator: readings return at once, commands are logged."""
+"""Vehicles of a live simulator: readings return immediately, commands are logged."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class LiveVehicle(Placeable):
 
     @property
     def pose(self) -> Pose:
-        """The present pose."""
+        """The current pose."""
         return self._vehicle.pose
 
     @property
     def velocity(self) -> Velocity:
-        """The present velocity."""
+        """The current velocity."""
         return self._vehicle.velocity
 
     @property
@@ -98,7 +98,7 @@ class LiveSonar:
         self._live.command("aim", vehicle=self._vehicle, elevation_rad=elevation_rad, sonar=self._sonar.name).result()
 
     def ping(self) -> _core.Ping:
-        """Ping once from the present pose."""
+        """Ping once from the current pose."""
         return self._sonar.ping()
 
 

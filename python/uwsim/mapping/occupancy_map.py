@@ -248,7 +248,7 @@ class OccupancyMap(Sealed):
 
     @property
     def model(self) -> OccupancyModel:
-        """The sensor model for later scans; voxels keep their present values until a scan changes them."""
+        """The sensor model for later scans; voxels keep their current values until a scan changes them."""
         hit, miss, lowest, highest = self._map.model()
         return OccupancyModel(hit, miss, (lowest, highest))
 

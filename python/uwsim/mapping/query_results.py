@@ -67,7 +67,7 @@ class Cubes:
 
 @dataclass(frozen=True, eq=False)
 class MapChanges:
-    """Voxels of the finest level that changed, and their present states.
+    """Voxels of the finest level that changed, and their current states.
 
     centres_m: (n, 3) float64, world, in Morton order. states: (n,) int8, 1 occupied, 0 free, -1 unknown.
     """

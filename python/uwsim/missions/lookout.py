@@ -15,7 +15,7 @@ from uwsim.navigation.control.controller import Controller
 from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
-"""The vehicle never climbs above this height of its own accord."""
+"""The lookout never makes the vehicle climb above this height."""
 CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero over the second value
 SLOWEST = 0.1  # lowest fraction of the commanded speed
 

@@ -1,4 +1,4 @@
-"""Waiting for a sonar head that takes time to tilt."""
+"""Helpers that wait for a sonar head to tilt."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Unanswered service calls by one client, and calls by others of the services that it offers."""
+"""A client's unanswered service calls, and other clients' calls of the services that it offers."""
 
 from __future__ import annotations
 

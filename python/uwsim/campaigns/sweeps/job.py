@@ -33,7 +33,7 @@ MAX_LIST = 16
 
 @dataclass(frozen=True)
 class Job:
-    """A run, as a worker receives it. values: by parameter or key. mission: a file; None for a survey."""
+    """A run to be flown by a worker. values: by parameter or key. mission: a file; None for a survey."""
 
     scenario: str
     seed: int | None

@@ -94,7 +94,7 @@ def start_screen(path: Path) -> Figure:
 
 
 def main_screen(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 5: the vehicle's and the station's pictures beside the panel."""
+    """Draw Fig. 5: the vehicle's and the station's pictures next to the panel."""
     place(sim, BEFORE_THE_GATE)
     panel = sim.rov.telemetry()
     rows = [

@@ -110,7 +110,7 @@ def _beams(sensor: SensorMount) -> Floats:
             ]
         )
         return turned(of_yaw_pitch_roll_deg(sensor.yaw_pitch_roll_deg), down)
-    if sensor.kind == "altitude":  # stabilised: vertical however it is mounted
+    if sensor.kind == "altitude":  # stabilised: vertical regardless of its mounting
         return np.array([DOWN])
     if sensor.kind == "proximity":
         return _turned(sensor.yaw_pitch_roll_deg, AHEAD)
@@ -135,7 +135,7 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
     """Return whether a ray from outside a closed surface of outward-winding triangles (m, 3, 3) hits the surface.
 
-    A ray from inside first hits a back face, and gives False. Moeller and Trumbore 1997, "Fast, minimum storage
+    A ray from inside first hits a back face: False. Moeller and Trumbore 1997, "Fast, minimum storage
     ray-triangle intersection".
     """
     a = corners_m[:, 0]

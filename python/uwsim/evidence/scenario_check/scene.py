@@ -212,7 +212,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
 
 
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
-    """Return the speed of the current at a position, without waves, which only move a vehicle to and fro."""
+    """Return the speed of the current at a position, without waves, which only move a vehicle back and forth."""
     calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
     water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
     times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()

@@ -15,9 +15,9 @@ from uwsim.simulator.simulator import Simulator
 SIGHT_M = 3.0
 """Visibility below which a warning is given."""
 FLOATING_M = 0.3
-"""Height above the bed beyond which an obstacle gives a warning, since it hangs in the water."""
+"""Height above the bed beyond which a warning is given, since an obstacle appears to float."""
 BURIED, HIDDEN = 0.6, 0.999
-"""Shares of an obstacle's surface below the bed beyond which it gives a warning, and is invisible, respectively."""
+"""Shares of an obstacle's surface below the bed beyond which a warning is given, and it is invisible."""
 TRIM_SHARE = 0.004
 """Net buoyancy, as a share of a vehicle's weight, beyond which a warning is given."""
 RISING_SHARE = 0.03

@@ -37,7 +37,7 @@ def times(duration_s: float) -> Array:
 
 
 def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: float) -> Flight:
-    """Return the motion from START_M, level, with velocity_body (6,), under the present efforts."""
+    """Return the motion from START_M, level, with velocity_body (6,), under the current efforts."""
     rov = sim.rov
     rov.place(START_M, velocity_body=np.asarray(velocity_body, np.float64))
     samples = times(duration_s)

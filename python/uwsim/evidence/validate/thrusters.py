@@ -19,7 +19,7 @@ HEIGHT_TOLERANCE = 5e-3
 
 
 def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check the table's points, zero thrust in the dead band, and half the thrust halfway to the points beside it."""
+    """Check the table's points, zero thrust in the dead band, and half the thrust halfway to the adjacent points."""
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T
     middles = 0.5 * (commands[1:] + commands[:-1])
@@ -50,7 +50,7 @@ def thruster_wrenches(name: str, model: VehicleModel | None = None) -> Iterator[
 
 
 def thruster_heights(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check a thruster's position along its axis, which affects no moment, by where it leaves the water."""
+    """Check a thruster's position along its axis, which affects no moment, by where it emerges from the water."""
     probe = Probe(name, model)
     for thruster, mount in MOUNTS[name].items():
         upright = abs(mount.unit[2]) == 1

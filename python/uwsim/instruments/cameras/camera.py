@@ -1,4 +1,4 @@
-"""Camera: captures pictures of the world at the present time."""
+"""Camera: captures pictures of the world at the current time."""
 
 from __future__ import annotations
 
@@ -151,17 +151,17 @@ class Camera(Sealed):
 
     @property
     def world_from_camera(self) -> Floats:
-        """The present pose of the camera's frame (x ahead, y left, z up), (4, 4)."""
+        """The current pose of the camera's frame (x ahead, y left, z up), (4, 4)."""
         return self._pose(self._scene.snapshot(with_lamps=False))[2]
 
     @property
     def pose(self) -> tuple[Floats, Floats]:
-        """The present pose as position (3,) and orientation x, y, z, w (4,) in the world."""
+        """The current pose as position (3,) and orientation x, y, z, w (4,) in the world."""
         return self._pose(self._scene.snapshot(with_lamps=False))[:2]
 
     @property
     def aim_rad(self) -> tuple[float, float]:
-        """The present pan, positive to port, and tilt, positive down; 0 without a motor."""
+        """The current pan, positive to port, and tilt, positive down; 0 without a motor."""
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
@@ -202,11 +202,11 @@ class Camera(Sealed):
         return self._lens.core.ray_table(distort)
 
     def snapshot(self) -> Snapshot:
-        """Return the present state, for a `capture` at a later time or on another thread."""
+        """Return the current state, for a `capture` at a later time or on another thread."""
         return self._scene.snapshot(with_lamps=True)
 
     def later(self) -> Callable[[], Frame]:
-        """Store the present state; return a function that captures it at any later time, on any thread.
+        """Store the current state; return a function that captures it at any later time, on any thread.
 
         Unlike a snapshot, this also stores the parameters of the camera and of the scene.
         """
@@ -259,7 +259,7 @@ class Camera(Sealed):
     def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
         """Return the rotation from the camera's frame to its carrier's, x, y, z, w (4,).
 
-        snapshot: when; None for the present.
+        snapshot: the state to use; None for the current one.
         """
         if self._head is None:
             return self._orientation_xyzw

@@ -1,4 +1,4 @@
-"""The state that all of a simulator's cameras share: the scene, its light, and the present poses."""
+"""The state that all of a simulator's cameras share: the scene, its light, and the current poses."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class SharedScene:
         return self._native.core
 
     def kept(self) -> SharedScene:
-        """Return a copy that keeps the present materials, hulls and water, whatever changes later."""
+        """Return a copy that keeps the current materials, hulls and water, regardless of later changes."""
         return copy(self)
 
     def restart(self, scenario: Scenario) -> None:
@@ -125,7 +125,7 @@ class SharedScene:
         return height if np.isfinite(height) else -np.inf
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
-        """Return the present state; it is consistent even if other threads step the simulation meanwhile."""
+        """Return the current state; it is consistent even if other threads step the simulation meanwhile."""
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]

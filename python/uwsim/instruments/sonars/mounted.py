@@ -63,18 +63,18 @@ class ImagingSonar(Sealed):
 
     @property
     def world_from_sonar(self) -> Matrix:
-        """The sonar's present pose, (4, 4)."""
+        """The sonar's current pose, (4, 4)."""
         return imaging.checked_pose(self._sim.vehicles[self._vehicle].pose.world_from_body @ self._body_from_sonar)
 
     def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
-        """Ping once from the present pose. The arguments and the result depend on the kind; see look, line and profile.
+        """Ping once from the current pose. The arguments and the result depend on the kind; see look, line and profile.
 
         with_labels: whether to include the surface that each cell shows.
         """
         return self.later(*arguments, with_labels=with_labels)()
 
     def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
-        """Store the present state; return a function that pings from it at any time, on any thread: see `ping`."""
+        """Store the current state; return a function that pings from it at any time, on any thread: see `ping`."""
         around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
         return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
@@ -89,7 +89,7 @@ class ImagingSonar(Sealed):
         return cast(Waterfall, self.ping(with_labels=with_labels))
 
     def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
-        """Return a single beam's pings at angles (n,) from the present pose. Raises ValueError for another kind."""
+        """Return a single beam's pings at angles (n,) from the current pose. Raises ValueError for another kind."""
         self._require(SingleBeam)
         return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 

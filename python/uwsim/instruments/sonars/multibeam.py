@@ -57,7 +57,7 @@ class Sonar(Sealed):
     def aim(self, elevation_rad: float) -> None:
         """Set the elevation that the head turns to: positive up, 0 straight ahead. Raises ValueError beyond +-pi/2.
 
-        The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its present elevation.
+        The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its current elevation.
         """
         angle = number(elevation_rad, "elevation_rad", "rad")
         self._simulation.aim(self._vehicle, self._index, angle)
@@ -66,20 +66,20 @@ class Sonar(Sealed):
 
     @property
     def elevation_rad(self) -> float:
-        """The head's present elevation, at which it pings."""
+        """The head's current elevation, at which it pings."""
         return self._simulation.sonar_elevation_rad(self._vehicle, self._index)
 
     @property
     def ping_rate_max_hz(self) -> float:
         """The highest ping rate at which sound returns from the maximum range before the next ping: c / (2 range).
 
-        c is the speed of sound at the head's present depth. A survey does not exceed this rate; `ping` does not enforce
+        c is the speed of sound at the head's current depth. A survey does not exceed this rate; `ping` does not enforce
         it, since pinging takes no simulated time.
         """
         return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
     def ping(self) -> _core.Ping:
-        """Ping once from the vehicle's present pose; see _core.Ping for the arrays. All pings at one time are equal.
+        """Ping once from the vehicle's current pose; see _core.Ping for the arrays. All pings at one time are equal.
 
         Surfaces above the water return no echo. A head above the water or under the terrain receives no echoes: no beam
         is valid, and all ranges are inf. A head inside an obstacle receives echoes from its walls. In physics mode the

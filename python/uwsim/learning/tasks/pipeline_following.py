@@ -25,10 +25,10 @@ FIRST_SHARE = 0.6  # episodes begin within this first share of the pipe's length
 class PipelineFollowing(Task):
     """Follow the scenario's pipeline to its end, 3 m above the bed. The pipe is observed only through sonar pings.
 
-    Start: along the pipe, at most 1.5 m beside it, within 20 degrees of its direction. Reward of a step: progress along
-    the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean square of
-    the efforts; 10 for reaching the end of the pipe, -5 for losing it (5 m to the side) and -5 for a collision. End:
-    any of these.
+    Start: along the pipe, at most 1.5 m to the side, within 20 degrees of its direction. Reward of a step: progress
+    along the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean
+    square of the efforts; 10 for reaching the end of the pipe, -5 for losing it (5 m to the side) and -5 for a
+    collision. End: any of these.
     """
 
     scenario_file = "pipeline.yaml"
@@ -49,7 +49,7 @@ class PipelineFollowing(Task):
         self._along_m = np.zeros(batch.n)
 
     def start(self, members: NDArray[np.intp], draws: Floats) -> Start:
-        """Begin beside the pipe."""
+        """Begin near the pipe."""
         along_m = FIRST_SHARE * self._track.length_m * draws[:, 0]
         points, direction = self._track.at(along_m)
         aside = spread(draws[:, 1], -1.5, 1.5)[:, None] * np.stack([-direction[:, 1], direction[:, 0]], axis=1)

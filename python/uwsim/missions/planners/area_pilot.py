@@ -33,7 +33,7 @@ class AreaPilot:
     def go_to(
         self, goal: Floats, most_m: float = math.inf, enough: Callable[[], bool] = lambda: False
     ) -> Steps[bool | None]:
-        """Go to a point (2,) through open water until there, or until `enough` holds; return whether that succeeded.
+        """Go to a point (2,) through open water until it is reached or `enough` is true; return the outcome.
 
         False if the point was closed or time ran out before. None if the remaining path turned out to be longer than
         most_m.

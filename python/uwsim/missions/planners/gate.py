@@ -1,4 +1,4 @@
-"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of the gate's middle, and through.
+"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of its middle, and passes through.
 
 A post is a narrow group of neighbouring beams whose echoes are nearer than those on both sides. Two posts whose
 distance matches the gate's width are the gate; its position is the median over several pings. It is measured from afar,

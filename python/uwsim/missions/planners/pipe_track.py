@@ -1,9 +1,9 @@
 """The track of a pipe that a vehicle follows, from observations by its sonar and its camera.
 
 The sonar sees where the pipe crosses its fan, a few metres ahead; the camera sees the pipe below. Each new point beyond
-the track's end, from either instrument, extends the track. If the camera sees the pipe beside the track laid out by the
-sonar, the difference is the drift of the vehicle's position since then: the part of the track ahead is shifted by a
-fraction of it, which is the gain of a scalar Kalman filter for that offset.
+the track's end, from either instrument, extends the track. If the camera sees the pipe to the side of the track laid
+out by the sonar, the difference is the drift of the vehicle's position since then: the part of the track ahead is
+shifted by a fraction of it, which is the gain of a scalar Kalman filter for that offset.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The adaptive lawn-mower for unknown water: without polygon or chart, it turns where the sonar sees an obstacle.
 
 It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees anything ahead that cannot be
-passed over; then the vehicle steps aside and turns. If nothing unflown is left beside it, it returns over flown water
+passed over; then the vehicle steps aside and turns. If nothing unflown is left next to it, it returns over flown water
 to the nearest opening, and continues mowing from there. The mission is complete when no opening is left within the
 bound.
 

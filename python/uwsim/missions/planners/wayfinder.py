@@ -95,7 +95,7 @@ class Wayfinder(Lookout):
         within_m: float = 1.0,
         enough: Callable[[], bool] = lambda: False,
     ) -> Steps[bool]:
-        """Go to a point (2,), around shoals seen on the way, until within within_m of it or until `enough` holds.
+        """Go to a point (2,), around shoals seen on the way, until within within_m of it or until `enough` is true.
 
         Return False if there is no path to it, or it was not reached in time.
         """

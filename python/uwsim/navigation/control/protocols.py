@@ -15,7 +15,7 @@ class Watch(Protocol):
 
     @property
     def time_s(self) -> float:
-        """Seconds since a fixed moment."""
+        """Seconds since a fixed time."""
 
 
 class Clock(Watch, Protocol):

@@ -1,4 +1,4 @@
-"""The interfaces of vehicles and sensors for navigation; those of uwsim.Simulator fit them, and remote ones may."""
+"""The interfaces that navigation requires of vehicles and sensors; uwsim.Simulator implements them."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """The pilot's hands: keys and sticks become efforts, which end without further input.
 
-A terminal reports that a key was typed, and again as it repeats, but not that it was released. So an effort holds for
+A terminal reports that a key was typed, and again as it repeats, but not that it was released. So an effort lasts for
 FIRST_HOLD_S after a key is first typed, within which a keyboard starts to repeat, and for REPEAT_HOLD_S after each
-repeat. Of several held keys only the last one repeats; the others hold as long as it does. Terminals with the kitty
+repeat. Of several held keys only the last one repeats; the others last as long as it does. Terminals with the kitty
 keyboard protocol (https://sw.kovidgoyal.net/kitty/keyboard-protocol/) report when a key is released; there an effort
-holds until then.
+lasts until then.
 """
 
 from __future__ import annotations

@@ -129,7 +129,7 @@ def is_absent(model: Model, field: str) -> bool:
 
 
 LISTS = {("water", "current")}
-"""Those places in WHOLE that hold a list; a scenario may give a single item without a list."""
+"""The places in WHOLE that contain a list; a scenario may specify a single item without a list."""
 
 
 def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:

@@ -97,7 +97,7 @@ class ImagingKind:
     """A kind of imaging sonar.
 
     model: the class of its parameters, whose defaults are those of a typical instrument. ping: called as ping(sim,
-    world_from_sonar, model, name, *arguments); pings once from a vehicle at the present time and returns the kind's
+    world_from_sonar, model, name, *arguments); pings once from a vehicle at the current time and returns the kind's
     result.
     """
 
