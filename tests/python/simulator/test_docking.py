@@ -1,4 +1,4 @@
-"""Docking, undocking and docking again: each is reported."""
+"""Leaving the dock and docking again: each is reported, warned of or refused with the reason."""
 
 import warnings
 
