@@ -1,4 +1,4 @@
-"""Long runs that Ctrl-C and SIGTERM end at their next pause; SIGTERM also skips work that can be done later."""
+"""Long runs that stop at their next pause on Ctrl-C or SIGTERM; SIGTERM also skips work that can be done later."""
 
 from __future__ import annotations
 

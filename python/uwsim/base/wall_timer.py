@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Adds wall seconds by stage to those of an earlier flight, if any. Each stage is timed by one thread only."""
+    """Accumulates wall time by stage, continuing that of an earlier flight, if any. One thread times each stage."""
 
     def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
@@ -38,7 +38,7 @@ class WallTimer:
 
 
 class _Inner(threading.local):
-    """took_s: a list with the total seconds of the finished blocks inside this thread's current block."""
+    """Per-thread state. took_s: a list with the total time [s] of the finished blocks inside the current block."""
 
     def __init__(self) -> None:
         self.took_s = [0.0]

@@ -14,7 +14,7 @@ from uwsim.batch.results import BatchSamples, Buffers
 
 
 class Programs:
-    """Keeps track of members' faults, failsafes and sensors that are off. Members without any cost nothing.
+    """Keeps track of members' faults, failsafes and sensors that are off. Members that have none of these cost nothing.
 
     Each member has its own agenda (`base/agenda.py`): between two ticks at which its Python items act, it is stepped
     like any other member. The members may be at different ticks meanwhile, so that every round of parts keeps all

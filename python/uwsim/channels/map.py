@@ -31,7 +31,7 @@ WAITING_MAX = 64  # pings that may be queued for the map; beyond that, the steps
 
 
 class _Late:
-    """A channel's result: computed from a ping every period_ns, published one ping later; the first immediately."""
+    """A channel's result, computed from a ping every period_ns and published one ping later (the first immediately)."""
 
     def __init__(self, period_ns: int) -> None:
         self._period_ns = period_ns

@@ -1,4 +1,4 @@
-"""Steering commands that arrive as messages, only one kind at a time, and the control loop of /cmd_vel."""
+"""Steering commands that arrive as messages (one kind is active at a time), and the control loop of /cmd_vel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A command's bridges besides its rosbridge: ROS 1 and ROS 2 nodes, and the Foxglove server."""
+"""A command's bridges in addition to rosbridge: ROS 1 and ROS 2 nodes, and the Foxglove server."""
 
 from __future__ import annotations
 

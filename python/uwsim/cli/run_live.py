@@ -1,4 +1,4 @@
-"""Helpers for commands that run a live simulator: waiting for Ctrl-C, and reporting a pace that is not held."""
+"""Helpers for commands that run a live simulator: waiting for Ctrl-C, and reporting when the pace is not kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands that a vehicle has as methods, defined once for simulated, live and remote vehicles and for missions.
+"""The commands that are methods of a vehicle, defined once for simulated, live and remote vehicles and for missions.
 
 These protocols have method bodies: a class that inherits from one gets its methods, which call the class's `command`; a
 class that implements the methods itself, such as the simulated vehicle, conforms without inheriting.
@@ -35,7 +35,7 @@ class Steerable(Protocol):
 
 
 class Commandable(Steerable, Protocol):
-    """A vehicle that accepts every command a real one could. All raise ValueError without changing anything."""
+    """A vehicle that accepts every command that a real one could. A command that raises ValueError changes nothing."""
 
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Issue a command by its name in uwsim.commands."""

@@ -1,1 +1,1 @@
-"""Figures: PNG files of surveys, maps and sonars. Nothing here flies or scores."""
+"""Figures: PNG files of surveys, maps and sonars. This package only draws."""

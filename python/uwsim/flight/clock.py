@@ -9,7 +9,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 class FlightOverError(Exception):
-    """Ends the flight, whatever the mission would do next; the message is the reason."""
+    """Raised to end the flight immediately; the message is the reason."""
 
 
 class FlightClock:

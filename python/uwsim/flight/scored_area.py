@@ -1,4 +1,4 @@
-"""The area in which a flight's map is scored: one rule, so that one map of a flight always gets one score."""
+"""The area in which a flight's map is scored: a single rule, so that a flight's map always gets the same score."""
 
 from __future__ import annotations
 

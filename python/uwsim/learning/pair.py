@@ -33,7 +33,7 @@ STRUCK = -20.0
 
 
 class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stubs
-    """Two BlueROV2 Heavy start 3 m apart in a gusty current; each must go to the other's start and stay there.
+    """Two BlueROV2 Heavy vehicles start 3 m apart in a gusty current; each must go to the other's start and stay.
 
     Observation: as in uwsim/StationKeeping-v0 with respect to the target, then the other vehicle's relative position
     and velocity. Reward: as in uwsim/StationKeeping-v0 with respect to the target, and -20 for both vehicles on a

@@ -1,4 +1,4 @@
-"""Offline: gives a simulator that its owner steps the interface that a Carrier needs."""
+"""Offline: the interface that a Carrier needs, for a simulator that is stepped by its owner."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The `link` channel: how well a vehicle and the station receive each other, as known at both ends together."""
+"""The `link` channel: how well a vehicle and the station receive each other, from the data of both ends."""
 
 from __future__ import annotations
 

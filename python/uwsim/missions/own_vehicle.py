@@ -1,4 +1,4 @@
-"""OwnVehicle: the Vehicle passed to a mission, made from a simulated or remote one, a clock and an estimate."""
+"""OwnVehicle: the Vehicle passed to a mission, built from a simulated or remote one, a clock and an estimate."""
 
 from __future__ import annotations
 

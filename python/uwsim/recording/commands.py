@@ -15,7 +15,7 @@ BYTES = "$bytes"
 
 
 class Command(NamedTuple):
-    """A command, and the tick at whose beginning it took effect; for a jump in time, the tick that it led to.
+    """A command, and the tick at the start of which it took effect; for a jump in time, the tick that it led to.
 
     name: a command of uwsim.live.COMMANDS, reset or restore_state. arguments: JSON types and bytes.
     """

@@ -1,4 +1,4 @@
-"""Moments: renders a recording's pictures during a replay, at the times that they show."""
+"""Moments: renders a recording's pictures during a replay, at the simulated times when they were taken."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class FailsafeLike(Protocol):
 
 
 class CommandGate:
-    """Stands between a vehicle's actuators and every command that moves it.
+    """Filters every command that moves a vehicle before it reaches the actuators.
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
     move it. all_stopped: whether all stop is set. stops: how many times it has been set; programs that command

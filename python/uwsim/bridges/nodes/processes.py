@@ -1,4 +1,4 @@
-"""The nodes as processes, forked after all imports, and each set up before the next one starts."""
+"""Runs the nodes as processes, forked after all imports; each is set up before the next one starts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The design of a sweep: which values each run has."""
+"""The design of a sweep: the values of each run."""
 
 from __future__ import annotations
 

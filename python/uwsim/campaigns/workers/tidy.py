@@ -1,4 +1,4 @@
-"""The memory of deleted simulators is returned to the system at intervals, so that a worker does not grow."""
+"""Returns the memory of deleted simulators to the system at intervals, so that workers do not grow."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""fly_lanes: flies the lanes of an area without leaving it, going around everything that the sonar sees is too high.
+"""fly_lanes: flies the lanes of an area without leaving it, going around everything that the sonar shows is too high.
 
 A lane is a row of points. The part covered by a shoal is trimmed. The part behind a shoal is flown at once if the
 detour is short; otherwise after the other lanes, with everything that has been charted by then. Points that the sonar

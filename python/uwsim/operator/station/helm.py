@@ -1,4 +1,4 @@
-"""The pilot's efforts: they must be recent, hold only while repeated, and are zero otherwise."""
+"""The pilot's efforts: they must be recent, last only while repeated, and are otherwise zero."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ LOGGER = logging.getLogger("uwsim.operator.station")
 
 
 class Pulse:
-    """A thread that beats when something is due, or when stirred; twice a second while idle."""
+    """A thread that runs when something is due or `stir` is called, and twice a second while idle."""
 
     def __init__(self, station: Station) -> None:
         self._station = station

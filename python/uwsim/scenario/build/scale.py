@@ -1,4 +1,4 @@
-"""Checks that a mesh's scale is plausible: in the wrong unit, millimetres, it would be a thousand times too large."""
+"""Checks that a mesh's scale is plausible: a mesh in millimetres, read as metres, is a thousand times too large."""
 
 from __future__ import annotations
 
