@@ -219,19 +219,19 @@ class Description(Message):
 
 
 class Join(Message):
-    """name: shown to the other members."""
+    """A request to join the members. name: shown to the other members."""
 
     name: str | None = None
 
 
 class Joined(Done):
-    """id: identifies this connection."""
+    """The response to a Join. id: identifies this connection."""
 
     id: str
 
 
 class HandOver(Message):
-    """to: the id of another member; empty releases the controls."""
+    """A request to pass on the controls. to: the id of another member; empty releases the controls."""
 
     to: str | None = None
 
@@ -250,20 +250,20 @@ class Drive(Message):
 
 
 class Driven(Commanded):
-    """age_s: the delay of the command."""
+    """The response to a Drive. age_s: the delay of the command."""
 
     age_s: float
 
 
 class AllStop(Message):
-    """on: false releases all stop."""
+    """A request to set or release all stop. on: false releases it."""
 
     vehicle: str
     on: bool | None = None
 
 
 class Order(Message):
-    """name: one of the commands listed in the description. args: its arguments."""
+    """A request to issue a command. name: one of the commands listed in the description. args: its arguments."""
 
     name: str
     vehicle: str | None = None
@@ -271,7 +271,7 @@ class Order(Message):
 
 
 class SetView(Message):
-    """width: 0 for the camera's own width."""
+    """A request to change a view's pictures. width: 0 for the camera's own width."""
 
     name: str
     rate_hz: float | None = None
@@ -280,7 +280,10 @@ class SetView(Message):
 
 
 class Control(Message):
-    """action: one of the controls listed in the description. steps, speed, name: for those that need them."""
+    """A request to control the simulation. action: one of the controls listed in the description.
+
+    steps, speed, name: for the actions that need them.
+    """
 
     action: str
     steps: float | None = None

@@ -201,7 +201,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string[]} commands
  */
 
-/** id: identifies this connection.
+/** The response to a Join. id: identifies this connection.
  * @typedef {object} Joined
  * @property {true} success
  * @property {string} message
@@ -214,7 +214,7 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string} message
  */
 
-/** age_s: the delay of the command.
+/** The response to a Drive. age_s: the delay of the command.
  * @typedef {object} Driven
  * @property {true} success
  * @property {string} message
