@@ -61,8 +61,8 @@ def test_ctrl_c_before_the_flight_ends_the_program_at_once(after_s: float, tmp_p
     time.sleep(after_s)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=300)
-    assert process.returncode in (130, -signal.SIGINT), "the latter before Python has started"
-    assert process.returncode < 0 or "Traceback" not in errors
+    if process.returncode != -signal.SIGINT and "init_import_site" not in errors:  # else Python itself had not started
+        assert process.returncode == 130 and "Traceback" not in errors, errors
 
 
 def test_a_reader_that_stops_reading_does_not_prevent_the_report(tmp_path: Path) -> None:
