@@ -25,7 +25,7 @@ Box bounds(const Solid& solid) {
   return box;
 }
 
-/// The smallest float that is not less than `value`.
+/// The smallest float that is at least `value`.
 float rounded_up(double value) {
   const auto nearest = static_cast<float>(value);
   return nearest < value ? std::nextafter(nearest, std::numeric_limits<float>::infinity()) : nearest;

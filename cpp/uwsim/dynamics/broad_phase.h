@@ -9,11 +9,11 @@
 
 namespace uwsim {
 
-/// Excludes contacts with terrain and solids quickly, so that a step in open water costs no work on contacts.
+/// Quickly rules out contacts with terrain and solids, so that a step in open water spends nothing on contacts.
 ///
-/// A pyramid of maxima over a horizontal grid: level 0 holds, for each square block, the height of the highest terrain
-/// or solid in it; each higher level holds the maxima of 2 x 2 blocks. A box is compared at the level whose blocks are
-/// at least as wide as the box, so that at most four numbers are read. Conservative: water under a bridge counts as
+/// A pyramid of maxima over a horizontal grid. Level 0 stores, for each square block, the height of the highest terrain
+/// or solid in it; each level above stores the maxima of 2 x 2 blocks. A box is tested at the level whose blocks are at
+/// least as wide as the box, so at most four values are read. The test is conservative: water under a bridge counts as
 /// occupied.
 class BroadPhase {
  public:

@@ -2,11 +2,11 @@
 
 namespace uwsim {
 
-/// Makes Bullet throw std::bad_alloc when memory runs out. Bullet does not check what its allocator returns, so that
-/// the process would otherwise end with a segmentation fault. Returns true.
+/// Makes Bullet throw std::bad_alloc when memory runs out. Bullet does not check its allocator's result, so the process
+/// would otherwise crash with a segmentation fault. Returns true.
 bool let_bullet_throw();
 
-/// Runs before any of Bullet in every file that includes this.
+/// Initialized before any use of Bullet in every file that includes this header.
 inline const bool kBulletThrows = let_bullet_throw();
 
 }  // namespace uwsim

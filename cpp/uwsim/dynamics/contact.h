@@ -14,33 +14,33 @@ struct Contact {
   int b = kFixedBody;
   Eigen::Vector3d point_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_world = Eigen::Vector3d::UnitZ();  ///< unit, from b towards a
-  double gap_m = 0;                                         ///< negative where they overlap
+  double gap_m = 0;                                         ///< negative for an overlap
   double friction = 0;
   double restitution = 0;
 
-  /// The least velocity along the normal that the contact demands: none, Newton's restitution above a threshold speed,
-  /// or the velocity that closes the gap in this step. `start_m_s` and `end_m_s` are the velocities at the start of the
-  /// step and at its end without contacts.
+  /// The minimum velocity along the normal that the contact requires: none, the velocity from Newton's restitution
+  /// above a threshold speed, or the velocity that closes the gap in this step. `start_m_s` and `end_m_s` are the
+  /// velocities at the start of the step and at its end without contacts.
   double least_speed_m_s(double start_m_s, double end_m_s, double step_s) const;
-  /// The push along the normal that is due in this step. It removes a fraction of the present overlap and all of the
-  /// overlap that this step would add: impulses act throughout the step, so a body that is stopped still moves at the
-  /// mean of its old and its new speed along the normal.
+  /// The push velocity along the normal for this step. It removes a fraction of the present overlap and all of the
+  /// overlap that this step would add: impulses act throughout the step, so a body that is stopped still moves along
+  /// the normal at the mean of its old and new speeds.
   double push_m_s(double start_m_s, double end_m_s, double step_s) const;
 };
 
 /// A body as seen by the contact solver.
 struct ContactBody {
   Pose world_from_body;
-  /// In: at the end of the step without contacts. Out: as allowed by the contacts.
+  /// Input: the velocity at the end of the step without contacts. Output: the velocity that the contacts allow.
   Vector6d velocity_body = Vector6d::Zero();
   Vector6d start_velocity_body = Vector6d::Zero();  ///< at the start of the step
   Matrix6d inverse_mass = Matrix6d::Zero();         ///< full (M_RB + M_A)^-1
-  /// Out: total impulse of its contacts about its origin [N s, N m s].
+  /// Output: the total impulse of its contacts about its origin [N s, N m s].
   Vector6d impulse_body = Vector6d::Zero();
-  /// Out: a velocity that changes this step's pose only, to separate overlaps without adding energy (split impulse).
+  /// Output: a velocity that changes only this step's pose, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
-  /// Out: the least share of Coulomb's limit that friction has left at any contact that presses; 0 where one slides or
-  /// hardly presses, -1 if the body touches anything but the fixed world.
+  /// Output: the smallest fraction of Coulomb's limit that friction has in reserve at any pressing contact. It is 0 if
+  /// a contact slides or hardly presses, and -1 if the body touches anything but the fixed world.
   double grip = -1;
 };
 

@@ -6,27 +6,27 @@
 
 namespace uwsim {
 
-/// Thrown if the search for a body's contacts would not end in reasonable time. what() gives the numbers and the likely
-/// cause.
+/// Thrown if the search for a body's contacts would not finish in reasonable time. what() reports the counts and the
+/// likely cause.
 class ContactBudgetExceeded : public std::runtime_error {
  public:
   ContactBudgetExceeded(std::size_t body, const std::string& message) : std::runtime_error(message), body(body) {}
   std::size_t body;
 };
 
-/// Counts the cost of one body's search for contacts in a step, in tests of one feature against another (about 10 ns
-/// each), and limits it. A hull in millimetres, among cells a thousand times smaller, is thus refused at the same step
-/// on every machine instead of being searched for hours.
+/// Limits the cost of one body's contact search in a step, counted in tests of one feature against another (about 10 ns
+/// each). A hull given in millimetres by mistake, among cells a thousand times smaller, is thus refused at the same
+/// step on every machine instead of being searched for hours.
 class ContactBudget {
  public:
-  /// About a second on one core, and about a hundred times the cost of a vehicle on a bed with a 5 cm grid.
+  /// About a second on one core, and about a hundred times the cost of a vehicle on a bed with a 5 cm grid
   static constexpr std::size_t kMostTests = 300'000'000;
-  /// building and storing one triangle; the budget allows a million
+  /// Building and storing one triangle; the budget allows a million triangles
   static constexpr std::size_t kTestsPerTriangle = 300;
-  /// one overlap of convex shapes with GJK and EPA, about 30 us
+  /// One overlap test of convex shapes with GJK and EPA, about 30 us
   static constexpr std::size_t kTestsPerOverlap = 3'000;
 
-  /// Starts the search for a body. size_m: the size of its shape, for the message.
+  /// Starts the search for a body. size_m: the size of its shape, for the error message.
   void begin(std::size_t body, const Eigen::Vector3d& size_m);
   /// Throws ContactBudgetExceeded if the limit is exceeded.
   void spend(std::size_t tests) {
@@ -37,7 +37,7 @@ class ContactBudget {
     triangles_ += count;
     spend(kTestsPerTriangle * count);
   }
-  /// The number of triangles that the budget still allows.
+  /// The number of triangles that still fit in the budget.
   std::size_t triangles_left() const { return (kMostTests - spent_) / kTestsPerTriangle; }
   std::size_t spent() const { return spent_; }
 

@@ -15,12 +15,12 @@
 namespace uwsim {
 namespace {
 
-// contacts closer together than this, with similar normals, are merged
+// Contacts closer together than this, with similar normals, are merged.
 constexpr double kSamePlace_m = 0.01;
 constexpr double kSameNormal = 0.99;  // cosine
-// difference beyond rounding by which the deeper of two merged contacts is kept
+// Of two merged contacts, the deeper one is kept if the difference exceeds this rounding error.
 constexpr double kDeeper_m = 1e-9;
-constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; beyond it, a step allocates
+constexpr std::size_t kReservedTriangles = 4096;  // of the terrain near one body; a step that needs more allocates
 
 struct Box {
   Eigen::Vector3d low_m, high_m;
@@ -29,7 +29,7 @@ struct Box {
   }
 };
 
-/// A box along the body's axes.
+/// A box aligned with the body axes.
 struct BodyBox {
   Eigen::Vector3d middle_body_m, half_size_body_m;
 
@@ -41,7 +41,7 @@ struct BodyBox {
     }
     return {0.5 * (low + high), 0.5 * (high - low)};
   }
-  /// Its bounding box along the world's axes, enlarged by `reach_m`.
+  /// The box's bounding box along the world axes, enlarged by `reach_m`.
   Box in_world(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& rotation, double reach_m) const {
     const Eigen::Vector3d middle = position_m + rotation * middle_body_m;
     const Eigen::Vector3d half = rotation.cwiseAbs() * half_size_body_m + Eigen::Vector3d::Constant(reach_m);
@@ -77,7 +77,7 @@ Body made_body(std::span<const ConvexPiece> pieces_body_m) {
   return body;
 }
 
-/// Shared by all bodies of the same shape: the convex hull of a vehicle takes 0.3 MB and 0.7 ms.
+/// Shared by all bodies of the same shape: a vehicle's convex hull takes 0.3 MB and 0.7 ms to build.
 std::shared_ptr<const Body> body_of(std::span<const ConvexPiece> pieces_body_m) {
   static RecentlyMade<Body> known;
   return known.find_or_make(
@@ -94,7 +94,7 @@ struct FixedSurfaces {
   explicit FixedSurfaces(const World& source) : world(source), broad_phase(source), solids(source) { world.water = {}; }
 };
 
-/// Shared by all finders in worlds with the same surfaces: those of the lake take 16 MB and 0.1 s to build.
+/// Shared by all finders in worlds with the same surfaces: those of the lake scenario take 16 MB and 0.1 s to build.
 std::shared_ptr<const FixedSurfaces> surfaces_of(const World& world) {
   static RecentlyMade<FixedSurfaces> known;
   return known.find_or_make(
@@ -110,7 +110,7 @@ struct ContactFinder::Impl {
   SurfaceContact surface_contact;
   ContactBudget budget;
   std::vector<std::shared_ptr<const Body>> bodies;
-  // Kept so that steps allocate nothing.
+  // Kept so that a step does not allocate.
   SolidTriangles::Stack solids_stack;
   SurfacePatch terrain_patch;
   std::vector<SurfacePatch> solid_patches;
@@ -178,7 +178,7 @@ struct ContactFinder::Impl {
     }
   }
 
-  /// Adds a contact. Among contacts of one pair of bodies at one place, only the deepest is kept.
+  /// Adds a contact. Of several contacts between the same two bodies at the same place, only the deepest is kept.
   void add(int a, int b, const ContactPoint& found) {
     const double gap_m = found.distance_m - kRestGap_m;
     const auto same = [&](const Contact& known) {

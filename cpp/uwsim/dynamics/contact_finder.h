@@ -11,22 +11,22 @@
 
 namespace uwsim {
 
-/// The distance at which a body rests above a surface: closer contacts count as pressed together, so that a contact can
-/// hold without an overlap of the shapes.
+/// The distance above a surface at which a body rests. Contacts closer than this count as pressed together, so that a
+/// contact can persist without an overlap of the shapes.
 inline constexpr double kRestGap_m = 1e-3;
 
 /// A body as seen by the contact finder.
 struct MovingBody {
   Pose world_from_body;
-  double reach_m = 0;  ///< find contacts whose gap is at most this
+  double reach_m = 0;  ///< only contacts whose gap is at most this are found
   bool collides = true;
 };
 
-/// Finds where bodies, made of convex pieces, come near each other, the terrain and the solids.
+/// Finds where bodies made of convex pieces come near each other, the terrain and the solids.
 ///
-/// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states have equal
-/// futures. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain
-/// is solid all the way down: a body under it overlaps it.
+/// The result is a pure function of the poses: nothing is kept from one step to the next, so equal states evolve
+/// equally. Shapes have no margin: a contact's gap is the distance between the surfaces minus kRestGap_m. The terrain
+/// is solid all the way down: a body below its surface overlaps it.
 class ContactFinder {
  public:
   explicit ContactFinder(const World& world);
@@ -40,8 +40,9 @@ class ContactFinder {
   /// Radius of a sphere about the body's origin that encloses all its pieces [m].
   double radius_m(std::size_t body) const;
 
-  /// Replaces `contacts`. They are listed body by body, each body's with terrain and solids first, then those with the
-  /// bodies before it. The caller sets friction and restitution. Throws ContactBudgetExceeded (contact_budget.h).
+  /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain and solids come first, then
+  /// those with bodies of lower index. The caller sets friction and restitution. Throws ContactBudgetExceeded
+  /// (contact_budget.h).
   void find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts);
 
  private:

@@ -7,9 +7,9 @@ namespace uwsim {
 namespace {
 
 constexpr int kSweeps = 20;
-constexpr double kSettled = 1e-15;  // stop when a sweep changes impulses by less than this share of them
+constexpr double kSettled = 1e-15;  // stop when a sweep changes impulses by less than this fraction
 
-/// Computed as two sums side by side, which is faster.
+/// Computed as two parallel sums, which is faster.
 inline Eigen::Array4d product(const Eigen::Matrix<double, 4, 6>& matrix, const Vector6d& v) {
   const auto column = [&](Eigen::Index k) { return matrix.col(k).array(); };
   const Eigen::Array4d even = column(0) * v(0) + column(2) * v(2) + column(4) * v(4);
@@ -19,7 +19,8 @@ inline Eigen::Array4d product(const Eigen::Matrix<double, 4, 6>& matrix, const V
 
 }  // namespace
 
-/// Row k of `along` is the six-vector J with J nu = `sign` times the velocity of the contact point along direction k.
+/// Row k of `along` is the six-vector J such that J nu is `sign` times the velocity of the contact point along
+/// direction k.
 void ContactSolver::make_end(std::span<const ContactBody> bodies, int body, const Contact& contact, double sign,
                              End& end) {
   end.body = body;
@@ -90,7 +91,7 @@ void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact
   solve_overlaps(bodies, contacts, step_s);
 }
 
-/// Solves the bodies that touch only the fixed world, and starts rows for the other contacts.
+/// Solves the bodies that touch only the fixed world, and sets up rows for the other contacts.
 void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
   meets_body_.assign(bodies.size(), 0);
   for (const Contact& contact : contacts) {
@@ -107,8 +108,8 @@ void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<con
   }
 }
 
-/// The impulse after one step of Gauss-Seidel, limited: the normal's never pulls, and the tangents' stay within
-/// Coulomb's cone.
+/// The impulse after one Gauss-Seidel step, limited: the normal impulse never pulls, and the tangential impulses stay
+/// within Coulomb's cone.
 Eigen::Array3d ContactSolver::limited_impulse(std::span<const ContactBody> bodies, const Rows& rows) {
   const Four speed = velocity(bodies, rows, &ContactBody::velocity_body);
   const Eigen::Array3d& before = rows.impulse;
@@ -120,14 +121,14 @@ Eigen::Array3d ContactSolver::limited_impulse(std::span<const ContactBody> bodie
   after[1] = before[1] - (speed[1] + rows.response(1, 0) * normal) * rows.to_impulse(1, 1);
   const double across = rows.response(2, 0) * normal + rows.response(2, 1) * (after[1] - before[1]);
   after[2] = before[2] - (speed[2] + across) * rows.to_impulse(2, 2);
-  // Coulomb's cone is round: both tangents are solved first, then scaled to its radius together.
+  // Coulomb's cone is circular: both tangential impulses are solved first, then scaled to its radius together.
   const double size = after[1] * after[1] + after[2] * after[2];
   if (size > limit * limit) after.tail<2>() *= limit / std::sqrt(size);
   return after;
 }
 
-/// One step of Gauss-Seidel on the three impulses of a contact in turn. Returns whether this changed its speeds by more
-/// than rounding.
+/// Performs one Gauss-Seidel step on the three impulses of a contact in turn. Returns whether it changed the velocities
+/// by more than rounding.
 bool ContactSolver::solve_contact(std::span<ContactBody> bodies, Rows& rows) {
   Vector6d& velocity_a = bodies[static_cast<std::size_t>(rows.a.body)].velocity_body;
   Four step = product(rows.a.to_impulse, velocity_a);

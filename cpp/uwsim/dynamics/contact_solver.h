@@ -12,12 +12,12 @@
 
 namespace uwsim {
 
-/// Solves contacts with each body's full inverse mass: no approach (Signorini), Newton's restitution above a threshold
-/// speed, Coulomb friction. Overlaps beyond a slop are relaxed through `push_body`.
+/// Solves contacts with each body's full inverse mass: no penetration (Signorini), Newton's restitution above a
+/// threshold speed, Coulomb friction. Overlaps beyond a slop are relaxed through `push_body`.
 ///
-/// A body that touches nothing but the fixed world is solved by GroundContactSolver. Bodies that touch each other, and
-/// those for which it does not converge, are solved by projected Gauss-Seidel on impulses, the two tangents in turn
-/// (Catto 2005; Erleben 2007). Contacts are listed body by body.
+/// A body that touches only the fixed world is solved by GroundContactSolver. Bodies that touch each other, and those
+/// for which GroundContactSolver does not converge, are solved by projected Gauss-Seidel on the impulses, one tangent
+/// at a time (Catto 2005; Erleben 2007). Contacts must be ordered by body.
 class ContactSolver {
  public:
   /// Allocates in advance, so that solve() allocates nothing for this many contacts.
@@ -31,23 +31,23 @@ class ContactSolver {
   using Four = Eigen::Array4d;  // along the normal and two tangents; the fourth is unused
 
   /// One end of a contact. The velocity along the three directions is `along` times the body's velocity; column k of
-  /// `response` is the change of the body's velocity due to a unit impulse along direction k.
+  /// `response` is the change in the body's velocity due to a unit impulse along direction k.
   struct End {
     int body;
     Eigen::Matrix<double, 4, 6> along, to_impulse;  ///< `to_impulse` is Rows::to_impulse times `along`
     Eigen::Matrix<double, 6, 3> response;
   };
-  /// Gauss-Seidel updates the three directions in turn. Without limits that is one linear map from speeds to changes of
-  /// impulses, `to_impulse`, the inverse of the lower triangle of `response`.
+  /// Gauss-Seidel updates the three directions in turn. Without limits, this is a single linear map from velocities to
+  /// changes of the impulses: `to_impulse`, the inverse of the lower triangle of `response`.
   struct Rows {
     std::size_t contact;
     End a, b;
-    Eigen::Matrix3d response;  ///< maps velocities along the three directions to impulses along them
+    Eigen::Matrix3d response;  ///< change in the velocities along the three directions due to unit impulses along them
     Eigen::Matrix3d to_impulse;
     Eigen::Array3d impulse = Eigen::Array3d::Zero();
     double friction;
     double target;    ///< velocity to reach along the normal; later, the push to reach
-    double push = 0;  ///< along the normal, applied against overlaps so far
+    double push = 0;  ///< along the normal, applied so far to reduce overlaps
   };
 
   static void make_end(std::span<const ContactBody> bodies, int body, const Contact& contact, double sign, End& end);
@@ -59,7 +59,7 @@ class ContactSolver {
   void solve_velocities(std::span<ContactBody> bodies);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
-  // Kept so that steps allocate nothing.
+  // Kept so that a step does not allocate.
   std::vector<Rows> rows_;  // of the contacts solved by Gauss-Seidel
   std::vector<double> normal_impulses_;
   std::vector<std::uint8_t> meets_body_;

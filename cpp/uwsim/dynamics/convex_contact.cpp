@@ -17,9 +17,9 @@
 namespace uwsim {
 namespace {
 
-// least cosine between a face's normal and the contact's normal for a face contact
+// Minimum cosine of the angle between a face's normal and the contact's normal for a face contact.
 constexpr double kFlush = 0.98;
-constexpr int kReservedCorners = 256;  // of a clipped face; beyond it, a step allocates
+constexpr int kReservedCorners = 256;  // of a clipped face; a step that needs more allocates
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
@@ -37,10 +37,10 @@ struct ContactPointList : btDiscreteCollisionDetectorInterface::Result {
   }
 };
 
-/// The largest cosine between the normal of a face and `direction_world`.
+/// The largest cosine of the angle between a face's normal and `direction_world`.
 double best_face_cosine(const btConvexPolyhedron& hull, const btTransform& transform,
                         const btVector3& direction_world) {
-  // the transpose of the rotation times the direction
+  // Multiplies the transpose of the rotation by the direction.
   const btVector3 direction = direction_world * transform.getBasis();
   double best = -1;
   for (int k = 0; k < hull.m_faces.size(); ++k) {

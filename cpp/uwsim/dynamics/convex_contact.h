@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// A convex piece of a body, prepared for distance queries; without Bullet's margin.
+/// A convex piece of a body, prepared for distance queries, without Bullet's margin.
 class ConvexShape {
  public:
   /// Keeps only the corners of the convex hull of the points.
@@ -29,15 +29,15 @@ class ConvexShape {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A point of contact or near contact: on the second shape, with the unit normal pointing to the first.
+/// A point of contact or near contact: it lies on the second shape, and its unit normal points to the first.
 struct ContactPoint {
   Eigen::Vector3d point_world_m, normal_world;
   double distance_m;  ///< negative where they overlap
 };
 
-/// Finds where two convex shapes are nearest and, where two faces of bodies meet, the corners of their common area.
-/// Uses Bullet: GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. A pure function of the poses. A
-/// result is valid until the next call.
+/// Finds the nearest points of two convex shapes and, where two faces meet, the corners of their common area. Uses
+/// Bullet's GJK, EPA for overlaps, and clipping after Sutherland and Hodgman. The result is a pure function of the
+/// poses and is valid until the next call.
 class ConvexContact {
  public:
   ConvexContact();

@@ -14,10 +14,10 @@ constexpr int kMostSteps = 12;  // of Newton's method; more than 9 never helped
 constexpr int kPushSweeps = 20;
 constexpr double kWeights[] = {1, 0.5};  // r; the second is tried if the first does not converge
 constexpr double kCompliance = 1e-5;     // of a contact, as a fraction of 1 / mass
-// Least impulse of a contact that helps to hold a body.
-constexpr double kPresses = 1e-5;  // relative to the largest
-// Largest error of an impulse relative to the largest impulse: the target, and the value that is good enough when a
-// step no longer gains a digit.
+// Smallest impulse that counts as helping to hold a body.
+constexpr double kPresses = 1e-5;  // relative to the largest impulse
+// Error of the impulses relative to the largest one: the target, and the value that is accepted when a further step
+// gains no digit.
 constexpr double kAim = 1e-13, kGoodEnough = 1e-9;
 
 }  // namespace
@@ -30,7 +30,7 @@ struct GroundContactSolver::Frame {
   explicit Frame(const ContactBody& body)
       : body_from_world(body.world_from_body.rotation().transpose()), factor(body.inverse_mass.llt().matrixL()) {}
 
-  /// The row whose product with the body's velocity is that of the contact's point along a direction.
+  /// The row vector whose product with the body's velocity is the contact point's velocity along a direction.
   Vector6d row(const ContactBody& body, const Contact& contact, const Eigen::Vector3d& direction_world) const {
     const Eigen::Vector3d direction = body_from_world * direction_world;
     const Eigen::Vector3d arm = body_from_world * (contact.point_world_m - body.world_from_body.position_m);
@@ -48,7 +48,7 @@ bool GroundContactSolver::solve(ContactBody& body, std::span<const Contact> cont
   for (const Contact& contact : contacts) add_point(frame, body, contact, step_s);
   const auto found = [&](double weight) { return find_impulses(frame, body, contacts, weight); };
   if (std::ranges::none_of(kWeights, found)) return false;
-  for (std::size_t k = 0; k < points_.size(); ++k) {  // what remains of an open contact's impulse is rounding
+  for (std::size_t k = 0; k < points_.size(); ++k) {  // the remaining impulse of an open contact is rounding error
     normal_impulses[k] = points_[k].slope(0, 0) > 0 ? points_[k].impulse[0] : 0;
   }
   body.velocity_body += frame.factor * change_;
@@ -94,7 +94,7 @@ void GroundContactSolver::add_tangents(const Frame& frame, const ContactBody& bo
   point.has_tangents = true;
 }
 
-/// Sets `shift` and `slope`, and returns by how much the impulse differs from its projection P. With r m v = `force`,
+/// Sets `shift` and `slope`, and returns the difference between the impulse and its projection P. With r m v = `force`,
 /// the slope is (1 - P' + compliance P')^-1 r m P', where P' = 0 for a contact that opens, 1 for one that sticks, and
 /// (1, 0; friction d, c Q) for one that slides along d, with Q = 1 - d d^T.
 double GroundContactSolver::linearize(const Frame& frame, const ContactBody& body, const Contact& contact,
@@ -128,7 +128,7 @@ double GroundContactSolver::linearize(const Frame& frame, const ContactBody& bod
   return std::max(std::abs(normal_force), error.cwiseAbs().maxCoeff());
 }
 
-/// One step of Newton's method. Contacts that are open before and after it cost nothing.
+/// Performs one Newton step. Contacts that are open before and after the step cost nothing.
 void GroundContactSolver::improve() {
   Matrix6d slope = Matrix6d::Identity();
   Vector6d shift = Vector6d::Zero();

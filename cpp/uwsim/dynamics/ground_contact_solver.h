@@ -9,31 +9,32 @@
 
 namespace uwsim {
 
-/// Solves the contacts of one body with the fixed world, to rounding, by Newton's method.
+/// Solves the contacts of one body with the fixed world by Newton's method, to rounding error.
 ///
-/// The impulse p of each contact is the projection of `p - r m v` onto Coulomb's cone, whose radius follows from its
-/// own normal part, where v is the velocity in excess of the demanded one and m the effective mass along the normal
-/// (Alart and Curnier 1991, Comput. Methods Appl. Mech. Eng. 92:353). Newton's method solves that for all contacts at
-/// once. A small compliance, which fades as it converges, shares the load among contacts that oppose the same motion.
-/// All quantities are in coordinates in which the body's mass is 1, and a step of the method solves six equations,
-/// however many contacts there are.
+/// The impulse p of each contact is the projection of `p - r m v` onto Coulomb's cone, where v is the velocity in
+/// excess of the required one and m the effective mass along the normal; the cone's radius follows from the normal
+/// component of p (Alart and Curnier 1991, Comput. Methods Appl. Mech. Eng. 92:353). Newton's method solves this for
+/// all contacts simultaneously. A small compliance, which vanishes as the method converges, shares the load among
+/// contacts that oppose the same motion. All quantities are in coordinates in which the body's mass is 1, and each
+/// iteration solves six equations, regardless of the number of contacts.
 class GroundContactSolver {
  public:
   void reserve(std::size_t contacts) { points_.reserve(contacts); }
   /// Changes velocity_body, impulse_body, push_body and grip of `body`, and sets the impulses along the normals [N s].
-  /// Returns false, changing nothing, if the method does not converge.
+  /// If the method does not converge, returns false without changing anything.
   bool solve(ContactBody& body, std::span<const Contact> contacts, double step_s, std::span<double> normal_impulses);
 
  private:
   struct Point {
     Eigen::Matrix<double, 6, 3> columns;  ///< of the normal and two tangents, in coordinates of mass 1
-    Eigen::Vector3d free_m_s;             ///< velocity without contacts, along the normal in excess of the demanded one
+    Eigen::Vector3d free_m_s;             ///< velocity without contacts; along the normal, in excess of the required
+                                          ///< one
     double demanded_m_s, start_m_s;       ///< along the normal
     double mass_kg;                       ///< effective mass for an impulse along the normal
     double friction;
-    bool has_tangents = false;  ///< set once it presses
+    bool has_tangents = false;  ///< set once the contact presses
     Eigen::Vector3d impulse;
-    /// In a step of Newton's method, the impulse changes by `shift` - `slope` (change of velocity).
+    /// In an iteration, the impulse changes by `shift` - `slope` (change of velocity).
     Eigen::Vector3d shift;
     Eigen::Matrix3d slope;
   };

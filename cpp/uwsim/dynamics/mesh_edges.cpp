@@ -9,9 +9,9 @@
 namespace uwsim {
 namespace {
 
-constexpr int kTrials = 20;  // to find a direction that all edges of a peak point away from
+constexpr int kTrials = 20;  // for finding a direction that all edges of a peak point away from
 
-/// For each vertex, the first one at the same place.
+/// For each vertex, the first vertex at the same position.
 std::vector<std::uint32_t> welded(const std::vector<Eigen::Vector3d>& vertices_m) {
   std::vector<std::uint32_t> order(vertices_m.size()), first(vertices_m.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -96,7 +96,7 @@ void MeshEdges::find_bends(const std::vector<std::uint32_t>& first) {
   for (std::size_t k = 0; k + 1 < sides.size(); ++k) {
     const Side &a = sides[k], &b = sides[k + 1];
     if (!a.same_edge(b)) continue;
-    // Where more than two triangles meet, pairs are formed in order, which is as good as any other choice: corners
+    // Where more than two triangles share an edge, they are paired in order. Any other choice would do as well: corners
     // still touch each triangle.
     const std::uint32_t after = mesh_.triangles[b.triangle][(b.edge + 2) % 3];
     const std::uint32_t before = mesh_.triangles[a.triangle][(a.edge + 2) % 3];

@@ -10,13 +10,14 @@
 
 namespace uwsim {
 
-/// How a mesh bends at the edges of its triangles, and where it has peaks. Vertices at the same place count as one.
+/// Classifies the edges of a mesh by how the surface bends there, and finds its peaks. Vertices at the same position
+/// count as one.
 class MeshEdges {
  public:
   /// Keeps a reference to `mesh`.
   explicit MeshEdges(const TriangleMesh& mesh);
 
-  /// Adds triangle `index` to `patch`, with those of its edges and peaks that no earlier triangle of the mesh has.
+  /// Adds triangle `index` to `patch`, along with its edges and peaks that belong to no earlier triangle of the mesh.
   /// Skips a triangle without area.
   void add_triangle(std::uint32_t index, SurfacePatch& patch) const;
 
@@ -24,7 +25,7 @@ class MeshEdges {
   static constexpr std::uint32_t kNone = 0xffffffff;
 
   struct Peak {
-    std::uint32_t vertex, triangle;  // the first triangle that has it
+    std::uint32_t vertex, triangle;  // the first triangle that contains the vertex
     std::vector<std::uint32_t> neighbours;
   };
 
@@ -34,9 +35,9 @@ class MeshEdges {
 
   const TriangleMesh& mesh_;
   std::vector<std::array<Bend, 3>> bends_;
-  // third vertex of the triangle across edge k; kNone for edges that another triangle adds
+  // Third vertex of the triangle across edge k; kNone for edges that another triangle adds
   std::vector<Triangle> beyond_;
-  std::vector<Peak> peaks_;  // in the order of the first triangles that have them
+  std::vector<Peak> peaks_;  // ordered by the first triangle that contains them
 };
 
 }  // namespace uwsim

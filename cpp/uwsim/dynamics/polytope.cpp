@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kShortest_m = 1e-9;  // shorter edges have no reliable direction
 
-/// Makes a face from its corners in order (Newell's method); it faces outward because Bullet winds faces
+/// Computes a face from its corners in order (Newell's method). It faces outward because Bullet winds faces
 /// counter-clockwise.
 Polytope::Face face_of(const std::vector<int>& loop, const ConvexPiece& corners_m) {
   Eigen::Vector3d area = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();

@@ -8,9 +8,9 @@
 
 namespace uwsim {
 
-/// The corners, faces and edges of the convex hull of some points.
+/// The corners, faces and edges of the convex hull of a set of points.
 struct Polytope {
-  /// The inside satisfies normal . r <= offset_m.
+  /// The interior satisfies normal . r <= offset_m.
   struct Face {
     Eigen::Vector3d normal;
     double offset_m;

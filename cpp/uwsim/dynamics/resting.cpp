@@ -5,10 +5,11 @@
 namespace uwsim {
 namespace {
 
-constexpr double kStart_m_s = 1e-4;    // largest speed of any point of a body that comes to rest
-constexpr double kAllowed_m_s = 1e-6;  // the largest speed that its contacts may allow then
-// Contacts are known to hold under loads that differ by this share if friction has this much left: their impulses
-// follow the loads, amplified by the geometry of the contacts, whose condition may then be as poor as 1 in 10,000.
+constexpr double kStart_m_s = 1e-4;    // largest speed of any point of a body that may come to rest
+constexpr double kAllowed_m_s = 1e-6;  // largest speed that its contacts may then allow
+// Contacts are assumed to hold under loads that differ by no more than this fraction, provided friction has this
+// fraction in reserve. Impulses follow the loads, amplified by the contact geometry, whose condition number may then be
+// as poor as 10,000.
 constexpr double kSameLoads = 1e-9, kGripLeft = 0.01;
 
 double fastest_m_s(const Vector6d& velocity_body, double radius_m) {
@@ -20,7 +21,7 @@ double fastest_m_s(const Vector6d& velocity_body, double radius_m) {
 bool Resting::begins(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m) {
   is_known_ = false;
   const double start_m_s = fastest_m_s(solved.start_velocity_body, radius_m);
-  // A push that only undoes what the start's speed would add does not count.
+  // A push that merely cancels the effect of the initial speed does not count.
   const double push_m_s = std::max(0.0, fastest_m_s(solved.push_body, radius_m) - 2 * start_m_s);
   if (solved.grip < 0 || start_m_s > kStart_m_s ||
       fastest_m_s(solved.velocity_body, radius_m) + push_m_s > kAllowed_m_s)

@@ -12,14 +12,14 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDiverged = 1e7;  // m, m/s and rad/s: only a diverging body gets this far
-// a smaller gap counts as touching, and so does every contact with an impulse
+constexpr double kDiverged = 1e7;  // m, m/s and rad/s; only a diverging body reaches this
+// A gap smaller than this counts as touching, as does every contact with an impulse.
 constexpr double kTouch_m = 1e-3;
-constexpr double kReachPerMotion = 1.5;        // contacts are searched this many times as far as a step moves
-constexpr double kLeastReach_m = 0.0015;       // more than kTouch_m
-constexpr std::size_t kContactsPerBody = 128;  // beyond it, a step allocates
+constexpr double kReachPerMotion = 1.5;        // search distance for contacts, as a multiple of the motion in a step
+constexpr double kLeastReach_m = 0.0015;       // must exceed kTouch_m
+constexpr std::size_t kContactsPerBody = 128;  // a step that needs more allocates
 
-/// Returns the spec with the pieces of its shape. Throws InvalidValue.
+/// Returns the spec with its collision pieces filled in. Throws InvalidValue.
 BodySpec checked(BodySpec spec) {
   spec.check();
   spec.collision_pieces_body_m =
@@ -27,10 +27,10 @@ BodySpec checked(BodySpec spec) {
   return spec;
 }
 
-/// nu' over a step, from the change of both velocities along the axes of the world. The plain difference of nu is taken
-/// along axes that turn: it belongs to the middle of the step. Added to w x v at its end, it would give an acceleration
-/// that does not exist, dt/2 w x (w x v) for a body that turns while moving straight, and integrating it would give
-/// motion.
+/// The mean nu' over a step, from the change of both velocities along the world axes. The plain difference of nu is
+/// taken along rotating axes and thus belongs to the middle of the step. Added to w x v at the step's end, it would
+/// yield a spurious acceleration, dt/2 w x (w x v) for a body that turns while moving straight, and integrating that
+/// would yield motion.
 Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s) {
   const Eigen::Quaterniond now_from_before =
       now.world_from_body.orientation.conjugate() * before.world_from_body.orientation;
@@ -93,7 +93,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   find_contacts();
   if (!contacts_.empty()) solve_contacts(water, time_s);
   for (std::size_t k = 0; k < bodies_.size(); ++k) require_plausible(bodies_[k], next_states_[k], time_s);
-  // Either all bodies move, or none if the step fails.
+  // Either all bodies move, or, if the step fails, none.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& body = bodies_[k];
     body.acceleration_body = mean_rate(body.state, next_states_[k], step_s_);
@@ -101,7 +101,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
 }
 
-/// Whether a body is known to stay where it is, held by terrain and solids, with no other body nearby.
+/// Whether a body is known to stay where it is: held by terrain and solids, with no other body nearby.
 bool RigidBodyWorld::stays_at_rest(std::size_t body) const {
   const Body& it = bodies_[body];
   if (it.held || !it.resting.lasts(it.state, next_states_[body].velocity_body)) return false;
@@ -114,7 +114,7 @@ bool RigidBodyWorld::stays_at_rest(std::size_t body) const {
   return true;
 }
 
-/// Finds the contacts at the present poses whose gaps this step could close.
+/// Finds the contacts, at the present poses, whose gaps this step could close.
 void RigidBodyWorld::find_contacts() {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const bool rests = rests_[k] != 0;
@@ -147,9 +147,9 @@ void RigidBodyWorld::combine_materials(Contact& contact) const {
   contact.restitution = std::max(a.restitution, b.restitution);
 }
 
-/// Impulses are found for the velocities at the end of a step without contacts, and then act as constant forces over
-/// the step. Thus a body at rest stays at rest, the momentum of two bodies is conserved, and the work done equals that
-/// of the impulses.
+/// Computes impulses for the velocities at the end of a step without contacts, then applies them as constant forces
+/// over the step. A body at rest thus stays at rest, the momentum of two bodies is conserved, and the work done equals
+/// that of the impulses.
 void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     contact_bodies_[k] = {.world_from_body = bodies_[k].state.world_from_body,

@@ -20,29 +20,30 @@ struct BodySpec {
   std::string name;
   std::shared_ptr<const Craft> craft;
   CollisionShape shape = CollisionShape::kHull;
-  /// Coulomb's coefficient; for a pair of bodies, the geometric mean of both
+  /// Coulomb friction coefficient; a pair of bodies uses the geometric mean of both
   double friction = 0.5;
-  /// 0 inelastic .. 1 elastic; for a pair of bodies, the larger of both
+  /// 0 (inelastic) to 1 (elastic); a pair of bodies uses the larger value
   double restitution = 0.1;
   std::vector<ConvexPiece> collision_pieces_body_m = {};  ///< for CollisionShape::kPieces
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 
 /// Bodies with six degrees of freedom among terrain and solids.
 ///
 /// The state is pose and velocity, and a step depends on nothing else. It is integrated by Runge-Kutta with the full
-/// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces; ContactSolver finds the impulses, with the
-/// same mass. The integrators and solvers of physics engines use a scalar mass for each body, which cannot represent
-/// added mass. Terrain and solids take on the material of the body that touches them.
+/// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces; ContactSolver computes the impulses with the
+/// same mass. Physics engines' own integrators and solvers use a scalar mass for each body, which cannot represent
+/// added mass. Terrain and solids adopt the material of the body that touches them.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s);
 
   std::size_t add_body(BodySpec spec, const BodyState& state);
 
-  /// Replaces the bodies' properties, one spec for each; they keep their states. Throws InvalidValue, changing nothing.
+  /// Replaces the bodies' properties, one spec per body; the bodies keep their states. On error, throws InvalidValue
+  /// and changes nothing.
   void change_bodies(std::vector<BodySpec> specs);
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
@@ -50,16 +51,16 @@ class RigidBodyWorld {
   /// A held body neither moves nor collides, like a docked vehicle.
   void hold(std::size_t body, bool held) { bodies_.at(body).held = held; }
   bool held(std::size_t body) const { return bodies_.at(body).held; }
-  /// Sets the wrench of the actuators for the next steps, body frame, at the origin [N, N m].
+  /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
   /// Whether the body touched anything in the last step.
   bool in_contact(std::size_t body) const { return bodies_.at(body).in_contact; }
-  /// Mean nu' over the last step, contacts included, such that nu' + w x v is the mean acceleration along the axes of
-  /// its end [m/s^2, rad/s^2].
+  /// Mean nu' over the last step, including contacts, defined so that nu' + w x v is the mean acceleration along the
+  /// body axes at the end of the step [m/s^2, rad/s^2].
   const Vector6d& acceleration_body(std::size_t body) const { return bodies_.at(body).acceleration_body; }
 
-  /// One fixed step from `time_s`. Throws InvalidValue that names step, body and its last finite state when the motion
-  /// diverges, and one that names body and counts if its search for contacts costs too much; in both cases no body has
+  /// Advances by one fixed step from `time_s`. Throws InvalidValue if the motion diverges (naming step, body and its
+  /// last finite state) or if a contact search costs too much (naming body and counts); in both cases no body has
   /// moved.
   void step(const WaterField& water, double time_s);
 
@@ -88,7 +89,7 @@ class RigidBodyWorld {
   ContactFinder finder_;
   ContactSolver solver_;
   std::vector<Body> bodies_;
-  // Kept so that steps allocate nothing.
+  // Kept so that a step does not allocate.
   std::vector<BodyState> next_states_;
   std::vector<std::uint8_t> rests_;  // for each body, whether it is known to stay where it is
   std::vector<MovingBody> moving_;

@@ -13,12 +13,12 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; beyond it, a step allocates
+constexpr std::size_t kReservedTriangles = 1024;  // of a solid near a body; a step that needs more allocates
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 struct Tree {
-  std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape points into
+  std::shared_ptr<const Solid> solid;  // owns the arrays that Bullet's shape refers to
   MeshEdges edges;
   btTriangleIndexVertexArray arrays;
   std::unique_ptr<btBvhTriangleMeshShape> shape;
@@ -38,7 +38,7 @@ struct Tree {
   }
 };
 
-/// Visits the solids whose boxes overlap the box, and the triangles of each whose boxes overlap it.
+/// Visits the solids whose boxes overlap the search box, and the triangles of each whose boxes overlap it.
 struct Search final : btDbvt::ICollide, btTriangleCallback {
   btVector3 low, high;
   const MeshEdges* edges = nullptr;

@@ -10,11 +10,11 @@
 
 namespace uwsim {
 
-/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). It is immutable, so that
-/// several threads may search it, each with its own memory.
+/// A spatial index of the triangles of a world's solids (Bullet's bounding-volume trees). It is immutable, so several
+/// threads may search it, each with its own Stack.
 class SolidTriangles {
  public:
-  /// The working memory of a search; kept so that steps allocate nothing.
+  /// The working memory of a search, kept so that a step does not allocate.
   class Stack {
    public:
     Stack();
@@ -33,8 +33,8 @@ class SolidTriangles {
   SolidTriangles(SolidTriangles&&) noexcept;
   SolidTriangles& operator=(SolidTriangles&&) noexcept;
 
-  /// Writes one patch for each solid that has triangles whose bounding boxes overlap the box, in a fixed order, and
-  /// returns the number of patches. `patches` only grows, so that its memory is reused. Throws ContactBudgetExceeded.
+  /// Writes one patch for each solid with triangles whose bounding boxes overlap the given box, in a fixed order, and
+  /// returns the number of patches. `patches` only grows, so its memory is reused. Throws ContactBudgetExceeded.
   std::size_t find(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m, Stack& stack,
                    std::vector<SurfacePatch>& patches, ContactBudget& budget) const;
 

@@ -9,18 +9,20 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; beyond it, a step allocates
-constexpr double kTolerance_m = 1e-9;    // rounding of positions
+constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; a step that needs more
+                                         // allocates
+constexpr double kTolerance_m = 1e-9;    // rounding error of positions
 constexpr double kCone = 1e-3;           // sine of the angle by which a normal may leave its cone
-constexpr double kFacesUp = 0.3;         // least cosine between the normal of a deep overlap and that of the terrain
+constexpr double kFacesUp = 0.3;         // minimum cosine of the angle between the normal of a deep overlap and that of
+                                         // the terrain
 
 bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& other_low,
            const Eigen::Vector3d& other_high) {
   return (low.array() <= other_high.array()).all() && (other_low.array() <= high.array()).all();
 }
 
-/// Whether the triangle's plane counts at a point `gap_m` above it: over the triangle, or beyond a concave edge, where
-/// both planes count. Over a flat edge, the planes' normals may leave a wedge between them.
+/// Whether the triangle's plane counts at a point `gap_m` above it: over the triangle itself, or beyond a concave edge,
+/// where both planes count. At a flat edge, the planes' normals may leave a wedge between them.
 bool holds_at(const SurfaceTriangle& triangle, const Eigen::Vector3d& point_m, double gap_m, double beyond_hollow_m) {
   for (std::size_t k = 0; k < 3; ++k) {
     const double inside_m = triangle.into[k].dot(point_m - triangle.corners_m[k]);
@@ -32,7 +34,7 @@ bool holds_at(const SurfaceTriangle& triangle, const Eigen::Vector3d& point_m, d
   return true;
 }
 
-/// The point on a polytope's surface that is nearest to a point outside it.
+/// The point on a polytope's surface nearest to a point outside it.
 Eigen::Vector3d nearest_on_edges(const Polytope& polytope, const Eigen::Vector3d& point_m) {
   double least = std::numeric_limits<double>::infinity();
   Eigen::Vector3d nearest = point_m;
@@ -100,7 +102,7 @@ void SurfaceContact::find_close_triangles(const SurfacePatch& patch) {
   }
 }
 
-/// The least height of the piece's box over the triangle's plane.
+/// The smallest height of the piece's box above the triangle's plane.
 double SurfaceContact::lowest_over(const SurfaceTriangle& triangle) const {
   const Eigen::Vector3d normal_body = placed_->rotation.transpose() * triangle.normal;
   return triangle.normal.dot(placed_->world_from_body.position_m) - triangle.offset_m +
@@ -111,7 +113,7 @@ void SurfaceContact::add_above(const SurfaceTriangle& triangle, const Eigen::Vec
   found_.push_back({corner_m - gap_m * triangle.normal, triangle.normal, gap_m});
 }
 
-/// A corner under the terrain touches the triangle over it, however deep it is.
+/// A corner below the terrain touches the triangle above it, at any depth.
 void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
   for (const SurfaceTriangle* triangle : close_) {
     const double gap_m = triangle->normal.dot(corner_m) - triangle->offset_m;
@@ -125,7 +127,7 @@ void SurfaceContact::add_corner_on_terrain(const Eigen::Vector3d& corner_m) {
   }
 }
 
-/// A corner inside a solid is pushed out of the nearest triangle; one outside touches all triangles that it is near.
+/// A corner inside a solid is pushed out through the nearest triangle; a corner outside touches all nearby triangles.
 void SurfaceContact::add_corner_at_solid(const Eigen::Vector3d& corner_m) {
   const SurfaceTriangle* nearest = nullptr;
   double nearest_gap_m = 0;
@@ -185,7 +187,7 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   const Eigen::Vector3d to = edge.from_m + edge.length_m * edge.along;
   if (!meets(placed_->low_m, placed_->high_m, edge.from_m.cwiseMin(to), edge.from_m.cwiseMax(to))) return;
   budget_->spend(corners_world_m_.size());
-  // No part of the piece is near unless its support along the edge's middle normal is.
+  // No part of the piece is near unless its support along the edge's mean normal is.
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& corner : corners_world_m_)
     lowest_m = std::min(lowest_m, edge.middle_normal.dot(corner - edge.from_m));
@@ -209,7 +211,7 @@ void SurfaceContact::add_edge(const SurfaceEdge& edge) {
   for (const Polytope::Edge& other : polytope.edges) {
     Eigen::Vector3d across = along.cross(other.along);
     const double side[] = {across.dot(other.into[0]), across.dot(other.into[1])};
-    // rejects most edges at little cost
+    // Rejects most edges at little cost
     if (std::min(side[0], side[1]) < -kCone && std::max(side[0], side[1]) > kCone) continue;
     const double sine = across.norm();
     if (sine < kCone) continue;  // parallel edges: their corners touch instead

@@ -17,20 +17,20 @@ struct PlacedShape {
   const Pose& world_from_body;
   const Eigen::Matrix3d& rotation;        ///< rotation of the pose
   Eigen::Vector3d middle_m, half_size_m;  ///< of its box along the body's axes, in the body frame
-  Eigen::Vector3d low_m, high_m;          ///< its bounding box along the world's axes, enlarged by `reach_m`
-  double reach_m;                         ///< find contacts whose distance is at most this
+  Eigen::Vector3d low_m, high_m;          ///< bounding box along the world axes, enlarged by `reach_m`
+  double reach_m;                         ///< only contacts within this distance are found
 };
 
-/// Finds where a convex shape touches a surface, feature by feature: its corners with triangles and edges, its edges
-/// with edges, its faces with peaks. Each normal lies in the normal cone of the surface's feature (Bouma and Vanecek
-/// 1993, "Modeling contacts in a physically based simulation"; cf. van den Bergen and Gregorius 2010, "Game Physics
-/// Pearls", ch. 3), and flat and concave edges have none. ConvexContact finds overlaps deeper than `reach_m` that the
-/// features miss. A pure function of the poses.
+/// Finds where a convex shape touches a surface, feature by feature: the shape's corners against triangles and edges,
+/// its edges against edges, its faces against peaks. Each normal lies in the normal cone of the surface's feature
+/// (Bouma and Vanecek 1993, "Modeling contacts in a physically based simulation"; cf. van den Bergen and Gregorius
+/// 2010, "Game Physics Pearls", ch. 3); flat and concave edges have no such cone. Overlaps deeper than `reach_m` that
+/// the features miss are found by ConvexContact. The result is a pure function of the poses.
 class SurfaceContact {
  public:
   enum class Under {
-    kSolid,   ///< everything under the surface is inside, as for terrain
-    kClosed,  ///< the surface encloses the inside
+    kSolid,   ///< the inside is everything below the surface, as for terrain
+    kClosed,  ///< the inside is the volume that the surface encloses
   };
 
   SurfaceContact();

@@ -10,8 +10,8 @@ namespace uwsim {
 /// How the surface continues beyond an edge of a triangle.
 enum class Bend : std::uint8_t { kNone, kFlat, kConvex, kConcave };
 
-/// A triangle of a fixed surface, world frame; `into` are unit vectors in its plane, perpendicular to its edges; edge k
-/// goes from corner k to k + 1.
+/// A triangle of a fixed surface, world frame. Edge k runs from corner k to corner k + 1; `into` are unit vectors in
+/// the triangle's plane, perpendicular to the edges.
 struct SurfaceTriangle {
   std::array<Eigen::Vector3d, 3> corners_m;
   std::array<Eigen::Vector3d, 3> into;
@@ -22,8 +22,8 @@ struct SurfaceTriangle {
   explicit SurfaceTriangle(const std::array<Eigen::Vector3d, 3>& corners_m);
 };
 
-/// An edge between two triangles that the surface falls away from on both sides. `into` are unit vectors in their
-/// planes, perpendicular to the edge.
+/// An edge between two triangles where the surface falls away on both sides. `into` are unit vectors in their planes,
+/// perpendicular to the edge.
 struct SurfaceEdge {
   Eigen::Vector3d from_m, along, middle_normal;
   std::array<Eigen::Vector3d, 2> into;
@@ -33,7 +33,8 @@ struct SurfaceEdge {
   SurfaceEdge(const SurfaceTriangle& triangle, std::size_t k, const Eigen::Vector3d& beyond_m);
 };
 
-/// A point from which the surface falls away on all sides, with the ends of the edges that meet there.
+/// A point from which the surface falls away on all sides. The neighbours are the far ends of the edges that meet
+/// there.
 struct SurfacePeak {
   Eigen::Vector3d point_m;
   std::uint32_t first_neighbour, neighbour_count;  ///< in SurfacePatch::neighbours_m
@@ -41,8 +42,8 @@ struct SurfacePeak {
 
 /// The part of a fixed surface near a body.
 ///
-/// Whatever touches its flat or concave edges and points also touches a triangle, so they are not features of their
-/// own: a body on a plane of many triangles touches one plane.
+/// Flat and concave edges and points are not features: whatever touches one also touches a triangle. A body on a plane
+/// of many triangles thus touches a single plane.
 struct SurfacePatch {
   std::vector<SurfaceTriangle> triangles;
   std::vector<SurfaceEdge> edges;
@@ -53,7 +54,7 @@ struct SurfacePatch {
   void clear();
 };
 
-/// Sine of the angle by which a surface may bend and still count as flat: 0.1 mm per metre.
+/// Sine of the largest angle by which a surface that counts as flat may bend: 0.1 mm per metre.
 inline constexpr double kFlat = 1e-4;
 
 }  // namespace uwsim

@@ -7,8 +7,8 @@
 namespace uwsim {
 namespace {
 
-/// The terrain around a range of cells. Two triangles that share an edge form a parallelogram in plan, so the surface
-/// bends at the edge by the difference of the mean heights of the two diagonals.
+/// The terrain around a range of cells. Two triangles that share an edge form a parallelogram in plan view, so the bend
+/// at the edge is the difference of the mean heights of the two diagonals.
 class CellsInBox {
  public:
   CellsInBox(const Heightfield& terrain, const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m,
@@ -20,7 +20,7 @@ class CellsInBox {
         budget_(budget),
         nx_(static_cast<std::ptrdiff_t>(terrain.nx())),
         ny_(static_cast<std::ptrdiff_t>(terrain.ny())) {
-    // Heights are floats: four of them together err by this.
+    // Heights are floats: a combination of four has this error.
     const double highest = std::max(std::abs(terrain.lowest_m()), std::abs(terrain.highest_m()));
     flat_m_ = kFlat * terrain.spacing_m() + 2 * std::numeric_limits<float>::epsilon() * highest;
   }
@@ -76,7 +76,7 @@ class CellsInBox {
     const Bend diagonal = lower.bends[1];
     SurfaceTriangle& upper = patch_.triangles.emplace_back(std::array{node(i + 1, j), far, node(i, j + 1)});
     upper.bends = {north(i + 1, j), east(i, j + 1), diagonal};
-    // These edges and nodes belong to the other cells, unless those are outside the box.
+    // These edges and nodes belong to neighbouring cells, unless those are outside the box.
     if (upper.bends[0] == Bend::kConvex && last_east) add_edge(upper, 0, node(i + 2, j));
     if (upper.bends[1] == Bend::kConvex && last_north) add_edge(upper, 1, node(i, j + 2));
     for (std::ptrdiff_t v = 0; v <= (last_north ? 1 : 0); ++v) {

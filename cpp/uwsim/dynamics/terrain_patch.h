@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// Adds to `patch` the cells of the terrain that a box stands on or reaches into: those under or inside it, and those
-/// above it. Throws ContactBudgetExceeded.
+/// Adds to `patch` the terrain cells that a box stands on or reaches into: those below, inside and above it. Throws
+/// ContactBudgetExceeded.
 void add_terrain(const Heightfield& terrain, const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m,
                  SurfacePatch& patch, ContactBudget& budget);
 

@@ -21,7 +21,7 @@ struct BlockingConstraint {
   double step = std::numeric_limits<double>::infinity();
 };
 
-/// The first inactive constraint that a move from x along `direction` reaches, and the step to it.
+/// The first inactive constraint that a move from x along `direction` reaches, and the step length to it.
 BlockingConstraint first_block(const Eigen::MatrixXd& normals, const Eigen::VectorXd& limits, const Eigen::VectorXd& x,
                                const Eigen::VectorXd& direction, const std::vector<Eigen::Index>& active) {
   BlockingConstraint block;
@@ -40,7 +40,8 @@ BlockingConstraint first_block(const Eigen::MatrixXd& normals, const Eigen::Vect
 Eigen::VectorXd minimise_in_polytope(double weight, const Eigen::VectorXd& gain, const Eigen::MatrixXd& normals,
                                      const Eigen::VectorXd& limits, Eigen::VectorXd x) {
   std::vector<Eigen::Index> active;
-  const Eigen::Index most_iterations = 50 * (normals.rows() + 1);  // far more than are needed; ends degenerate cases
+  // far more than are needed; terminates degenerate cases
+  const Eigen::Index most_iterations = 50 * (normals.rows() + 1);
   for (Eigen::Index iteration = 0; iteration < most_iterations; ++iteration) {
     const Eigen::VectorXd descent = gain - weight * x;
     Eigen::VectorXd direction = descent;
@@ -60,7 +61,7 @@ Eigen::VectorXd minimise_in_polytope(double weight, const Eigen::VectorXd& gain,
     }
     const BlockingConstraint block = first_block(normals, limits, x, direction, active);
     const double step = weight > 0 ? std::min(block.step, 1 / weight) : block.step;
-    if (step == std::numeric_limits<double>::infinity()) return x;  // unbounded, which callers rule out
+    if (step == std::numeric_limits<double>::infinity()) return x;  // unbounded; callers rule this out
     x += step * direction;
     if (step == block.step) active.push_back(block.index);
   }

@@ -21,9 +21,9 @@ void require_unique_names(const std::vector<Part>& parts, const char* path) {
   }
 }
 
-/// The given values in the order of the parts, 0 for parts that are not named. `limit_of(part)` is the largest
-/// magnitude that a part accepts, 0 for one that takes no command. Throws InvalidValue for an unknown name or a value
-/// beyond the limit.
+/// Returns the given values in the order of the parts, with 0 for parts that are not named. `limit_of(part)` is the
+/// largest magnitude that a part accepts, 0 for a part that accepts no command. Throws InvalidValue for an unknown name
+/// or a value beyond the limit.
 template <typename Part, typename LimitOf>
 std::vector<double> values_by_part(const std::vector<Part>& parts, const Actuators::Named& given, const char* path,
                                    LimitOf limit_of, const char* unit) {
@@ -90,8 +90,8 @@ Actuators::Actuators(const ActuatorsSpec& spec) {
   }
 }
 
-/// Fins turn the vehicle. Full effort about roll, pitch or yaw deflects them so that, in flow from ahead, they produce
-/// a torque about that axis alone, with the least sum of squares and the largest of them at its limit.
+/// Full effort about roll, pitch or yaw deflects the fins so that, in flow from ahead, they produce a torque about that
+/// axis alone, with the least sum of squared deflections and the largest deflection at its limit.
 void Actuators::allocate_fins() {
   const auto n = static_cast<Eigen::Index>(fins_.size());
   fin_angles_rad_.setZero(n, 6);
@@ -220,7 +220,7 @@ void Actuators::exchange_state(StateArchive& archive) {
   for (Fin& fin : fins_) fin.exchange_state(archive);
 }
 
-/// Height of the water's surface above the origin; infinite if all actuators are certainly submerged.
+/// Height of the water's surface above the origin; infinite if all actuators are definitely submerged.
 double Actuators::surface_above_origin_m(const Pose& world_from_body, const WaterField& water, double time_s) const {
   const Eigen::Vector3d& at = world_from_body.position_m;
   if (at.z() + radius_m_ < -water.wave_bound_m()) return std::numeric_limits<double>::infinity();

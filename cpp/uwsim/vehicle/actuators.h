@@ -13,64 +13,67 @@
 
 namespace uwsim {
 
-/// The actuators of a vehicle: thrusters, or a direct wrench (forces and torques along the body axes, without actuators
-/// that produce them), as in the paper; and fins.
+/// The actuators of a vehicle: thrusters and fins, or a direct wrench (forces and torques along the body axes, without
+/// actuators that produce them), as in the paper, and fins.
 struct ActuatorsSpec {
-  /// The direct wrench at full effort on all axes [N, N m]; it follows commands instantly.
+  /// The direct wrench at full effort on all axes [N, N m]; it follows commands without delay.
   Vector6d full_wrench_body = Vector6d::Zero();
   std::vector<ThrusterParameters> thrusters;
   std::vector<FinParameters> fins;
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 
-/// A vehicle's actuators and their state. A command is held until the next one; a command that is refused changes
-/// nothing.
+/// A vehicle's actuators and their state. A command remains in effect until the next one; a command that is refused
+/// changes nothing.
 class Actuators {
  public:
   using Named = std::vector<std::pair<std::string, double>>;  ///< values by name of a thruster or fin
 
   Actuators() : Actuators(ActuatorsSpec{}) {}
-  /// Throws InvalidValue: see ActuatorsSpec::check.
+  /// Throws InvalidValue; see ActuatorsSpec::check.
   explicit Actuators(const ActuatorsSpec& spec);
 
   const std::vector<Thruster>& thrusters() const { return thrusters_; }
   const std::vector<Fin>& fins() const { return fins_; }
-  /// Whether an effort has an effect, by axis, surge to yaw.
+  /// For each axis, surge to yaw, whether an effort about it has an effect.
   const std::array<bool, 6>& controllable() const { return controllable_; }
-  /// Magnitudes of the largest wrenches along or about one axis alone in still water: (2, 6), forward and backward
-  /// [N, N m].
+  /// Magnitudes of the largest wrenches along or about each axis alone in still water: (2, 6), forward and backward [N,
+  /// N m].
   const std::array<Vector6d, 2>& full_wrench_body() const { return full_; }
 
-  /// How wrenches are distributed to thrusters.
+  /// The distribution of wrenches to thrusters.
   const Allocation& allocation() const { return allocation_; }
-  /// Torques of the fins at full effort about each axis alone, for 1 N/m^2 of dynamic pressure in flow from ahead; 0
-  /// for axes about which they do not turn the vehicle [m^3].
+  /// Torques of the fins at full effort about each axis alone, per 1 N/m^2 of dynamic pressure in flow from ahead; 0
+  /// for axes about which the fins do not turn the vehicle [m^3].
   Vector6d fin_torque_body() const;
 
-  /// Surge, sway, heave, roll, pitch, yaw in [-1, 1]. Full effort on one axis alone is the largest wrench along or
-  /// about it that the thrusters can produce, and the largest deflection of the fins that turn the vehicle about it;
-  /// efforts on several axes are scaled down together until nothing saturates. Efforts on axes that are not
-  /// controllable are ignored. Throws InvalidValue beyond [-1, 1].
+  /// Sets the effort in surge, sway, heave, roll, pitch, yaw, each in [-1, 1]. Full effort on one axis alone is the
+  /// largest wrench along or about it that the thrusters can produce, and the largest deflection of the fins that turn
+  /// the vehicle about it. Efforts on several axes are scaled down together until nothing saturates. Efforts on
+  /// uncontrollable axes are ignored. Throws InvalidValue beyond [-1, 1].
   void set_effort(const Vector6d& effort);
   const Vector6d& effort() const { return effort_; }
-  /// The wrench that the thrusters are to produce in still water [N, N m]; one beyond their limits keeps its direction.
-  /// Fins keep their command. Throws InvalidValue if it is not finite.
+  /// Sets the wrench that the thrusters are to produce in still water [N, N m]; a wrench beyond their limits is scaled
+  /// down in its direction. Fins keep their command. Throws InvalidValue if the wrench is not finite.
   void set_wrench(const Vector6d& wrench_body);
-  /// Commands in [-1, 1] by name; thrusters that are not named get 0, fins keep their command. Throws InvalidValue.
+  /// Sets thruster commands in [-1, 1] by name; thrusters that are not named get 0, fins keep their command. Throws
+  /// InvalidValue.
   void set_thrusters(const Named& commands);
-  /// Deflections [rad] by name; fins that are not named get 0, thrusters keep their command. Throws InvalidValue.
+  /// Sets fin deflections [rad] by name; fins that are not named get 0, thrusters keep their command. Throws
+  /// InvalidValue.
   void set_fins(const Named& angles_rad);
 
-  /// Applies the held commands again, after a restore from actuators with other parameters: an effort is allocated
-  /// again, and direct wrenches and fins stay within their limits.
+  /// Applies the stored commands again after a restore from actuators with other parameters: an effort is reallocated,
+  /// and direct wrenches and fins are limited to their ranges.
   void renew_commands();
 
-  /// Advances the state by one step. Without power, thrusters spin down and fins stay where they are.
+  /// Advances the state by one step. Without power, thrusters spin down and fins stay in position.
   void advance(double step_s, bool powered);
-  /// Mean force and torque over the last step (body frame, at the origin). Flow and surface of the water at the origin
-  /// are used for the whole vehicle. `submerged`: the fraction of the hull under water, which scales a direct wrench.
+  /// Mean force and torque over the last step (body frame, at the origin). The flow and the surface height at the
+  /// origin are used for the whole vehicle. `submerged`: the submerged fraction of the hull, which scales a direct
+  /// wrench.
   Vector6d wrench_body(const BodyState& state, const WaterField& water, double time_s, double submerged) const;
   bool has_direct_wrench() const { return has_direct_wrench_; }
 
@@ -91,7 +94,7 @@ class Actuators {
   Vector6d full_direct_wrench_ = Vector6d::Zero();
   std::array<Vector6d, 2> full_;
   std::array<bool, 6> controllable_{};
-  double radius_m_ = 0;  // about the origin; encloses all thrusters and fins
+  double radius_m_ = 0;  // of a sphere about the origin that encloses all thrusters and fins
   bool has_direct_wrench_ = false;
   bool powered_ = false;
   Vector6d effort_ = Vector6d::Zero();

@@ -8,35 +8,35 @@
 
 namespace uwsim {
 
-/// The vehicle's energy store, modelled as the paper does: a mission time. It is full until the vehicle is released,
-/// then drains evenly whatever the thrusters do, and is empty `lasting_s` later: thrusters stop and fins stay where
-/// they are. Docking charges it, at once. All times are ticks of the simulation, `step_ns` long.
+/// The vehicle's energy store, modelled as in the paper by a mission time. It is full until the vehicle is released,
+/// then drains at a constant rate regardless of thrust, and is empty `lasting_s` later: thrusters stop and fins stay in
+/// position. Docking charges it instantly. All times are simulation ticks, each `step_ns` long.
 class Battery {
  public:
   Battery() = default;
   Battery(double lasting_s, std::uint64_t step_ns) : lasting_s_(lasting_s), step_ns_(step_ns) {}
 
-  /// Called when the vehicle is released: the mission time starts.
+  /// Starts the mission time. Called when the vehicle is released.
   void start_mission(std::uint64_t tick) {
     mission_started_ = true;
     start_tick_ = tick;
   }
-  /// Called when the vehicle is docked: its battery is charged at once.
+  /// Charges the battery instantly. Called when the vehicle is docked.
   void end_mission() { mission_started_ = false; }
   bool mission_started() const { return mission_started_; }
 
-  /// Time since the release; 0 before it [s].
+  /// Time since the release; 0 before the release [s].
   double mission_time_s(std::uint64_t tick) const {
     return mission_started_ ? 1e-9 * static_cast<double>((tick - start_tick_) * step_ns_) : 0;
   }
-  /// Whether thrusters and fins have power: from the release until the battery is empty.
+  /// Whether thrusters and fins have power, which they do from the release until the battery is empty.
   bool has_power(std::uint64_t tick) const { return mission_started_ && mission_time_s(tick) < lasting_s_; }
-  /// The remaining part of the mission time, from 100 to 0.
+  /// The remaining fraction of the mission time, from 100 to 0.
   double charge_percent(std::uint64_t tick) const {
     return 100 * std::clamp(1 - mission_time_s(tick) / lasting_s_, 0.0, 1.0);
   }
 
-  /// Saves or restores whether and when the mission started, at `tick`. Throws InvalidValue.
+  /// Saves or restores whether the mission has started, and when, at the current `tick`. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     archive(mission_started_);
     archive(start_tick_);

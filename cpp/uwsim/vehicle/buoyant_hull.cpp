@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kEdgePerRadius = 0.25;  // longest edge of a triangle under waves
 
-/// 0 for x <= 0, 1 for x >= 1, and a cubic with horizontal ends in between.
+/// Returns 0 for x <= 0, 1 for x >= 1, and in between a cubic with zero slope at both ends.
 double smooth_step(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
@@ -95,7 +95,7 @@ Buoyancy BuoyantHull::buoyancy(const Eigen::Vector3d& position_world_m, const Ei
   return sum;
 }
 
-/// Under a flat surface at z = `surface_m`, with the density of still water.
+/// The buoyancy under a flat surface at z = `surface_m`, with the density of still water.
 Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, double surface_m) const {
   const double top_m = at.middle_z_m + at.half_height_m;
   const DensityLayer layer = water.density_layer_at(std::min(top_m, surface_m));
@@ -117,15 +117,15 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   const double gravity = water.gravity();
   wet.force_body_n = layer.at(centre_z_m) * gravity * wet.volume_m3 * at.up_body;
   wet.moment_body_nm = wet.centre_body_m.cross(wet.force_body_n);
-  if (layer.gradient_kg_m4 != 0) {  // the displaced mass is centred on the denser side of the volume
+  if (layer.gradient_kg_m4 != 0) {  // the centre of mass of the displaced water is shifted towards the denser side
     const Eigen::Vector3d shift = second_moment_body_m5_ * at.up_body;
     wet.moment_body_nm += layer.gradient_kg_m4 * gravity * shift.cross(at.up_body);
   }
   return wet;
 }
 
-/// A hull in several layers of density: the top layer's density for the whole wet volume, plus, for each layer below,
-/// the difference to the one above it for the volume under their boundary.
+/// The buoyancy of a hull in several density layers: the top layer's density for the whole wet volume plus, for each
+/// layer below, the density difference to the layer above it for the volume below their boundary.
 Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, double surface_m,
                                 const VolumeMoments& wet) const {
   if (wet.volume_m3 <= 0) return {};
@@ -154,8 +154,8 @@ Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, doubl
   return sum;
 }
 
-/// A hull that the surface, `surface_m` above the hull's middle, may cut: pressure integrated over the wetted
-/// triangles.
+/// The buoyancy of a hull that the surface, `surface_m` above the hull's middle, may cut: the pressure integrated over
+/// the wetted triangles.
 Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, double time_s, double surface_m) const {
   const HullPressure::Load load = pressure_.load(at.position_world_m, at.world_from_body, water, time_s);
   const VolumeMoments wet = moments_below(at, surface_m, false);
@@ -168,7 +168,8 @@ Buoyancy BuoyantHull::through_waves(const Placed& at, const WaterField& water, d
   return sum;
 }
 
-/// A fully submerged hull: as in still water, with the layers displaced by the waves, plus the load of the waves.
+/// The buoyancy of a fully submerged hull: as in still water, with the layers displaced by the waves, plus the wave
+/// load.
 Buoyancy BuoyantHull::below_waves(const Placed& at, const WaterField& water, double time_s) const {
   const Eigen::Vector3d centroid = at.position_world_m + at.world_from_body * solid_.centroid_m;
   double head_m = 0;

@@ -17,24 +17,25 @@ struct Displacement {
   Eigen::Vector3d centroid_world_m = Eigen::Vector3d::Zero();
 };
 
-/// Force of the water's pressure on a hull, body frame; the moment is about the body's origin.
+/// The force of the water's pressure on a hull, body frame; the moment is about the body's origin.
 struct Buoyancy {
-  double volume_m3 = 0;                                     ///< submerged: see BuoyantHull::level_m
+  double volume_m3 = 0;                                     ///< submerged volume; see BuoyantHull::level_m
   Eigen::Vector3d centre_body_m = Eigen::Vector3d::Zero();  ///< of the submerged volume
   Eigen::Vector3d force_body_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment_body_nm = Eigen::Vector3d::Zero();
 };
 
-/// A closed hull under the pressure of the water around it: buoyancy and wave excitation (Froude-Krylov).
+/// A closed hull under the pressure of the surrounding water: buoyancy and wave excitation (Froude-Krylov).
 ///
 /// Still water: the weight of the displaced water, the integral of rho(z) g dV, acts upward through its centroid
 /// (Archimedes). The volume is a sum of signed tetrahedra over the triangles, each cut at the surface, and rho is
-/// linear in layers: exact for any closed mesh, and continuous through the surface. A hull that is fully submerged in
-/// one layer, or completely dry, requires no work on triangles. Waves: the integral of the pressure p over the wetted
-/// triangles, each cut where p falls to atmospheric pressure, with p linear over triangles whose edges are at most a
-/// quarter of the hull's radius. A hull deep enough under the waves uses the closed form with its second moments
-/// instead (relative error about (k r)^4 / 100 for wave number k and radius r). The two are blended smoothly over one
-/// radius of depth.
+/// piecewise linear in depth. The result is exact for any closed mesh, and continuous through the surface. A hull that
+/// is fully submerged in one layer, or completely dry, requires no work on triangles.
+///
+/// Waves: the integral of the pressure p over the wetted triangles, each cut where p falls to atmospheric pressure,
+/// with p linear over triangles whose edges are at most a quarter of the hull's radius. For a hull deep enough below
+/// the waves, the closed form with the hull's second moments is used instead (relative error about (k r)^4 / 100 for
+/// wave number k and radius r). The two are blended smoothly over one radius of depth.
 class BuoyantHull {
  public:
   /// Throws InvalidValue unless the mesh is closed and winds outward.
@@ -43,11 +44,11 @@ class BuoyantHull {
   const TriangleMesh& mesh_body() const { return mesh_body_; }
   /// Volume, centroid and inertia of the whole hull, body frame.
   const SolidProperties& solid() const { return solid_; }
-  /// The part under the plane z = level_m.
+  /// The part below the plane z = level_m.
   Displacement displacement(const Pose& world_from_body, double level_m = 0) const;
-  /// Height of the water's surface over the hull's middle. `buoyancy` treats the volume under it as submerged.
+  /// Height of the water's surface above the hull's middle. `buoyancy` treats the volume below it as submerged.
   double level_m(const Pose& world_from_body, const WaterField& water, double time_s) const;
-  /// `world_from_body` is the rotation of the body at `position_world_m`.
+  /// `world_from_body` is the rotation of the body located at `position_world_m`.
   Buoyancy buoyancy(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body,
                     const WaterField& water, double time_s) const;
 

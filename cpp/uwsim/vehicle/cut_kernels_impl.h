@@ -2,7 +2,7 @@
 
 #include "uwsim/vehicle/cut_kernels.h"
 
-// Compiled once for each instruction set: hence the anonymous namespace. The loops are written for auto-vectorisation.
+// Compiled once for each instruction set, hence the anonymous namespace. The loops are written for auto-vectorisation.
 namespace uwsim {
 namespace {
 
@@ -12,13 +12,13 @@ inline double product_sum(double ai, double bi, double ci, double aj, double bj,
   return ai * aj + bi * bj + ci * cj + (ai + bi + ci) * (aj + bj + cj);
 }
 
-/// A triangle with two wet corners counts as fully wet, and the piece at its dry corner is subtracted; the piece at a
-/// single wet corner is added. The piece is the triangle's tetrahedron with the two edges at the odd corner o shortened
-/// to where they pierce the plane, p and q. Masks are numbers, 0 or 1, so that there are no branches.
+/// A triangle with two wet corners is counted as fully wet, and the piece at its dry corner is subtracted; the piece at
+/// a single wet corner is added. The piece is the triangle's tetrahedron, with the two edges at the odd corner o
+/// shortened to the points p and q where they pierce the plane. Masks are the numbers 0 or 1, which avoids branches.
 template <bool kWithSecond>
 void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double level_m, CutSums& sums) {
   const double ux = up[0], uy = up[1], uz = up[2];
-  const double fx = level_m * ux, fy = level_m * uy, fz = level_m * uz;  // the foot
+  const double fx = level_m * ux, fy = level_m * uy, fz = level_m * uz;  // the foot of the origin
   for (std::size_t n = 0; n < count; ++n) {
     const CutBlock& block = blocks[n];
 #pragma GCC ivdep
@@ -34,7 +34,7 @@ void add_cut(const CutBlock* blocks, std::size_t count, const double* up, double
       const double wet = wet_a + wet_b + wet_c;
       const bool two = wet > 1.5;
       const double counts = two ? volume : 0.0;
-      const double odd = two ? 0.0 : 1.0;  // whether the odd corner is wet
+      const double odd = two ? 0.0 : 1.0;  // 1 if the odd corner is wet, else 0
       const bool first = wet_a == odd, second = wet_b == odd;
       const bool cut = (wet > 0.5) & (wet < 2.5);
 

@@ -63,7 +63,7 @@ Fin::Coefficients Fin::coefficients(double attack_rad) const {
   Coefficients attached{.lift = lift_slope_ * s * c};
   attached.drag = parameters_.parasitic_drag + induced_drag_ * attached.lift * attached.lift;
   if (!parameters_.stalls) return attached;
-  // In flow from behind, stall depends on the angle between chord and flow.
+  // In flow from behind, stall depends on the angle between the chord line and the flow.
   const double angle = std::asin(std::min(1.0, std::abs(s)));
   const double stalled = 1 / (1 + std::exp((parameters_.stall_angle_rad - angle) / parameters_.stall_sharpness_rad));
   const double plate_lift = 2 * s * std::abs(s) * c, plate_drag = parameters_.parasitic_drag + 2 * std::abs(s * s * s);
@@ -79,7 +79,8 @@ void Fin::add_wrench(const Vector6d& through_water, double density_kg_m3, double
   if (speed < 1e-9) return;
   const Eigen::Vector3d direction = across / speed, lift_direction = direction.cross(span);
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitX();
-  // Angle of the flow to the hull's axis; the angle of attack is smaller by the deflection, which turns the chord.
+  // The angle of the flow to the hull's axis; the angle of attack is this angle minus the deflection, which turns the
+  // chord.
   const double drift = std::atan2(-direction.dot(ahead.cross(span)), direction.dot(ahead));
   const Coefficients c = coefficients(drift - angle_rad_);
   const double pressure_area = 0.5 * density_kg_m3 * speed * speed * parameters_.area_m2 * submerged;

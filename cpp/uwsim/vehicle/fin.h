@@ -14,19 +14,19 @@ struct FinParameters {
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< centre of pressure
   Eigen::Vector3d span_body = Eigen::Vector3d::UnitY();       ///< unit, perpendicular to x; deflections turn about it
   double area_m2 = 0.01;
-  double aspect_ratio = 2;            ///< effective: span^2 / area, doubled if the hull acts as a mirror
-  double parasitic_drag = 0;          ///< C_D without lift, referred to area_m2
-  double efficiency = 0.9;            ///< Oswald's efficiency factor of the induced drag
+  double aspect_ratio = 2;            ///< effective: span^2 / area, doubled if the hull acts as a reflecting plane
+  double parasitic_drag = 0;          ///< C_D at zero lift, referred to area_m2
+  double efficiency = 0.9;            ///< Oswald efficiency factor for the induced drag
   double stall_angle_rad = 0.35;      ///< angle at which lift is midway between attached flow and a flat plate
   double stall_sharpness_rad = 0.04;  ///< e-folding angle of that transition
-  bool stalls = true;                 ///< false: attached flow at every angle
-  double deflection_max_rad = 0;      ///< 0: fixed
+  bool stalls = true;                 ///< if false, the flow stays attached at every angle
+  double deflection_max_rad = 0;      ///< 0 for a fixed fin
   double rate_max_rad_s = 1;
 
-  /// Throws InvalidValue that names fin and field.
+  /// Throws InvalidValue naming the fin and the field.
   void check() const;
-  /// dC_L / d alpha at zero lift [1/rad]: pi A / (1 + sqrt(1 + (A / 2)^2)), A the aspect ratio (Beard and McLain 2012,
-  /// "Small Unmanned Aircraft", ch. 4; Fossen 2021 uses the same for AUVs).
+  /// dC_L / d alpha at zero lift [1/rad]: pi A / (1 + sqrt(1 + (A / 2)^2)), where A is the aspect ratio (Beard and
+  /// McLain 2012, "Small Unmanned Aircraft", ch. 4; Fossen 2021 uses the same for AUVs).
   double lift_slope() const;
 };
 
@@ -39,30 +39,30 @@ struct FinParameters {
 /// mass, no flow along the span.
 class Fin {
  public:
-  /// Throws InvalidValue: see FinParameters::check.
+  /// Throws InvalidValue; see FinParameters::check.
   explicit Fin(FinParameters parameters);
 
   const FinParameters& parameters() const { return parameters_; }
-  /// Force and moment about the body's origin for 1 rad of deflection and 1 N/m^2 of dynamic pressure in flow from
+  /// Force and moment about the body's origin per 1 rad of deflection and 1 N/m^2 of dynamic pressure in flow from
   /// ahead.
   Vector6d column() const;
 
-  /// The deflection to turn to, held until the next command. The caller checks the limit.
+  /// Sets the commanded deflection, which stays in effect until the next command. The caller checks the limit.
   void set_command(double angle_rad) { command_rad_ = angle_rad; }
   double command_rad() const { return command_rad_; }
   /// Turns the fin for one step.
   void advance(double step_s);
-  /// The deflection, right-handed about the span.
+  /// The deflection, right-handed about the span axis.
   double angle_rad() const { return angle_rad_; }
 
   struct Coefficients {
     double lift = 0, drag = 0;
   };
   Coefficients coefficients(double attack_rad) const;
-  /// Adds force and moment (body frame, at the origin) when the vehicle moves with `through_water` (6,) [m/s, rad/s]
-  /// and the fraction `submerged` of the fin is under water.
+  /// Adds force and moment (body frame, at the origin) for a vehicle that moves at `through_water` (6,) [m/s, rad/s]
+  /// with the fraction `submerged` of the fin under water.
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
-  /// Fraction of the fin under a level surface `height_m` above its centre. `span_up`: vertical component of the span.
+  /// Fraction of the fin below a level surface `height_m` above its centre. `span_up`: vertical component of the span.
   double submerged_fraction(double height_m, double span_up) const;
 
   /// Saves or restores command and deflection.

@@ -15,7 +15,7 @@ constexpr std::size_t kPatchSize = 32;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Halves edges that are too long. Two triangles that share an edge split it identically, so a closed mesh stays
+/// Halves edges that are too long. Two triangles that share an edge split it identically, so a closed mesh remains
 /// closed.
 class EdgeHalver {
  public:
@@ -48,8 +48,8 @@ class EdgeHalver {
       out.insert(out.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
       return;
     }
-    // Rotate the corners so that one long edge comes first, or with two long ones both come before the short one; then
-    // split the remaining quadrangle.
+    // Rotate the corners so that a single long edge comes first, or two long edges come before the short one; then
+    // split the remaining quadrilateral.
     while (!too_long(t[0], t[1]) || (long_edges == 2 && too_long(t[2], t[0]))) t = {t[1], t[2], t[0]};
     const std::uint32_t ab = middle(t[0], t[1]);
     if (long_edges == 1) return void(out.insert(out.end(), {{t[0], ab, t[2]}, {ab, t[1], t[2]}}));
@@ -73,13 +73,13 @@ Eigen::Vector3d inward_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, 
   return -0.5 * (b - a).cross(c - a);
 }
 
-/// The load on triangles of one plane, derived from their unit inward area: the integral of p, and that of p r.
+/// The load on coplanar triangles, derived from their unit inward area: the integrals of p and of p r.
 struct Integrals {
   double pressure = 0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
 
-  /// Adds a triangle of the signed size `area` over which the pressure is linear: the integral of p is the area times
-  /// the mean, that of p r is area / 12 (sum p sum r + sum p r), sums over the corners.
+  /// Adds a triangle of signed size `area` over which the pressure is linear: the integral of p is the area times the
+  /// mean, and that of p r is area / 12 (sum p sum r + sum p r), with sums over the corners.
   void add(double area, const Eigen::Vector3d& a_m, double a_pa, const Eigen::Vector3d& b_m, double b_pa,
            const Eigen::Vector3d& c_m, double c_pa) {
     const double sum = a_pa + b_pa + c_pa;
@@ -88,10 +88,10 @@ struct Integrals {
   }
 };
 
-/// The integrals over the wet part of a triangle of unit area with one or two wet corners, minus those over all of it
-/// with zero pressure at dry corners. `odd` is the corner that differs from the others.
+/// The integrals over the wet part of a triangle of unit area with one or two wet corners, minus those over the whole
+/// triangle with zero pressure at dry corners. `odd` is the corner that differs from the other two.
 Integrals change_by_cut(const Corner& odd, const Corner& second, const Corner& third) {
-  // Where the pressure on the edges from the odd corner vanishes, as fractions of their lengths.
+  // The points on the edges from the odd corner where the pressure vanishes, as fractions of the edge lengths.
   const double s = odd.head_m / (odd.head_m - second.head_m), t = odd.head_m / (odd.head_m - third.head_m);
   const Eigen::Vector3d p = odd.arm_m + s * (second.arm_m - odd.arm_m), q = odd.arm_m + t * (third.arm_m - odd.arm_m);
   Integrals sum;
@@ -105,7 +105,7 @@ Integrals change_by_cut(const Corner& odd, const Corner& second, const Corner& t
   return sum;
 }
 
-/// The working memory of a call; kept so that calls allocate nothing. Sizes are multiples of kPressureLanes.
+/// The working memory of a call, kept so that calls do not allocate. Sizes are multiples of kPressureLanes.
 struct Scratch {
   std::vector<Eigen::Vector3d> points_m;
   std::vector<double> heads_m, pressures_pa;
@@ -119,7 +119,7 @@ struct Scratch {
   }
 };
 
-/// Not inlined, so that the loops do not query its address repeatedly.
+/// Not inlined, so that the loops do not look up its thread-local address repeatedly.
 [[gnu::noinline]] Scratch& scratch() {
   static thread_local Scratch kept;
   return kept;
@@ -169,7 +169,7 @@ void HullPressure::put_vertices() {
   }
 }
 
-/// Triangles that are adjacent in the mesh are usually neighbours and share vertices.
+/// Consecutive triangles in the mesh are usually neighbours and share vertices.
 void HullPressure::gather_patches() {
   const std::size_t count = mesh_body_.triangles.size();
   std::vector<std::uint32_t> used;

@@ -13,7 +13,7 @@
 
 namespace uwsim {
 
-/// Integrates a pressure that varies from place to place over the wetted surface of a hull.
+/// Integrates a spatially varying pressure over the wetted surface of a hull.
 class HullPressure {
  public:
   struct Load {
@@ -22,17 +22,17 @@ class HullPressure {
   };
 
   HullPressure() = default;
-  /// Halves edges longer than `longest_edge_m` until none is left or the mesh has 100 000 triangles.
+  /// Halves edges longer than `longest_edge_m` until none is left or the mesh has 100,000 triangles.
   HullPressure(TriangleMesh mesh_body, double longest_edge_m);
 
   /// The integrals of -p n and of r x -p n over the wetted part. Each triangle is cut where its pressure head, assumed
-  /// linear over it, is 0, and p is linear over the wet part. The load that a vertex's pressure exerts on the triangles
-  /// around it is tabulated, so that only triangles that are cut are integrated individually.
+  /// linear over it, is 0, and p is linear over the wet part. The load that each vertex's pressure exerts on the
+  /// surrounding triangles is tabulated, so only triangles that are cut are integrated individually.
   Load load(const Eigen::Vector3d& position_world_m, const Eigen::Matrix3d& world_from_body, const WaterField& water,
             double time_s) const;
 
  private:
-  /// Triangles that are examined individually only if the surface cuts their patch.
+  /// A group of triangles that are examined individually only if the surface cuts the group.
   struct Patch {
     std::size_t first_triangle, end_triangle, first_vertex, vertex_count;
   };
@@ -49,7 +49,7 @@ class HullPressure {
   std::vector<VertexBlock> blocks_;
   std::vector<Patch> patches_;
   std::vector<std::uint32_t> patch_vertices_;
-  std::vector<Eigen::Vector3d> inward_areas_m2_;  // of each triangle
+  std::vector<Eigen::Vector3d> inward_areas_m2_;  // one per triangle
 };
 
 }  // namespace uwsim

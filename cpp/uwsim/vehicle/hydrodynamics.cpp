@@ -19,7 +19,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return s;
 }
 
-/// M_RB about the origin (Fossen 3.44): the inertia is moved there by the parallel-axis theorem.
+/// M_RB about the origin (Fossen 3.44); the inertia is transferred there by the parallel-axis theorem.
 Matrix6d rigid_body_mass(const CraftParameters& p) {
   const Eigen::Matrix3d s = cross_matrix(p.centre_of_mass_body_m);
   Matrix6d m;
@@ -36,7 +36,7 @@ Vector6d coriolis(const Vector6d& momentum, const Vector6d& velocity) {
   return c;
 }
 
-/// A body's centre of mass is inside its bounding box.
+/// A body's centre of mass must be inside its bounding box.
 void require_inside_box(const Eigen::Vector3d& centre_of_mass_m, const TriangleMesh& hull) {
   Eigen::Vector3d low = hull.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& v : hull.vertices_m) {
@@ -116,7 +116,7 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
   added_mass_of_modes_ = modes.eigenvalues();
 }
 
-/// One number for each column of `mass_modes_`.
+/// One value for each column of `mass_modes_`.
 Vector6d Craft::inverse_mass_of_modes(double submerged) const {
   return (1 + submerged * added_mass_of_modes_.array()).inverse();
 }
@@ -170,7 +170,7 @@ Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_bo
   return mass_modes_ * inverse_mass_of_modes(submerged).cwiseProduct(mass_modes_.transpose() * tau);
 }
 
-/// The forces that depend on the motion of the body through the water, and on that of the water.
+/// The forces that depend on the motion of the body through the water, and on the motion of the water.
 Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow, const Eigen::Matrix3d& world_from_body,
                                 const Buoyancy& buoyancy, double submerged, double density_kg_m3) const {
   const Eigen::Vector3d flow_body = world_from_body.transpose() * flow.velocity_m_s;

@@ -20,14 +20,15 @@ struct CraftParameters {
   Matrix6d linear_damping = Matrix6d::Zero();               ///< D_l [N s/m, ...]
   Matrix6d quadratic_damping = Matrix6d::Zero();            ///< D_q, force = -D_q (|nu| nu) [N s^2/m^2, ...]
 
-  /// Buoyancy as a share of rho(z) g V, with the density at atmospheric pressure and the volume at the surface: at
-  /// depth 0, `buoyancy_share_step_m`, twice that, and so on; linear in between, constant below the last. Empty: 1 at
-  /// all depths, for a hull that shrinks with the water around it.
+  /// Buoyancy as a fraction of rho(z) g V, with the density at atmospheric pressure and the volume at the surface. The
+  /// values are at depths 0, `buoyancy_share_step_m`, twice that, and so on, linear in between and constant below the
+  /// last. Empty: 1 at all depths, for a hull that compresses like the water around it.
   std::vector<double> buoyancy_share;
   double buoyancy_share_step_m = 0;  ///< [m]
 
   double buoyancy_share_at(double depth_m) const;
-  /// Throws InvalidValue that names the field: masses positive, M_RB + M_A positive definite, damping dissipative.
+  /// Throws InvalidValue naming the field unless masses are positive, M_RB + M_A is positive definite and damping is
+  /// dissipative.
   void check() const;
 };
 
@@ -37,16 +38,20 @@ struct CraftParameters {
 ///   (M_RB + M_A) nu' = tau + g(eta) - C_RB(nu) nu - C_A(nu_r) nu_r - D(|nu_r|) nu_r + M_A nu_c' + F_c
 ///
 /// where nu_r = nu - nu_c is the velocity relative to the water, D = D_l + D_q |nu_r|, C follows from M by Kirchhoff's
-/// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, waves included
-/// (BuoyantHull). nu_c is the water's velocity (current and orbital motion of the waves) at the centre of the submerged
-/// volume; it is treated as uniform over the hull, which must be shorter than a quarter of the wave length and of the
-/// length over which the current varies. nu_c' is its rate in the body frame, due to the rotation of the body and the
-/// water's acceleration: for waves that of the particles, including the convective part (Auton, Hunt and Prud'homme
-/// 1988, J. Fluid Mech. 197:241), so that a neutral body that moves with the water keeps doing so; for currents the
-/// local one, without the second-order part from drifting through a velocity that varies in space. F_c = rho V a_c is
-/// the pressure that drives an unsteady current; the pressure of waves is in g (Froude-Krylov). There is no radiation
-/// damping and no diffraction beyond M_A. Added mass and damping scale with the submerged fraction of the hull. Valid
-/// for constant coefficients, deeply submerged or slowly surfacing.
+/// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, including waves
+/// (BuoyantHull).
+///
+/// nu_c is the water's velocity (current and orbital wave motion) at the centre of the submerged volume. It is treated
+/// as uniform over the hull, which must be shorter than a quarter of the wavelength and of the length scale of the
+/// current. nu_c' is its rate of change in the body frame, due to the rotation of the body and the water's
+/// acceleration. For waves, this is the acceleration of the particles, including the convective part (Auton, Hunt and
+/// Prud'homme 1988, J. Fluid Mech. 197:241), so that a neutrally buoyant body that moves with the water keeps doing so.
+/// For currents, it is the local acceleration, without the second-order part due to drifting through a velocity field
+/// that varies in space.
+///
+/// F_c = rho V a_c is the force of the pressure gradient that drives an unsteady current; the pressure of waves is part
+/// of g (Froude-Krylov). Radiation damping is not modelled, nor is diffraction beyond M_A. Added mass and damping scale
+/// with the submerged fraction of the hull. Valid for constant coefficients, deeply submerged or slowly surfacing.
 class Craft {
  public:
   /// Throws InvalidValue if the parameters are invalid or the centre of mass is outside the hull's bounding box.
@@ -56,15 +61,15 @@ class Craft {
   const CraftParameters& parameters() const { return parameters_; }
   const BuoyantHull& hull() const { return *hull_; }
 
-  /// nu' [m/s^2, rad/s^2] under the wrench `tau_body` of the actuators (body frame, at the origin) in the water at
-  /// `time_s`.
+  /// nu' [m/s^2, rad/s^2] under the actuators' wrench `tau_body` (body frame, at the origin) in the water at `time_s`.
   Vector6d acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
                              double time_s) const;
   /// (M_RB + M_A)^-1 at this pose, for the contact solver.
   Matrix6d inverse_mass(const Pose& world_from_body, const WaterField& water, double time_s) const;
-  /// From 0 (dry) to 1 (entirely below the water's height over the hull).
+  /// The submerged fraction, from 0 (dry) to 1 (entirely below the water level over the hull).
   double submerged_fraction(const Pose& world_from_body, const WaterField& water, double time_s) const;
-  /// Kinetic energy 1/2 nu^T (M_RB + M_A) nu of the body and of the still water around it with a surface at z = 0 [J].
+  /// Kinetic energy 1/2 nu^T (M_RB + M_A) nu of the body and the surrounding still water, with the water's surface at z
+  /// = 0 [J].
   double kinetic_energy_j(const BodyState& state) const;
 
  private:
@@ -79,8 +84,8 @@ class Craft {
   std::shared_ptr<const BuoyantHull> hull_;
   Matrix6d rigid_mass_;              // M_RB
   Matrix6d inverse_mass_submerged_;  // (M_RB + M_A)^-1
-  // W and L with W^T M_RB W = 1 and W^T M_A W = diag(L), so that (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T for any
-  // submerged fraction s.
+  // W and L such that W^T M_RB W = 1 and W^T M_A W = diag(L), and hence (M_RB + s M_A)^-1 = W diag(1 / (1 + s L)) W^T
+  // for any submerged fraction s.
   Matrix6d mass_modes_;
   Vector6d added_mass_of_modes_;
 };

@@ -3,7 +3,7 @@
 #include "uwsim/core/double_lanes.h"
 #include "uwsim/vehicle/pressure_kernels.h"
 
-// Compiled once for each instruction set: hence the anonymous namespace.
+// Compiled once for each instruction set, hence the anonymous namespace.
 namespace uwsim {
 namespace {
 

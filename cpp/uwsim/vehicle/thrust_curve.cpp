@@ -10,8 +10,8 @@
 namespace uwsim {
 namespace {
 
-/// y at x on the polyline through (xs, ys), constant beyond its ends. The xs never decrease; among equal ones the first
-/// is used.
+/// Interpolates y at x on the polyline through (xs, ys), constant beyond its ends. The xs never decrease; of equal
+/// ones, the first is used.
 double interpolated(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
   const auto next = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), x) - xs.begin());
   if (next == 0) return ys.front();

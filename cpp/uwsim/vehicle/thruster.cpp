@@ -11,8 +11,8 @@ namespace uwsim {
 
 namespace {
 
-// From here on the thrust is its target. An exponential never reaches it: after 54 s of a lag of 75 ms it is a
-// subnormal number, with which operations take many times as long.
+// Within this distance, the thrust is set to its target. An exponential never reaches its target: after 54 s at a lag
+// of 75 ms, the difference is a subnormal number, which makes operations several times slower.
 constexpr double kReachedN = 1e-30;
 
 }  // namespace

@@ -16,56 +16,57 @@ struct ThrusterParameters {
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< position of the hub
   Eigen::Vector3d axis_body = Eigen::Vector3d::UnitX();       ///< unit, direction of a positive thrust
   ThrustCurve curve;                                          ///< in still water
-  double time_constant_s = 0;                                 ///< of the thrust; 0: no lag
+  double time_constant_s = 0;                                 ///< of the thrust; 0 for no lag
   double diameter_m = 0.1;
-  /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), which determines the revolutions [-].
+  /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), from which the shaft speed is computed [-].
   double bollard_coefficient = 0.45;
-  /// Advance ratio u_a / (n D) at which the thrust vanishes; infinity: it never does [-].
+  /// Advance ratio u_a / (n D) at which the thrust vanishes; infinity if it never does [-].
   double zero_thrust_advance_ratio = std::numeric_limits<double>::infinity();
   double torque_per_thrust_m = 0;  ///< k_q = D K_Q / K_T
   int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when thrusting ahead
-  double health = 1;               ///< share of the thrust that remains after a fault; the allocation does not know it
+  double health = 1;               ///< fraction of the thrust that remains after a fault; the allocation does not
+                                   ///< account for it
 
-  /// Throws InvalidValue that names thruster and field.
+  /// Throws InvalidValue naming the thruster and the field.
   void check() const;
 };
 
 /// A thruster that follows its commands.
 ///
-/// The still-water thrust T0 follows that of the curve with a first-order lag, integrated exactly over a step. The
+/// The still-water thrust T0 follows the curve's thrust with a first-order lag, integrated exactly over a step. The
 /// force on the vehicle follows the bilinear model of Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion
 /// Control", sec. 9.1,
 ///
 ///   T = T_nn |n| n - T_nu |n| u_a = T0 - (D / J_0) sqrt(rho K_T0 |T0|) u_a,
 ///
-/// where u_a is the hub's speed through the water along the axis, and the propeller's torque is k_q T, against its
+/// where u_a is the hub's speed through the water along the axis, and the propeller's torque is k_q T, opposite to its
 /// spin. Valid for advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters
-/// have no effect.
+/// are neglected.
 class Thruster {
  public:
-  /// Throws InvalidValue: see ThrusterParameters::check.
+  /// Throws InvalidValue; see ThrusterParameters::check.
   explicit Thruster(ThrusterParameters parameters);
 
   const ThrusterParameters& parameters() const { return parameters_; }
-  /// Force and moment about the body's origin for 1 N of thrust, without the propeller's torque.
+  /// Force and moment about the body's origin per 1 N of thrust, without the propeller's torque.
   const Vector6d& column() const { return column_; }
 
-  /// In [-1, 1], which the caller checks; held until the next command.
+  /// Sets the command, in [-1, 1], which stays in effect until the next one. The caller checks the range.
   void set_command(double command);
   double command() const { return command_; }
-  /// Advances the thrust by one step; without power it decays to 0.
+  /// Advances the thrust by one step; without power, the thrust decays to 0.
   void advance(double step_s, bool powered);
-  /// Still-water thrust now [N].
+  /// Present still-water thrust [N].
   double thrust_n() const { return thrust_n_; }
 
-  /// Adds mean force and torque over the last step (body frame, at the origin) when the vehicle moves with
-  /// `through_water` (6,) [m/s, rad/s] and the fraction `submerged` of the propeller's disc is under water.
+  /// Adds mean force and torque over the last step (body frame, at the origin) for a vehicle that moves at
+  /// `through_water` (6,) [m/s, rad/s] with the fraction `submerged` of the propeller's disc under water.
   void add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged, Vector6d& tau_body) const;
-  /// Fraction of the propeller's disc under a level surface `height_m` above its hub. `axis_up`: vertical component of
+  /// Fraction of the propeller's disc below a level surface `height_m` above its hub. `axis_up`: vertical component of
   /// the axis.
   double submerged_fraction(double height_m, double axis_up) const;
 
-  /// Saves or restores command and thrust; the target of the thrust follows from the command.
+  /// Saves or restores command and thrust; the thrust's target follows from the command.
   void exchange_state(StateArchive& archive);
 
  private:

@@ -12,11 +12,11 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kClusterSize = 8;
-// A cell of planes: the pitch of each component of `up`, and of the level as a fraction of the mesh's radius. Small
-// cells list few triangles; large ones last for more steps of a moving body.
+// Size of a cell of planes: the pitch of each component of `up`, and of the level as a fraction of the mesh's radius.
+// Small cells list few triangles; large cells stay valid for more steps of a moving body.
 constexpr double kTiltPitch = 1.0 / 256;
 constexpr double kLevelPitch = 1.0 / 128;
-constexpr double kRounding = 1e-9;  // relative; more than the error of heights
+constexpr double kRounding = 1e-9;  // relative; exceeds the error of heights
 constexpr std::size_t kRemembered = 8;
 
 using Corners = std::array<Eigen::Vector3d, 3>;
@@ -30,7 +30,7 @@ VolumeMoments tetrahedron(const Corners& corners_m) {
           volume_m3 / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())};
 }
 
-/// Orders triangles so that neighbours in space are neighbours in the list, by repeatedly halving along the longest
+/// Orders triangles so that neighbours in space are neighbours in the list, by recursive bisection along the longest
 /// side.
 void sort_spatially(std::span<Triangle> triangles, const TriangleMesh& mesh) {
   if (triangles.size() <= kClusterSize) return;
@@ -95,7 +95,7 @@ void CutVolume::add_cluster(std::size_t first, std::size_t last) {
   clusters_.push_back(cluster);
 }
 
-/// All planes whose `up` and level round to the same numbers.
+/// All planes whose `up` and level round to the same values.
 struct CutVolume::PlaneCell {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   double level_m = 0;
@@ -106,7 +106,7 @@ struct CutVolume::PlaneCell {
   }
 };
 
-/// A cell's triangles: the sum over those below all of its planes, and the list of those that some of its planes may
+/// The triangles of a cell: the sum over those below all of its planes, and a list of those that some of its planes may
 /// cut.
 struct CutVolume::Near {
   PlaneCell cell;
@@ -128,12 +128,12 @@ struct CutVolume::Near {
   }
 };
 
-/// The cells that a thread used last.
+/// The cells that a thread used most recently.
 struct CutVolume::Memory {
   std::array<Near, kRemembered> cells;
   std::size_t last = 0, oldest = 0, reserved = 0;
 
-  /// Allocates for the largest mesh so far, so that steps allocate nothing.
+  /// Allocates for the largest mesh so far, so that steps do not allocate.
   void reserve(std::size_t triangles) {
     if (triangles <= reserved) return;
     reserved = triangles;
@@ -164,7 +164,7 @@ const CutVolume::Near& CutVolume::near(const PlaneCell& cell) const {
 void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
   near.clear();
   near.cell = cell;
-  // By how much heights over the cell's planes differ from those over its central one.
+  // The largest difference between heights over any of the cell's planes and heights over its central plane.
   const double margin_m =
       0.5 * (std::sqrt(3.0) * kTiltPitch + kLevelPitch) * radius_m_ * (1 + kRounding) + kRounding * radius_m_;
   for (const Cluster& cluster : clusters_) {

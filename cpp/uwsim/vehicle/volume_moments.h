@@ -18,27 +18,27 @@ struct VolumeMoments {
   VolumeMoments& operator+=(const VolumeMoments& other);
 };
 
-/// The moments of the part of a closed mesh below a plane.
+/// Computes moments of the part of a closed mesh below a plane.
 ///
 /// They are the sum over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the cut
-/// face, a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are sorted into
-/// cells of nearly equal tilt and level. For a cell, the sum over the triangles below all of its planes and the list of
-/// those that some of its planes cut are computed once; only the list is summed for each plane. A thread caches the
-/// cells that it used last. The cached data follow from the cell alone, so the result does not depend on them.
+/// face, which is a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are
+/// sorted into cells of nearly equal tilt and level. For each cell, the sum over the triangles below all of its planes
+/// and the list of triangles that some of its planes cut are computed once; only the listed triangles are summed for
+/// each plane. Each thread caches the cells that it used most recently. Cached data depend only on the cell, so the
+/// cache does not affect the result.
 class CutVolume {
  public:
   CutVolume() = default;
-  /// `mesh` must be closed; for accuracy its middle should be near the origin.
+  /// `mesh` must be closed; for accuracy, its middle should be near the origin.
   explicit CutVolume(const TriangleMesh& mesh);
 
   /// The moments of the whole volume.
   const VolumeMoments& whole() const { return whole_; }
-  /// The moments of the points r with up . r < level. `up` is a unit vector. The second moment is 0 unless
-  /// `with_second`.
+  /// The moments of the region up . r < level. `up` is a unit vector. The second moment is 0 unless `with_second`.
   VolumeMoments below(const Eigen::Vector3d& up, double level_m, bool with_second) const;
 
  private:
-  /// Neighbouring triangles from `first` up to `last`, inside a sphere and a box.
+  /// Neighbouring triangles from `first` up to `last`, with a bounding sphere and a bounding box.
   struct Cluster {
     std::size_t first = 0, last = 0;
     Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
@@ -55,7 +55,7 @@ class CutVolume {
   void find_near(const PlaneCell& cell, Near& near) const;
   void add_cluster(std::size_t first, std::size_t last);
 
-  std::uint64_t number_ = 0;                                 // identifies this mesh among all; copies share it
+  std::uint64_t number_ = 0;                                 // unique to this mesh; shared by copies
   std::vector<std::array<Eigen::Vector3d, 3>> triangles_m_;  // neighbours in space are also neighbours in the list
   std::vector<Cluster> clusters_;
   VolumeMoments whole_;

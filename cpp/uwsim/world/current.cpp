@@ -41,8 +41,8 @@ void check_rising(const std::vector<double>& axis, const std::string& path) {
   }
 }
 
-/// The two of an axis's increasing values that enclose a value, and how far it lies from the first to the second;
-/// beyond the ends, the end value.
+/// The two adjacent entries of an axis's increasing values that enclose a value, and the value's fractional position
+/// between them; beyond the ends, the end value.
 struct Interval {
   std::size_t first = 0, second = 0;
   double fraction = 0;
@@ -118,14 +118,14 @@ class GustyCurrent : public Current {
 
   static constexpr double kIntervals = 1 << kLevels;  // between the knots of a block
 
-  /// Processes of unit variance at both ends of an interval between two knots.
+  /// Unit-variance processes at both ends of an interval between two knots.
   struct Ends {
     std::int64_t index = std::numeric_limits<std::int64_t>::min();
     Eigen::Vector3d left = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();
   };
 
   /// The last interval is cached, since many consecutive steps need it. If another thread is using the cache, the
-  /// interval is drawn again.
+  /// interval is recomputed.
   Ends ends_of(std::int64_t index) const {
     if (looking_.test_and_set(std::memory_order_acquire)) return drawn(index);
     if (kept_.index != index) kept_ = drawn(index);
@@ -143,8 +143,8 @@ class GustyCurrent : public Current {
     return ends;
   }
 
-  /// A process of unit variance at the ends of an interval. A draw is keyed by the block and an index: 0 for the
-  /// block's start, and for the midpoints their number in a binary heap, which also locates the interval.
+  /// Unit-variance processes at the ends of an interval. A draw is keyed by the block and an index: 0 for the start of
+  /// the block; for midpoints, their number in a binary heap, which also locates the interval.
   std::pair<double, double> knots(const RandomStream& draw, std::int64_t index) const {
     const auto block = static_cast<std::uint64_t>(index >> kLevels);
     double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);

@@ -7,34 +7,34 @@
 
 namespace uwsim {
 
-/// Velocity of a current at a place and time, and its local rate of change, world frame.
+/// Velocity of a current at a given position and time, and its local rate of change, world frame.
 struct CurrentSample {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// A current: a pure function of place and time. Several currents add up.
+/// A current: a pure function of position and time. Several currents add up.
 class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts have none; three standard deviations are used for
-  /// them.
+  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts are unbounded; three standard deviations are used
+  /// for them.
   virtual double bound_m_s() const = 0;
 };
 
-/// Steady; linear in depth between levels, constant above the first and below the last. This and the functions below
-/// throw InvalidValue that names water.current.
+/// A steady current, linear in depth between levels, constant above the first and below the last. This and the
+/// functions below throw InvalidValue naming water.current.
 std::shared_ptr<const Current> layered_current(std::vector<double> depths_m, std::vector<Eigen::Vector3d> velocity_m_s);
 
-/// amplitude sin(2 pi t / period + phase): rectilinear, as in a channel.
+/// A tidal current, amplitude sin(2 pi t / period + phase): rectilinear, as in a channel.
 std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_s, double period_s, double phase_rad);
 
-/// Gauss-Markov gusts with zero mean: each world axis is an Ornstein-Uhlenbeck process of standard deviation sigma and
-/// autocorrelation exp(-|dt| / correlation_time), drawn at knots 1/32 of that time apart and linear between them. The
-/// knots are found by bisection: those 16 correlation times apart are drawn independently (their correlation is e^-16),
-/// and each midpoint from its two neighbours as a bridge, which is exact. So the value at a time is a function of seed
-/// and time alone, costs ten draws, and does not depend on earlier steps.
+/// Gauss-Markov gusts with zero mean: each world axis is an Ornstein-Uhlenbeck process with standard deviation sigma
+/// and autocorrelation exp(-|dt| / correlation_time), drawn at knots 1/32 of that time apart and linear between them.
+/// Knots are computed by bisection: those 16 correlation times apart are drawn independently (their correlation is
+/// e^-16), and each midpoint is drawn from its two neighbours as a bridge, which is exact. The value at any time thus
+/// depends only on seed and time, not on earlier steps, and costs ten draws.
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed);
 

@@ -12,7 +12,7 @@ namespace uwsim {
 /// triangles, so they hit the same surface.
 class Heightfield {
  public:
-  /// Throws InvalidValue that names terrain and field.
+  /// Throws InvalidValue naming the terrain and the field.
   Heightfield(std::vector<float> heights_m, std::size_t nx, std::size_t ny, double spacing_m,
               const Eigen::Vector2d& origin_m);
 
@@ -28,7 +28,7 @@ class Heightfield {
   /// Height of the triangulated surface; NaN outside the grid.
   double height_at(double x_m, double y_m) const;
 
-  /// Vertex j * nx + i.
+  /// The position of vertex j * nx + i.
   Eigen::Vector3d vertex(std::size_t index) const;
   /// Vertices of triangle `index`, 0 <= index < triangle_count(); counter-clockwise seen from above.
   Triangle triangle(std::size_t index) const;

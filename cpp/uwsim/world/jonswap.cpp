@@ -13,11 +13,11 @@
 namespace uwsim {
 namespace {
 
-/// Band of the components, in units of the peak frequency. It holds 99 % of a JONSWAP sea's energy; scaling to the
-/// significant height compensates for the rest.
+/// Frequency band of the components, in units of the peak frequency. It contains 99 % of a JONSWAP sea's energy;
+/// scaling to the significant height compensates for the rest.
 constexpr double kLowest = 0.5, kHighest = 3.0;
 
-/// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), as wave length over height.
+/// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), as wavelength over height.
 constexpr double kLengthOverHeightMin = 15;
 
 /// The unscaled spectrum at x = omega / omega_p.
@@ -27,7 +27,8 @@ double spectrum(double x, double peak_enhancement) {
   return std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(peak_enhancement, b);
 }
 
-/// A density over an interval, and its quantiles: tabulated by the trapezium rule, linear in between.
+/// A density over an interval, and its quantiles. The integral is tabulated by the trapezoidal rule and interpolated
+/// linearly.
 class Distribution {
  public:
   template <typename Density>
@@ -71,7 +72,7 @@ void check(const JonswapSea& sea, double gravity_m_s2) {
           sea.spreading_exponent, "must be in [0, 100]");
 }
 
-/// The frequency at which a wave would break, which limits the tail of a steep sea [rad/s].
+/// The frequency at which a wave would break, which bounds the tail of a steep sea [rad/s].
 double steepest_frequency(double amplitude_m, double depth_m, double gravity_m_s2) {
   if (amplitude_m == 0) return std::numeric_limits<double>::infinity();
   const double k = 0.99 * Waves::kSteepest / amplitude_m;

@@ -8,17 +8,18 @@
 namespace uwsim {
 namespace {
 
-// pieces overlap by this much where they join, so that no ray slips between them
+// Overlap of adjoining pieces, so that no ray slips between them.
 constexpr double kSeam_m = 1e-9;
-constexpr double kSharpestCosine = 0.1;  // the cosine of half of the sharpest bend
-constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray never hits the wall
+constexpr double kSharpestCosine = 0.1;  // cosine of half the angle of the sharpest bend
+constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray is treated as
+                                         // parallel to the wall
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");
   require(std::isfinite(radius_m) && radius_m > 0, std::string(path) + ".radius_m", radius_m, "must be positive");
 }
 
-/// The nearest of the surfaces that a ray hits, between two distances.
+/// The nearest of the surfaces that a ray hits within a range of distances.
 class Nearest {
  public:
   Nearest(double near_m, double far_m) : near_m_(near_m), far_m_(far_m) {}
@@ -54,7 +55,7 @@ bool within(const RoundShape::End& end, const Eigen::Vector3d& point) {
   return end.outward.dot(point - end.point_world_m) <= kSeam_m;
 }
 
-/// Returns false if the ray misses the infinite cylinder, and thus the caps, which are inside it.
+/// Returns false if the ray misses the infinite cylinder, and hence the caps, which are inside it.
 bool meet_wall(const RoundShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                Nearest& nearest) {
   const auto off_axis = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d { return v - shape.axis.dot(v) * shape.axis; };

@@ -4,7 +4,7 @@
 
 namespace uwsim {
 
-/// Whether terrain and solids are identical, number for number, each under the same label. Names and water may differ.
+/// Whether terrain and solids are identical, value for value, with the same labels. Names and water may differ.
 bool have_same_surfaces(const World& one, const World& other);
 
 }  // namespace uwsim

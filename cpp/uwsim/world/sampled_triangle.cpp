@@ -6,9 +6,9 @@ namespace uwsim {
 namespace {
 
 constexpr std::int64_t kFlatRows = 4;  // a triangle with fewer is so flat that rounding dominates its slope
-constexpr int kMostCorners = 9;        // of a triangle after cuts by six planes
+constexpr int kMostCorners = 9;        // of a triangle cut by six planes
 
-/// A convex polygon that planes reduce to its part on one side.
+/// A convex polygon that is cut by planes, one at a time.
 struct Polygon {
   std::array<Eigen::Vector3d, kMostCorners> corners;
   int count;

@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// A triangle covered by a grid of sample points, in rows parallel to its longest edge a-b that shrink towards its
+/// A triangle covered by a grid of sample points, in rows parallel to its longest edge a-b that get shorter towards its
 /// corner c. Neither rows nor points within a row are further apart than the spacing.
 class SampledTriangle {
  public:
@@ -42,7 +42,7 @@ class SampledTriangle {
     std::int64_t first, last;
   };
 
-  /// The steps, of `count` from 0 to 1, in a range, plus one at either end for rounding.
+  /// The steps, `count` of them from 0 to 1, that fall within a range, plus one at either end to allow for rounding.
   static Steps steps_within(const Range& range, std::int64_t count) {
     const auto steps = static_cast<double>(count);
     return {std::max(static_cast<std::int64_t>(std::floor(range.low * steps)) - 1, std::int64_t{0}),
@@ -50,7 +50,7 @@ class SampledTriangle {
   }
   /// Bounds on how far the part inside the box extends from edge a-b (0) towards corner c (1).
   Range heights_within(const Eigen::AlignedBox3d& box_m) const;
-  /// Where the row at this height enters and leaves the box, as fractions of the row; low > high: never.
+  /// Where the row at this height enters and leaves the box, as fractions of the row; low > high if it misses the box.
   Range part_within(const Eigen::AlignedBox3d& box_m, double up) const;
 
   Eigen::Vector3d a_m_, b_m_, c_m_;
@@ -58,7 +58,7 @@ class SampledTriangle {
   std::int64_t columns_, rows_;
 };
 
-/// How much of a triangle's area lies in a box [m^2].
+/// The area of the part of a triangle that lies in a box [m^2].
 double area_within_m2(const std::array<Eigen::Vector3d, 3>& corners_m, const Eigen::AlignedBox3d& box_m);
 
 }  // namespace uwsim

@@ -10,17 +10,17 @@ namespace uwsim {
 double sea_water_density_kg_m3(double temperature_deg_c, double salinity_psu);
 
 /// Secant bulk modulus K of sea water [Pa] at a pressure above atmospheric (EOS-80: Millero, Chen, Bradshaw and
-/// Schleicher 1980; UNESCO 44): compression raises the density from rho_0 to rho_0 / (1 - p / K). Valid for 0..1000
+/// Schleicher 1980; UNESCO 44). Compression raises the density from rho_0 to rho_0 / (1 - p / K). Valid for 0..1000
 /// bar.
 double sea_water_bulk_modulus_pa(double temperature_deg_c, double salinity_psu, double gauge_pressure_pa);
 
 /// Density at a pressure above atmospheric [kg/m^3]: rho_0 / (1 - p / K).
 double sea_water_density_kg_m3(double temperature_deg_c, double salinity_psu, double gauge_pressure_pa);
 
-/// Gauge pressure [Pa] at the foot of a column of water that is compressed by its own weight, derived from the pressure
-/// without compression: the solution p of p - p^2 / (2 K) = p_0, with K at two thirds of p. That is exact for a K that
-/// is linear in p, to first order in p / K. Temperature and salinity are those at two thirds of the depth, where the
-/// weight due to compression is centred.
+/// Gauge pressure [Pa] at the foot of a column of water that is compressed by its own weight, computed from the
+/// pressure without compression: the solution p of p - p^2 / (2 K) = p_0, with K taken at two thirds of p. This is
+/// exact, to first order in p / K, for a K that is linear in p. Temperature and salinity are those at two thirds of the
+/// depth, where the additional weight due to compression is centred.
 double compressed_pressure_pa(double uncompressed_pa, double temperature_deg_c, double salinity_psu);
 
 }  // namespace uwsim

@@ -11,14 +11,14 @@ namespace {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-constexpr double kRounding = 0.01;  // in voxels, by which boxes are enlarged
+constexpr double kRounding = 0.01;  // in voxels; boxes are enlarged by this
 
 Eigen::AlignedBox3d box_around(const Corners& corners) {
   Eigen::AlignedBox3d box(corners[0]);
   return box.extend(corners[1]).extend(corners[2]);
 }
 
-/// The first of the terrain's cells near a box along an axis, and the one after the last.
+/// The terrain cells near a box along an axis: the first, and one past the last.
 std::pair<std::size_t, std::size_t> cells_near(const Heightfield& terrain, const Eigen::AlignedBox3d& box_m, int axis,
                                                std::size_t cells) {
   const auto cell = [&](double x, int more) {
@@ -28,7 +28,7 @@ std::pair<std::size_t, std::size_t> cells_near(const Heightfield& terrain, const
   return {cell(box_m.min()[axis], -1), cell(box_m.max()[axis], 2)};
 }
 
-/// The octants of a block of voxels: which ones are occupied, with each voxel's eight bits in one byte.
+/// The octants of a block of voxels, one bit each: set if occupied. The eight bits of each voxel form one byte.
 class Octants {
  public:
   Octants(const GridCell& first, const GridCell& end) : first_(first) {
@@ -36,7 +36,7 @@ class Octants {
     taken_.resize(static_cast<std::size_t>((size_[0] * size_[1] * size_[2] + 7) / 8), 0);
   }
 
-  /// The index of the octant with these coordinates, in halves of a voxel's edge; -1 outside the block.
+  /// The index of the octant with these coordinates, in half voxel edges; -1 outside the block.
   std::int64_t number(const Eigen::Vector3d& halves) const {
     std::array<std::int64_t, 3> at;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -49,7 +49,7 @@ class Octants {
   bool is_taken(std::int64_t number) const { return (taken_[word(number)] & bit(number)) != 0; }
   void take(std::int64_t number) { taken_[word(number)] |= bit(number); }
 
-  /// For each word of 64 octants, how many occupied ones come before it.
+  /// For each word of 64 octants, the number of occupied octants before it.
   std::vector<std::uint32_t> counts_before() const {
     std::vector<std::uint32_t> before(taken_.size());
     std::uint32_t count = 0;
@@ -59,13 +59,13 @@ class Octants {
     }
     return before;
   }
-  /// How many occupied octants come before this one.
+  /// The number of occupied octants before this one.
   std::size_t rank(std::int64_t number, const std::vector<std::uint32_t>& before) const {
     const std::uint64_t lower = taken_[word(number)] & (bit(number) - 1);
     return before[word(number)] + static_cast<std::size_t>(std::popcount(lower));
   }
 
-  /// Calls visit(voxel, occupied octants) for each voxel that has any, in order.
+  /// Calls visit(voxel, occupied octants) for each voxel that has occupied octants, in order.
   template <typename Visit>
   void visit_voxels(const Visit& visit) const {
     for (std::size_t k = 0; k < taken_.size(); ++k) {
@@ -128,8 +128,8 @@ SurfaceSampler::SurfaceSampler(const World& world, double resolution_m, std::vec
   voxels_in_box_ = crossed_m2 / (resolution_m * resolution_m);
 }
 
-/// Calls visit(corners, is_solid) for each triangle whose bounds intersect the box: the terrain's first, then the
-/// solids'.
+/// Calls visit(corners, is_solid) for each triangle whose bounds intersect the box: first those of the terrain, then
+/// those of the solids.
 template <typename Visit>
 void SurfaceSampler::visit_triangles(const Eigen::AlignedBox3d& near_m, const Visit& visit) const {
   const auto visit_near = [&](const Corners& corners, bool is_solid) {
@@ -155,7 +155,7 @@ void SurfaceSampler::visit_triangles(const Eigen::AlignedBox3d& near_m, const Vi
   }
 }
 
-/// By the even-odd rule.
+/// Uses the even-odd rule.
 bool SurfaceSampler::is_inside_area(double x_m, double y_m) const {
   bool inside = false;
   for (std::size_t k = 0; k < area_world_m_.size(); ++k) {
@@ -168,7 +168,7 @@ bool SurfaceSampler::is_inside_area(double x_m, double y_m) const {
 
 SurfaceSamples SurfaceSampler::sample(const GridCell& first, const GridCell& end) const {
   if (box_m_.isEmpty()) return {};
-  GridCell low = first, high = end;  // excludes voxels without any surface
+  GridCell low = first, high = end;  // narrows the range to voxels that may contain surface
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto voxel = [&](double x) { return static_cast<std::int64_t>(std::floor(x / resolution_m_)); };
     low[axis] = std::max(first[axis], voxel(box_m_.min()[Eigen::Index(axis)]) - 1);

@@ -20,22 +20,22 @@ struct SurfaceSamples {
 };
 
 /// Samples the triangles of a world's terrain and solids inside a polygon and a box, at a spacing of at most half a
-/// voxel. At most one point is kept for each octant of a voxel. Parts of solids under the terrain, such as the lower
-/// half of a buried pipe, do not count as surface. Thread-safe.
+/// voxel. At most one point is kept per octant of a voxel. Parts of solids below the terrain, such as the lower half of
+/// a buried pipe, do not count as surface. Thread-safe.
 class SurfaceSampler {
  public:
   /// area_world_m: corners of a simple polygon. within_m: may be infinite.
   SurfaceSampler(const World& world, double resolution_m, std::vector<Eigen::Vector2d> area_world_m,
                  const Eigen::AlignedBox3d& within_m);
 
-  /// Encloses all the surface to be sampled, inside the polygon's bounds; empty if there is none.
+  /// A box that encloses all the surface to be sampled, inside the polygon's bounds; empty if there is none.
   const Eigen::AlignedBox3d& box_m() const { return box_m_; }
-  /// Approximate number of voxels that the triangles pass through in that box: a plane of area A and unit normal n
-  /// crosses A |n|_1 / resolution^2.
+  /// Approximate number of voxels in that box that the triangles pass through: a plane of area A and unit normal n
+  /// crosses A |n|_1 / resolution^2 voxels.
   double voxels_in_box() const { return voxels_in_box_; }
 
-  /// The samples in the voxels from `first` up to, but excluding, `end` on each axis. However the grid is divided, a
-  /// point is in the same voxel, and the same point is kept.
+  /// The samples in the voxels from `first` up to, but excluding, `end` on each axis. The result for a voxel does not
+  /// depend on how the grid is divided.
   SurfaceSamples sample(const GridCell& first, const GridCell& end) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDeepest_m = 12000;  // the deepest point of all oceans
+constexpr double kDeepest_m = 12000;  // deeper than any ocean
 constexpr double kDeepest_pa = 1.5e8;
 
 void require_in(double value, double low, double high, const char* path, const char* rule) {
@@ -116,7 +116,7 @@ double Water::gauge_pressure_at(const Eigen::Vector3d& point_world_m, double tim
   return compressed_pa(std::max(0.0, still_pressure_at(-head_m)), head_m);
 }
 
-/// Uses the temperature and the salinity that sea_water.h calls for. Below kDeepest_m the compression stays constant.
+/// Uses temperature and salinity as specified in sea_water.h. Below kDeepest_m, the compression is constant.
 double Water::compressed_pa(double still_pa, double depth_m) const {
   if (!compressible || !(still_pa > 0)) return still_pa;
   const double z = -2.0 / 3 * depth_m, squeezed_pa = std::min(still_pa, kDeepest_pa);

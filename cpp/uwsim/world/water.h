@@ -12,14 +12,14 @@
 
 namespace uwsim {
 
-/// The water of a world. By default it is calm, of uniform density, with one steady current, and its temperature
+/// The water of a world. By default, it is calm and of uniform density, with one steady current; its temperature
 /// changes linearly from the surface to `bottom_depth_m` and is constant below. Waves, currents and a profile may be
-/// added. Copies are cheap: they share these, which are immutable.
+/// added. Copies are cheap: they share these parts, which are immutable.
 ///
-/// Densities are those at atmospheric pressure. If the water is compressible, its pressure includes the compression by
-/// its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are assumed to shrink with
-/// the water around them (assumed: syntactic foam and thin pressure hulls have about the bulk modulus of water; a rigid
-/// hull would gain 0.45 % of its displacement at 1000 m).
+/// Densities are those at atmospheric pressure. If the water is compressible, its pressure includes the effect of
+/// compression by its own weight (EOS-80, sea_water.h): 2.2 m of head at 1000 m. Buoyancy does not: hulls are assumed
+/// to compress like the water around them. Syntactic foam and thin pressure hulls have about the bulk modulus of water;
+/// a rigid hull would gain 0.45 % of its displacement at 1000 m.
 class Water : public EvenWater {
  public:
   double atmospheric_pressure_pa = 101325;
@@ -30,10 +30,10 @@ class Water : public EvenWater {
   bool compressible = true;
   SoundSpeedEquation sound_speed_equation = SoundSpeedEquation::kUnesco;
   std::shared_ptr<const Waves> waves;           ///< null: a flat surface
-  std::shared_ptr<const WaterProfile> profile;  ///< null: density_kg_m3, salinity_psu and the temperatures above
+  std::shared_ptr<const WaterProfile> profile;  ///< null: density_kg_m3, salinity_psu and the temperatures above apply
   std::vector<std::shared_ptr<const Current>> currents;  ///< added to current_world_m_s
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 
   static double depth_m(double z_world_m) { return -z_world_m; }
@@ -43,15 +43,16 @@ class Water : public EvenWater {
   double pressure_pa(const Eigen::Vector3d& point_world_m, double time_s) const;
   double temperature_deg_c(double z_world_m) const;
   double salinity_at_psu(double z_world_m) const;
-  /// Speed of sound: that of the profile, if it has one, else by the equation from temperature, salinity and pressure.
+  /// Speed of sound: from the profile, if it specifies one, else by the equation from temperature, salinity and
+  /// pressure.
   double sound_speed_m_s(double z_world_m) const;
   /// Whether the profile specifies the speed of sound.
   bool gives_sound_speed() const;
-  /// Selects the equation for the speed of sound by name, or the best for this water with "automatic"
+  /// Selects the equation for the speed of sound by name; "automatic" selects the best for this water
   /// (best_sound_speed_equation). Throws InvalidValue if this water exceeds the range of the named equation, or if its
   /// profile specifies the speed of sound.
   void select_sound_speed_equation(std::string_view name);
-  /// Extremes down to the deeper of bottom_depth_m and the profile's last level.
+  /// Extremes from the surface down to the deeper of bottom_depth_m and the profile's last level.
   WaterRange range() const;
 
   bool calm_and_even() const override { return !waves && (!profile || profile->even()); }

@@ -66,7 +66,7 @@ WaterLevel WaterProfile::at(double z_world_m) const {
           interpolated(a.sound_speed_m_s, b.sound_speed_m_s, fraction)};
 }
 
-/// A layer holds z in [low, high): a boundary belongs to the layer above it.
+/// A layer contains z in [low, high): a boundary belongs to the layer above it.
 DensityLayer WaterProfile::density_layer_at(double z_world_m) const {
   const auto deeper = std::lower_bound(levels_.begin(), levels_.end(), -z_world_m,
                                        [](const WaterLevel& level, double depth) { return level.depth_m < depth; });

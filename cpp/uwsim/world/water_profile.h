@@ -7,21 +7,21 @@
 
 namespace uwsim {
 
-/// Properties of the water at a depth.
+/// The properties of the water at one depth.
 struct WaterLevel {
   double depth_m = 0;
   double temperature_deg_c = 10;
   double salinity_psu = 0;
   double density_kg_m3 = 1000;
-  double sound_speed_m_s = 0;  ///< 0: unspecified; it follows from the others
+  double sound_speed_m_s = 0;  ///< 0: unspecified; computed from the other properties
 };
 
 /// Temperature, salinity, density and sound speed linear in depth between levels, constant above the first and below
 /// the last.
 class WaterProfile {
  public:
-  /// Throws InvalidValue that names water.profile unless depths increase, every value is plausible for water, and the
-  /// sound speed is specified at all levels or at none.
+  /// Throws InvalidValue naming water.profile unless depths increase, every value is plausible for water, and the sound
+  /// speed is specified at all levels or at none.
   explicit WaterProfile(std::span<const WaterLevel> levels);
 
   const std::vector<WaterLevel>& levels() const { return levels_; }
@@ -29,7 +29,7 @@ class WaterProfile {
   bool even() const { return even_; }
   WaterLevel at(double z_world_m) const;
   DensityLayer density_layer_at(double z_world_m) const;
-  /// Mass of the water between z and 0 per square metre: the integral of rho dz; negative above [kg/m^2].
+  /// Mass of the water between z and 0 per unit area: the integral of rho dz; negative above the surface [kg/m^2].
   double column_kg_m2(double z_world_m) const;
 
  private:

@@ -6,7 +6,7 @@
 #include "uwsim/core/double_lanes.h"
 #include "uwsim/world/wave_kernels.h"
 
-// Compiled once for each instruction set: hence the anonymous namespace.
+// Compiled once for each instruction set, hence the anonymous namespace.
 namespace uwsim {
 namespace {
 
@@ -42,7 +42,7 @@ void fit(const WaveTerms* terms, std::size_t count, WavePolynomial& polynomial) 
   for (std::size_t k = 0; k < polynomial.size(); ++k) polynomial[k] = sum_of_lanes(sums[k]);
 }
 
-/// The coefficient of z^c at (x, y), by Horner's rule. Moves `coefficient` on to the next.
+/// The coefficient of z^c at (x, y), by Horner's rule. Advances `coefficient` to the next term.
 template <int kDegree>
 inline DoubleLanes plane_at(DoubleLanes x, DoubleLanes y, const double*& coefficient) {
   DoubleLanes sum{};
@@ -66,7 +66,7 @@ inline DoubleLanes volume_at(DoubleLanes x, DoubleLanes y, DoubleLanes z, Double
   }
 }
 
-/// Eight points at a time, with unused places filled. Waves::stretched defines where linear theory is evaluated.
+/// Processes eight points at a time, padding unused slots. Waves::stretched defines where linear theory is evaluated.
 template <int kOrder>
 void heads(const WavePatch& patch, const double* points_m, std::size_t count, double* heads_m) {
   for (std::size_t n = 0; n < count; n += kWaveLanes) {

@@ -21,7 +21,7 @@ void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double 
   at.decay_rad_m[lane] = z;
 }
 
-/// Fills up the last block with waves of zero height; returns the number of blocks.
+/// Pads the last block with waves of zero height; returns the number of blocks.
 std::size_t blocks(WaveTerms* terms, std::size_t count) {
   while (count % kWaveLanes != 0) put(terms, count++, 0, 0, 0, 0, 0);
   return count / kWaveLanes;
@@ -53,7 +53,7 @@ void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::s
     centre = 0.5 * (low + high);
     Eigen::Vector3d reach = 0.5 * (high - low);
     height = crests_at(centre.x(), centre.y(), time_s, waves_.size(), crests.data());
-    // The stretching varies over the patch, and is largest where the surface is lowest.
+    // The stretching varies over the patch, and is greatest where the surface is lowest.
     const double change = std::min(slope_ * reach.head<2>().norm(), 2 * bound_m_);
     const double lowest = std::min(0.0, std::max(height - change, -bound_m_)), layer = layer_m(lowest);
     reach.z() = layer / (layer + lowest) * (reach.z() + change);

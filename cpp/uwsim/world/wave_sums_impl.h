@@ -3,18 +3,18 @@
 #include "uwsim/core/lane_functions.h"
 #include "uwsim/world/wave_sums.h"
 
-// Compiled once for each instruction set: hence the anonymous namespace.
+// Compiled once for each instruction set, hence the anonymous namespace.
 namespace uwsim {
 namespace {
 
 constexpr std::size_t kLanes = 8;
 
-/// Eight waves. Unused places have zero amplitude.
+/// Eight waves. Unused slots have zero amplitude.
 struct WaveBlock {
   DoubleLanes amplitude, omega, k, kx, ky, phase, deep, shallow;
-  bool is_deep = true;  ///< whether all of them are deep-water waves
+  bool is_deep = true;  ///< whether all are deep-water waves
 
-  /// Transposes rows: halves of rows are swapped, then quarters, then numbers.
+  /// Transposes the rows: swaps halves of rows, then quarters, then single values.
   WaveBlock(const double* waves, std::size_t count) {
     DoubleLanes rows[kLanes], halves[kLanes], quarters[kLanes];
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -38,7 +38,7 @@ struct WaveBlock {
   }
 
   DoubleLanes up(double z_m) const { return deep * exponential(k * z_m); }
-  /// The share of the waves' reflection at the bed.
+  /// The fraction due to the waves' reflection at the bed.
   DoubleLanes down(double z_m, double depth_m) const {
     if (is_deep) return DoubleLanes{};
     const DoubleLanes share = deep * exponential(-k * (z_m + 2 * depth_m));

@@ -13,7 +13,7 @@
 namespace uwsim {
 namespace {
 
-// in units of 1 / k; deeper than this, less than 2e-11 of a wave's motion remains
+// In units of 1 / k; below this depth, less than 2e-11 of a wave's motion remains.
 constexpr double kDepthOfMotion = 25;
 
 }  // namespace
@@ -87,7 +87,7 @@ std::size_t Waves::count_reaching(double z_m) const {
   return static_cast<std::size_t>(end - waves_.begin());
 }
 
-/// Fills in the crests of the first `count` waves, padded with zeros to a whole block; returns the surface's height,
+/// Computes the crests of the first `count` waves, padded with zeros to a whole block; returns the surface's height,
 /// which is the sum of their cosines.
 double Waves::crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const {
   double height = 0;
@@ -106,13 +106,13 @@ double Waves::layer_m(double height_m) const {
   return std::min(std::max(stretched_m_, -kTroughs * height_m), depth_m_);
 }
 
-/// At the surface and above it, z_m is 0.
+/// At and above the surface, z_m is 0.
 Waves::Stretched Waves::stretched(double z_m, double height_m) const {
   if (z_m >= height_m) return {0, 0, 0};
   const double layer = layer_m(height_m);
   if (z_m <= -layer) return {std::max(z_m, -depth_m_), 1, 0};
   const double under = layer + height_m, factor = layer / under;
-  // The layer gets deeper with its trough, or keeps its depth.
+  // The layer either deepens with its trough or keeps its depth.
   const bool deepens = layer > stretched_m_ && layer < depth_m_;
   return {factor * (z_m - height_m), factor, deepens ? -factor : -factor * (layer + z_m) / under};
 }
@@ -144,9 +144,9 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
   return head;
 }
 
-/// With the surface eta and its derivatives, and the velocity's gradient, which is symmetric and trace-free: linear
-/// theory's flow has neither rotation nor divergence. A particle at z' has linear theory's velocity at z(z', eta), so
-/// that its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, with Dz/Dt from the chain rule.
+/// Uses the surface eta, its derivatives, and the velocity gradient, which is symmetric and trace-free: the flow of
+/// linear theory has neither rotation nor divergence. A particle at z' has the velocity that linear theory predicts at
+/// z(z', eta), so its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, with Dz/Dt from the chain rule.
 WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double height, double z_m,
                                const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;
@@ -156,7 +156,8 @@ WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double he
   wave_sum_kernels().motion(&waves_[0].amplitude_m, count, &crests[0].cosine, at.z_m, depth_m_, sums);
   sum.velocity_m_s = Eigen::Map<const Eigen::Vector3d>(sums.velocity_m_s);
   sum.local_m_s2 = Eigen::Map<const Eigen::Vector3d>(sums.local_m_s2);
-  const Eigen::Vector3d surface(Eigen::Map<const Eigen::Vector3d>(sums.surface));  // eta by x, y and t
+  // derivatives of eta with respect to x, y and t
+  const Eigen::Vector3d surface(Eigen::Map<const Eigen::Vector3d>(sums.surface));
   const auto& [xx, xy, yy, xz, yz] = sums.gradient;
   const Eigen::Vector3d carried = sum.velocity_m_s + current_m_s;
   const double surface_rises = surface.z() + carried.x() * surface.x() + carried.y() * surface.y();

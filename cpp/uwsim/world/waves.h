@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// One linear wave: the surface is a cos(k (x . direction) - omega t + phase) high.
+/// One linear wave: its surface height is a cos(k (x . direction) - omega t + phase).
 struct WaveComponent {
   double amplitude_m = 0;
   double angular_frequency_rad_s = 1;
@@ -19,15 +19,15 @@ struct WaveComponent {
   double phase_rad = 0;
 };
 
-/// A sea given by its spectrum (Hasselmann et al. 1973, "JONSWAP"): S(omega) is proportional to
+/// A sea defined by its spectrum (Hasselmann et al. 1973, "JONSWAP"): S(omega) is proportional to
 ///
 ///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b,   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
 ///
-/// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
-/// height (4 sqrt(m0)). Each component has the same energy and a random frequency within its share of the spectrum,
-/// drawn with the spectrum's own density: no two frequencies are commensurable, so that the sea does not recur (evenly
-/// spaced frequencies recur after 2 pi / spacing; 64 of them after 26 peak periods). Directions spread about the
-/// heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
+/// with sigma 0.07 below the peak and 0.09 above it, scaled so that the sum of the components has exactly the
+/// significant height (4 sqrt(m0)). Each component has the same energy and a random frequency within its share of the
+/// spectrum, drawn with the spectrum's own density. No two frequencies are commensurable, so the sea does not recur
+/// (evenly spaced frequencies recur after 2 pi / spacing, which for 64 of them is 26 peak periods). Directions spread
+/// about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
@@ -45,32 +45,33 @@ double wave_number_rad_m(double angular_frequency_rad_s, double depth_m, double 
 struct WaveMotion {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d local_m_s2 = Eigen::Vector3d::Zero();       ///< du/dt of linear theory, due to its pressure
-  Eigen::Vector3d convective_m_s2 = Eigen::Vector3d::Zero();  ///< the rest of the acceleration of a particle
+  Eigen::Vector3d convective_m_s2 = Eigen::Vector3d::Zero();  ///< the remaining acceleration of a particle
   double fade = 0;                                            ///< 0 at the surface, 1 where nothing is stretched
 };
 
-/// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4). Linear theory holds
-/// for z in [-h, 0]; near the surface it is stretched: between the surface eta and z = -D it is evaluated at z = D (z'
-/// - eta) / (D + eta) for a point at z', so that the pressure at the wave's own surface is atmospheric; below -D it is
-/// evaluated at z' itself. This is delta stretching (Rodenbusch and Forristall 1986, OTC 5246) with Delta = 0, which is
-/// Wheeler's (1970) confined to a layer, and their D of half the significant height, but at least twice as deep as the
-/// present trough. Wheeler's original, down to the bed, has a mean velocity against the waves of a^2 omega k exp(k z) /
-/// 2, which exceeds the Stokes drift below k z = -0.7.
+/// A sum of linear (Airy) waves on water of constant depth (Dean and Dalrymple 1991, ch. 3 and 4). Linear theory is
+/// defined for z in [-h, 0] and is stretched near the surface: a point at z' between the surface eta and z = -D is
+/// evaluated at z = D (z' - eta) / (D + eta), so that the pressure at the wave's own surface is atmospheric; below -D
+/// it is evaluated at z' itself. This is delta stretching (Rodenbusch and Forristall 1986, OTC 5246) with Delta = 0,
+/// which is Wheeler's (1970) method confined to a layer, and with their D of half the significant height, but at least
+/// twice the depth of the present trough. Wheeler's original, which stretches down to the bed, has a mean velocity
+/// against the waves of a^2 omega k exp(k z) / 2, which exceeds the Stokes drift below k z = -0.7.
 ///
-/// To second order, particles drift with the waves at a^2 omega k exp(2 k z) in deep water (Stokes 1847) and do not
-/// drift vertically. So that a body that moves with the water keeps doing so, the acceleration is that of the
-/// particles, with the convective part (u . grad) u; its pressure is Bernoulli's -rho u^2 / 2. A current carries the
-/// particles through the waves, but does not shift the waves' frequencies: valid for currents that are slow compared
-/// with the phase speed. There are no second-order waves at sums and differences of frequencies, and no return flow.
+/// To second order, particles in deep water drift with the waves at a^2 omega k exp(2 k z) (Stokes 1847) and do not
+/// drift vertically. To ensure that a body that moves with the water keeps doing so, the acceleration is that of the
+/// particles, including the convective part (u . grad) u, whose pressure is Bernoulli's -rho u^2 / 2. A current carries
+/// the particles through the waves, but does not shift the wave frequencies: valid for currents that are slow compared
+/// with the phase speed. Second-order waves at sums and differences of frequencies are not modelled, nor is return
+/// flow.
 ///
-/// Valid for small steepness, which is bounded by the sum of the slopes: a wave higher than 0.142 wave lengths (k a =
-/// 0.45) would break. Valid above the bed at z = -depth_m only.
+/// Valid for small steepness, which is bounded by the sum of the slopes (a wave higher than 0.142 wavelengths, k a =
+/// 0.45, would break), and only above the bed at z = -depth_m.
 class Waves {
  public:
   static constexpr std::size_t kMaxComponents = 512;
   static constexpr double kSteepest = 0.45;  ///< amplitude times wave number; a steeper wave breaks
 
-  /// Throws InvalidValue that names water.surface.
+  /// Throws InvalidValue naming water.surface.
   Waves(std::span<const WaveComponent> components, double depth_m, double gravity_m_s2 = 9.80665);
   static Waves jonswap(const JonswapSea& sea, double depth_m, double gravity_m_s2 = 9.80665);
 
@@ -83,25 +84,25 @@ class Waves {
 
   double height_at(double x_world_m, double y_world_m, double time_s) const;
   SurfaceSpan span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const;
-  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, with K the decay of the waves' pressure with depth;
-  /// above the surface eta - z. Of first order: see bernoulli_head_at.
+  /// Pressure head (WaterField::pressure_heads): eta K(z) - z, where K is the decay of the waves' pressure with depth;
+  /// above the surface, eta - z. First-order: see bernoulli_head_at for the second-order part.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Pressure heads of many points. If these are close together compared with the wave lengths, one polynomial covers
-  /// all of them, within 5e-4 of the sum of the amplitudes.
+  /// Pressure heads of many points. If the points are close together compared with the wavelengths, a single polynomial
+  /// represents all of them, to within 5e-4 of the sum of the amplitudes.
   void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
   /// The second-order part of the pressure head, -u^2 / (2 g). It fades out towards the surface, where stretching
   /// lowers the mean pressure by the same amount.
   double bernoulli_head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
   /// Adds velocity and acceleration of the orbital motion to a flow that contains the current.
   void add_flow(const Eigen::Vector3d& point_world_m, double time_s, WaterFlow& flow) const;
-  /// The motion of a particle carried along by a current.
+  /// The motion of a particle that is carried along by a current.
   WaveMotion motion_at(const Eigen::Vector3d& point_world_m, double time_s, const Eigen::Vector3d& current_m_s) const;
   /// See WaterField::wave_load.
   WaveLoad load(const Eigen::Vector3d& centroid_world_m, double volume_m3, const Eigen::Matrix3d& second_moment_m5,
                 double time_s, const Eigen::Vector3d& current_m_s) const;
 
  private:
-  static constexpr double kTroughs = 2;  // depth of the stretched layer in units of the trough's
+  static constexpr double kTroughs = 2;  // depth of the stretched layer in units of the trough's depth
 
   struct Wave {
     double amplitude_m, omega_rad_s, number_rad_m, number_x_rad_m, number_y_rad_m, phase_rad;
@@ -111,16 +112,16 @@ class Waves {
   struct Crest {
     double cosine, sine;  // amplitude times cosine and sine of the phase
   };
-  /// Where linear theory is evaluated for a point, and how that changes with the point's and the surface's height.
+  /// Where linear theory is evaluated for a point, and how that changes with the heights of the point and the surface.
   struct Stretched {
     double z_m, by_point, by_surface;
   };
-  /// Number of waves, counted from the longest, whose motion reaches down to `z_m`.
+  /// Number of waves, counted from the longest, whose motion reaches `z_m`.
   std::size_t count_reaching(double z_m) const;
   double crests_at(double x, double y, double time_s, std::size_t count, Crest* crests) const;
   WaveMotion motion_under(const Crest* crests, std::size_t count, double height_m, double z_m,
                           const Eigen::Vector3d& current_m_s) const;
-  /// Depth D of the stretched layer under a surface that is `height_m` high.
+  /// Depth D of the stretched layer for a surface height of `height_m`.
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;
   double unstretched(double z_m, double height_m) const { return stretched(z_m, height_m).z_m; }

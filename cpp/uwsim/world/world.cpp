@@ -28,7 +28,7 @@ Label World::add_solid(std::string name, TriangleMesh mesh_world, std::vector<Ro
 }
 
 const Solid* World::solid_around(const Eigen::Vector3d& point_world_m) const {
-  // the winding number is 1 within rounding inside a closed mesh; less for an open mesh
+  // The winding number inside a closed mesh is 1 within rounding; it is less for an open mesh.
   constexpr double kEnclosed = 1 - 1e-6;
   for (const auto& solid : solids_) {
     const bool in_box = (point_world_m.array() >= solid->low_world_m.array()).all() &&

@@ -12,13 +12,14 @@
 
 namespace uwsim {
 
-/// Identifies surfaces: 0 nothing, 1 the terrain, 2 and up the solids in the order in which they were added.
+/// Identifies surfaces: 0 for nothing, 1 for the terrain, 2 and up for the solids in the order in which they were
+/// added.
 using Label = std::uint16_t;
 inline constexpr Label kNothing = 0;
 inline constexpr Label kTerrain = 1;
 
-/// A fixed solid. Rays hit its `shapes` if it has any, and its mesh otherwise. Contacts, and the true surface for
-/// scores, use the mesh, which approximates the shapes as closely as its maker chose.
+/// A fixed solid. Rays hit its `shapes` if it has any, and its mesh otherwise. Contacts and the reference surface for
+/// scoring use the mesh, which approximates the shapes with whatever accuracy its creator chose.
 struct Solid {
   std::string name;
   TriangleMesh mesh_world;
@@ -26,8 +27,8 @@ struct Solid {
   Eigen::Vector3d low_world_m, high_world_m;  ///< corners of its bounding box
 };
 
-/// The world that dynamics and rays share: the sonar sees what the vehicle hits. Copies are cheap: they share terrain
-/// and solids, which are immutable.
+/// The world that dynamics and rays share, so that the sonar sees the same surfaces that the vehicle hits. Copies are
+/// cheap: they share terrain and solids, which are immutable.
 class World {
  public:
   Water water;
@@ -40,7 +41,7 @@ class World {
   const std::vector<std::shared_ptr<const Solid>>& solids() const { return solids_; }
   /// The first closed solid that encloses the point, or null. An open mesh encloses nothing.
   const Solid* solid_around(const Eigen::Vector3d& point_world_m) const;
-  /// Names by label: "nothing", "terrain", then the solids'.
+  /// Names by label: "nothing", "terrain", then the names of the solids.
   std::vector<std::string> label_names() const;
 
  private:
