@@ -27,8 +27,7 @@ class GroundContactSolver {
  private:
   struct Point {
     Eigen::Matrix<double, 6, 3> columns;  ///< of the normal and two tangents, in coordinates of mass 1
-    Eigen::Vector3d free_m_s;             ///< velocity without contacts; along the normal, in excess of the required
-                                          ///< one
+    Eigen::Vector3d free_m_s;             ///< velocity without contacts; normal component in excess of the required one
     double demanded_m_s, start_m_s;       ///< along the normal
     double mass_kg;                       ///< effective mass for an impulse along the normal
     double friction;

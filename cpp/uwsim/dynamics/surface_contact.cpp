@@ -9,12 +9,10 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; a step that needs more
-                                         // allocates
+constexpr std::size_t kReserved = 4096;  // triangles, corners or contacts of one piece; further ones allocate
 constexpr double kTolerance_m = 1e-9;    // rounding error of positions
 constexpr double kCone = 1e-3;           // sine of the angle by which a normal may leave its cone
-constexpr double kFacesUp = 0.3;         // minimum cosine of the angle between the normal of a deep overlap and that of
-                                         // the terrain
+constexpr double kFacesUp = 0.3;         // minimum cosine between the normal of a deep overlap and that of the terrain
 
 bool meets(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Eigen::Vector3d& other_low,
            const Eigen::Vector3d& other_high) {

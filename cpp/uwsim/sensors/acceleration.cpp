@@ -3,7 +3,8 @@
 namespace uwsim {
 namespace {
 
-/// Inertial acceleration of the sensor (without gravity, unlike an IMU's) and its angular acceleration, in sensor axes.
+/// Inertial acceleration of the sensor (without gravity, unlike that of an IMU) and its angular acceleration, in sensor
+/// axes.
 class Acceleration final : public MountedSensor {
  public:
   explicit Acceleration(const SensorSpec& spec) : MountedSensor(spec) {}

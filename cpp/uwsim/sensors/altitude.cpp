@@ -6,7 +6,7 @@ namespace uwsim {
 namespace {
 
 /// Vertical distance (like that of a stabilised altimeter) to the first surface below, seabed or not. Beyond the
-/// maximum range it reads infinity, below the minimum range the minimum; both are invalid.
+/// maximum range, the reading is infinity; below the minimum range, it is the minimum. Both readings are invalid.
 class Altitude final : public MountedSensor {
  public:
   explicit Altitude(const SensorSpec& spec)

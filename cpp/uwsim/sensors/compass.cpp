@@ -9,10 +9,11 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
-/// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The earth's field (strength,
-/// inclination below the horizon, declination east of the world's north, +y) plus the vehicle's own field in sensor
-/// axes ("hard iron") is levelled with the true roll and pitch; heading = atan2 of the level components. Hard iron h
-/// therefore rotates it by about h_across / (B cos I). Groves 2013, "Principles of GNSS, Inertial...", ch. 6.1.
+/// Magnetic heading of the sensor's x axis, clockwise from magnetic north, in [0, 2 pi). The sum of the earth's field
+/// (strength, inclination below the horizon, declination east of the world's north, +y) and the vehicle's own field in
+/// sensor axes ("hard iron") is levelled with the true roll and pitch; the heading is the atan2 of the level
+/// components. Hard iron h therefore rotates the heading by about h_across / (B cos I). Groves 2013, "Principles of
+/// GNSS, Inertial...", ch. 6.1.
 class Compass final : public MountedSensor {
  public:
   explicit Compass(const SensorSpec& spec) : MountedSensor(spec), hard_iron_ut_(spec.vector3("hard_iron_ut")) {

@@ -3,7 +3,7 @@
 namespace uwsim {
 namespace {
 
-/// 1 while the vehicle is in contact with anything, else 0.
+/// Reads 1 while the vehicle is in contact with anything, else 0.
 class Contact final : public Sensor {
  public:
   explicit Contact(const SensorSpec&) {}

@@ -12,10 +12,11 @@ constexpr int kBeams = 4;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Doppler velocity log with four beams in Janus configuration (Brokloff 1994, "Matrix algorithm for Doppler sonar
-/// navigation"): beam k points down, at the angle `beam_slant_deg` to the sensor's -z and the azimuth
+/// navigation"): beam k points down, at the angle `beam_slant_deg` to the sensor's -z axis and the azimuth
 /// `beam_azimuth_deg` + 90 k about +z. Each beam that hits a surface within range measures its range and the velocity
-/// along the beam, b_k . v; the reading is the least-squares v. With fewer than three such beams there is no bottom
-/// lock: velocity 0, invalid (as reported by Water Linked's DVLs). A lost beam has infinite range and velocity 0.
+/// along the beam, b_k . v; the reading is the least-squares v. With fewer than three such beams, there is no bottom
+/// lock: velocity 0, invalid (as Water Linked's DVLs report it). A beam without a hit has infinite range and velocity
+/// 0.
 class Dvl final : public MountedSensor {
  public:
   explicit Dvl(const SensorSpec& spec)

@@ -4,8 +4,8 @@ namespace uwsim {
 namespace {
 
 /// Angular velocity and specific force (as accelerometers measure it: f = a - g) in sensor axes, and the sensor's
-/// orientation in the world, as in sensor_msgs/Imu. Groves 2013, "Principles of GNSS, Inertial...", ch. 4.
-/// The orientation error is a small rotation about the sensor's axes.
+/// orientation in the world, as in sensor_msgs/Imu. Groves 2013, "Principles of GNSS, Inertial...", ch. 4. The
+/// orientation error is a small rotation about the sensor's axes.
 class Imu final : public MountedSensor {
  public:
   explicit Imu(const SensorSpec& spec) : MountedSensor(spec) {}

@@ -4,12 +4,12 @@
 
 namespace uwsim {
 
-/// A sensor at a fixed pose on the body, with the motion of that point.
+/// A sensor mounted at a fixed pose on the body, and the motion of that point.
 class MountedSensor : public Sensor {
  protected:
   explicit MountedSensor(const SensorSpec& spec) : body_from_sensor_(spec.body_from_sensor) {}
 
-  /// The distance from the vehicle's origin that a ray of length `range_m` from the sensor may reach.
+  /// The largest distance from the vehicle's origin that a ray of length `range_m` from the sensor can reach.
   double reach_m(double range_m) const { return body_from_sensor_.position_m.norm() + range_m; }
   Pose world_from_sensor(const SensorInput& input) const {
     return input.vehicle.state.world_from_body * body_from_sensor_;
@@ -22,8 +22,8 @@ class MountedSensor : public Sensor {
     const BodyState& state = input.vehicle.state;
     return state.linear_body_m_s() + state.angular_body_rad_s().cross(body_from_sensor_.position_m);
   }
-  /// Inertial acceleration, body axes: the rate of the velocity in body axes, plus the terms for the rotation of the
-  /// axes and for the lever arm.
+  /// Inertial acceleration, body axes: the rate of change of the velocity in body axes, plus terms for the rotation of
+  /// the axes and for the lever arm.
   Eigen::Vector3d acceleration_body_m_s2(const SensorInput& input) const {
     const Eigen::Vector3d v = input.vehicle.state.linear_body_m_s(), w = input.vehicle.state.angular_body_rad_s();
     const Eigen::Vector3d rate = input.vehicle.acceleration_body.tail<3>(), arm = body_from_sensor_.position_m;

@@ -37,7 +37,7 @@ Noise::Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed,
 
 void Noise::apply(std::uint64_t sample, std::span<double> raw) {
   for (std::size_t k = 0; k < components_.size(); ++k) {
-    if (!std::isfinite(raw[k])) continue;  // no measurement, so limits do not apply
+    if (!std::isfinite(raw[k])) continue;  // not a measurement, so limits do not apply
     Component& c = components_[k];
     double value = raw[k] + c.turn_on;
     if (c.bias) value += c.bias->at(sample);

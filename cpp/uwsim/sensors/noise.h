@@ -11,11 +11,11 @@
 
 namespace uwsim {
 
-/// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on seed, sensor and k, not on
-/// which samples are read, how often, or on other sensors.
+/// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on the seed, the sensor and
+/// k, not on which samples are read, how often, or on other sensors.
 class Noise {
  public:
-  /// `stream`: the sensor, such as "rov/imu". `sample_period_s` converts a density to a standard deviation.
+  /// `stream`: identifies the sensor, such as "rov/imu". `sample_period_s` converts a density to a standard deviation.
   Noise(const SensorKind& kind, const SensorSpec& spec, std::uint64_t seed, const std::string& stream,
         double sample_period_s);
 

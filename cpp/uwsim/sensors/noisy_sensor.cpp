@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kMaxHeldSamples = 1e5;
 
-/// Whether a sample's time may differ from that of its reading.
+/// Whether the time of a sample may differ from the time at which it is read.
 bool has_history(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   return !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 || sensor.longest_travel_time_s() > 0;
 }
 
-/// Samples that may be in transit, the one that has arrived, and one more for rounding.
+/// Samples that may be in transit, plus the one that has arrived, plus one more to allow for rounding.
 std::size_t held_samples(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   const double held = (spec.latency_s + sensor.longest_travel_time_s()) / clock.period_s() + 3;
   require(held <= kMaxHeldSamples, "sensors." + spec.name + ".latency_s", spec.latency_s,
@@ -109,7 +109,7 @@ const Sample& NoisySensor::read_true(const VehicleSnapshot& now, const Surroundi
 
 const Sample& NoisySensor::read(const VehicleSnapshot& now, const Surroundings& around) {
   bool newest_dropped = false, found = false;
-  // Whether this measurement provides the sample: it has arrived and was not dropped.
+  // Whether this measurement can be used as the sample: it has arrived and was not dropped.
   const auto gives_sample = [&](const VehicleSnapshot& measured, bool is_dropped) {
     if (!arrived(measured, now, around)) return false;
     newest_dropped |= is_dropped;

@@ -16,15 +16,15 @@
 namespace uwsim {
 
 struct Sample {
-  std::vector<double> values;  ///< the fields of the kind, one after the other
+  std::vector<double> values;  ///< the fields of the kind, concatenated
   std::uint64_t stamp_ns = 0;  ///< the time of the measurement
   bool valid = false;
 };
 
 /// A sensor with its errors, rate, latency and drop-outs. A read returns the newest sample that has arrived, with the
-/// time of its measurement. If that one was dropped, it returns the last one that was not, marked invalid; before the
-/// first has arrived, it returns the present value, marked invalid. Samples depend on seed, names and time, not on
-/// reads.
+/// time of its measurement. If that sample was dropped, the read returns the last one that was not dropped, marked
+/// invalid; before the first sample has arrived, it returns the present value, marked invalid. Samples depend on seed,
+/// names and time, not on when the sensor is read.
 class NoisySensor {
  public:
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
@@ -37,36 +37,37 @@ class NoisySensor {
 
   /// The next tick whose snapshot must be recorded; kNever for a sensor that only measures the present.
   std::uint64_t next_due() const { return next_due_; }
-  /// A sensor within reach of another body observes immediately, since bodies move; the others observe when they are
-  /// read.
+  /// Stores the snapshot for later samples. A sensor within reach of another body observes immediately, since bodies
+  /// move; otherwise, the observation is made when the sensor is read.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around);
 
   /// The reference is valid until the next read.
   const Sample& read(const VehicleSnapshot& now, const Surroundings& around);
-  /// Sets whether its samples come over the link: the code that carries its pings then calls take_question and answer.
+  /// Sets whether samples come over the link. If so, the code that transmits the sensor's pings must call take_question
+  /// and answer.
   void use_link(bool has_modems);
   bool uses_link() const { return uses_link_; }
-  /// The number of the sample for which it has requested a ping since the last call, if any.
+  /// Returns the number of the sample for which a ping was requested since the last call, if any.
   std::optional<std::uint64_t> take_question() { return std::exchange(question_, std::nullopt); }
-  /// The longest time from ping to answer that its range allows [s].
+  /// The longest time from ping to answer within the sensor's range [s].
   double longest_travel_time_s() const { return sensor_->longest_travel_time_s(); }
-  /// Reports at tick `now` that the answer to a ping sent at `asked` has arrived, or that the ping has been given up.
+  /// Reports, at tick `now`, that the answer to a ping sent at `asked` has arrived, or that the ping has been given up.
   void answer(const VehicleSnapshot& asked, bool given_up, std::uint64_t now);
 
-  /// The present value without errors, rate, latency and drop-outs.
+  /// Returns the present value without errors, rate, latency or drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
-  /// Collects samples that are measured from `from_ns` on; nothing: stops collecting.
+  /// Starts collecting samples measured at or after `from_ns`; nullopt stops collecting.
   void watch(std::optional<std::uint64_t> from_ns);
-  /// The tick at whose beginning `collect` is due; kNever for a sensor that is not watched.
+  /// The tick at whose start `collect` is due; kNever for a sensor that is not watched.
   std::uint64_t next_collection() const { return watch_ ? watch_->next_tick : kNever; }
-  /// Adds the sample that has arrived by now, if it is new, to those returned next.
+  /// Collects the sample that has arrived by now, if it is new.
   void collect(const VehicleSnapshot& now, const Surroundings& around);
-  /// The samples since the last call. Throws InvalidValue for a sensor that is not watched.
+  /// Returns the samples collected since the last call. Throws InvalidValue for a sensor that is not watched.
   SampleBatch take_samples();
   void watch_like(const NoisySensor& other) { watch_ = other.watch_; }
 
-  /// Saves or restores the history at `tick`; errors follow from seed, names and time. Throws InvalidValue.
+  /// Saves or restores the history at `tick`; errors are a function of seed, names and time. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick);
 
  private:
@@ -92,7 +93,7 @@ class NoisySensor {
   Sample sample_;
   std::uint64_t measured_tick_ = kNever;  ///< tick of the recorded snapshot from which sample_ was measured
   bool measured_valid_ = false;
-  bool has_arrived_ = false;  ///< whether sample_ has arrived, as opposed to being the present value in its place
+  bool has_arrived_ = false;  ///< whether sample_ has arrived; if not, it is the present value
   std::optional<SampleWatch> watch_;
 };
 

@@ -3,7 +3,7 @@
 namespace uwsim {
 namespace {
 
-/// Absolute pressure of the atmosphere and the water, including its density profile and waves.
+/// Absolute pressure due to the atmosphere and the water, including its density profile and waves.
 class Pressure final : public MountedSensor {
  public:
   explicit Pressure(const SensorSpec& spec) : MountedSensor(spec) {}

@@ -3,7 +3,7 @@
 namespace uwsim {
 namespace {
 
-/// Distance along the sensor's x axis to the nearest surface; if there is none, the maximum range, as in the paper.
+/// Distance along the sensor's x axis to the nearest surface, or the maximum range if there is none, as in the paper.
 class Proximity final : public MountedSensor {
  public:
   explicit Proximity(const SensorSpec& spec)

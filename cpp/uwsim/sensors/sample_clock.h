@@ -6,8 +6,8 @@
 
 namespace uwsim {
 
-/// The sampling times of a sensor: sample k is taken at the first step at or after k / rate, so that the mean rate is
-/// exact even if it does not divide the step rate. A rate of 0 or above the step rate means every step.
+/// The sampling times of a sensor. Sample k is taken at the first step at or after k / rate, so the mean rate is exact
+/// even if it does not divide the step rate. A rate of 0, or above the step rate, means every step.
 class SampleClock {
  public:
   SampleClock(double rate_hz, std::uint64_t step_ns) : step_ns_(step_ns), period_ns_(step_ns) {

@@ -13,14 +13,14 @@
 
 namespace uwsim {
 
-/// The vehicle at a sensor's last sampling times, in a ring buffer of fixed size. The newest entry that has left the
-/// ring and was not dropped is kept as well, so that a read always finds the last sample that was not dropped.
+/// The vehicle's state at a sensor's last sampling times, in a ring buffer of fixed size. The newest entry that has
+/// left the ring and was not dropped is kept as well, so a read always finds the last sample that was not dropped.
 class SampleHistory {
  public:
   struct Entry {
     VehicleSnapshot snapshot;
     bool dropped = false;
-    bool observed = false;    ///< `raw` holds the observed values; otherwise they are observed later
+    bool observed = false;    ///< whether `raw` contains the observed values; if not, they are observed later
     std::vector<double> raw;  ///< of fixed size
   };
 
@@ -30,7 +30,7 @@ class SampleHistory {
     last_evicted_.raw.resize(raw_width);
   }
 
-  /// Returns the new entry, without raw values.
+  /// Adds an entry without raw values and returns it.
   Entry& push(const VehicleSnapshot& snapshot, bool dropped) {
     Entry& entry = ring_[pushed_ % ring_.size()];
     if (pushed_ >= ring_.size() && !entry.dropped) {
@@ -44,7 +44,7 @@ class SampleHistory {
     return entry;
   }
 
-  /// Visits the entries, newest first, then the one kept separately, until `stop_at` returns true.
+  /// Visits the entries from newest to oldest, then the one kept separately, until `stop_at` returns true.
   template <typename Visit>
   void visit_back(Visit&& stop_at) const {
     const std::size_t held = std::min<std::size_t>(pushed_, ring_.size());
@@ -54,7 +54,7 @@ class SampleHistory {
     if (evicted_) stop_at(last_evicted_);
   }
 
-  /// Saves or restores the entries at `tick`; a smaller history keeps the newest. Throws InvalidValue.
+  /// Saves or restores the entries at `tick`; a smaller history keeps only the newest. Throws InvalidValue.
   void exchange_state(StateArchive& archive, std::uint64_t tick) {
     std::uint64_t held = std::min<std::uint64_t>(pushed_, ring_.size());
     archive(held);
@@ -71,7 +71,7 @@ class SampleHistory {
  private:
   void restore_entries(StateArchive& archive, std::uint64_t count, std::uint64_t tick) {
     pushed_ = 0;
-    Entry entry = last_evicted_;  // has the right size
+    Entry entry = last_evicted_;  // already has the right size
     for (std::uint64_t k = 0; k < count; ++k) {
       exchange_entry(archive, entry, tick);
       Entry& kept = push(entry.snapshot, entry.dropped);
@@ -90,7 +90,7 @@ class SampleHistory {
     archive(entry.observed);
     require(!entry.observed || !entry.raw.empty(), "state.history.observed", 1, "must be 0 without rays");
     for (std::size_t k = 0; entry.observed && k < entry.raw.size(); ++k) {
-      auto bits = std::bit_cast<std::uint64_t>(entry.raw[k]);  // infinite if nothing was hit
+      auto bits = std::bit_cast<std::uint64_t>(entry.raw[k]);  // infinite if the ray hit nothing
       archive(bits);
       entry.raw[k] = std::bit_cast<double>(bits);
       require(!std::isnan(entry.raw[k]), "state.history", entry.raw[k], "must not be NaN");

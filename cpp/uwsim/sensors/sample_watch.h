@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// Samples in order of arrival. values: one row of the reading's width for each sample.
+/// Samples in order of arrival. values: one row per sample, as wide as a reading.
 struct SampleBatch {
   std::vector<std::uint64_t> stamps_ns, arrivals_ns;
   std::vector<double> values;
@@ -16,7 +16,7 @@ struct SampleBatch {
 /// The state of a watched sensor: each sample that was not dropped is delivered once, when it arrives.
 struct SampleWatch {
   std::uint64_t from_ns = 0;    ///< samples with earlier stamps are ignored
-  std::uint64_t next_tick = 0;  ///< when a sample may arrive next
+  std::uint64_t next_tick = 0;  ///< earliest tick at which a sample may arrive
   SampleBatch arrived;
 
   void add(std::uint64_t stamp_ns, std::uint64_t arrival_ns, std::span<const double> values, bool valid) {

@@ -15,15 +15,15 @@
 
 namespace uwsim {
 
-/// The state of a vehicle at a tick, as sensors need it.
+/// The state of a vehicle at a tick, as required by sensors.
 struct VehicleSnapshot {
   std::uint64_t tick = 0;
   BodyState state;
-  Vector6d acceleration_body = Vector6d::Zero();  ///< rate of velocity_body, body axes
+  Vector6d acceleration_body = Vector6d::Zero();  ///< rate of change of velocity_body, body axes
   bool touching = false;
 };
 
-/// The surroundings of a vehicle; `scene` has the other vehicles at their present poses.
+/// The surroundings of a vehicle; `scene` contains the other vehicles at their present poses.
 struct Surroundings {
   RayScene scene;
   const Water& water;
@@ -38,29 +38,29 @@ struct SensorInput {
   double time_s;
 };
 
-/// A quantity of a reading, such as {"orientation_xyzw", 4, "1"}: name, number of values, unit.
+/// One quantity of a reading: name, number of values and unit, such as {"orientation_xyzw", 4, "1"}.
 struct Field {
   std::string_view name;
   int width;
   std::string_view unit;
 };
 
-/// A measured quantity that noise acts on, such as {"angular_velocity", 3, "rad/s"}.
+/// A measured quantity to which noise is added, such as {"angular_velocity", 3, "rad/s"}.
 struct Channel {
   std::string_view name;
   int width;
   std::string_view unit;
 };
 
-/// A sensor without noise, rate and latency: observe() measures the raw values, report() converts them to a reading.
-/// Raw values are the channels in order, to which noise is added, followed by noise-free values.
+/// A sensor without noise, rate or latency: observe() measures the raw values, report() converts them to a reading. Raw
+/// values are the channels in order, to which noise is added, followed by noise-free values.
 class Sensor {
  public:
   virtual ~Sensor() = default;
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
   /// How far from the vehicle's origin the sensor can detect surfaces [m]; 0 if it casts no rays.
   virtual double reach_m() const { return 0; }
-  /// Converts raw values to a reading; returns whether it is valid. By default the reading is the raw values.
+  /// Converts raw values to a reading; returns whether it is valid. By default, the reading consists of the raw values.
   virtual bool report(std::span<const double> raw, std::span<double> reading) const {
     std::copy(raw.begin(), raw.end(), reading.begin());
     return true;
@@ -68,8 +68,8 @@ class Sensor {
   /// The delay until a measurement arrives [s], and its upper limit.
   virtual double travel_time_s(const SensorInput&) const { return 0; }
   virtual double longest_travel_time_s() const { return 0; }
-  /// Whether its ping is a packet of the link's modem, if there is one, so that it has a sample when the answer
-  /// arrives.
+  /// Whether the sensor's ping is sent as a packet over the link's modem, if there is one, so that a sample becomes
+  /// available when the answer arrives.
   virtual bool shares_modem() const { return false; }
 };
 

@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// A new sensor needs one new file, and its kind's name in both of these lists.
+/// To add a sensor, add a file and list its kind in both places below.
 extern const SensorKind kImu, kVelocity, kAcceleration, kDepth, kPressure, kTemperature, kAltitude, kProximity, kDvl,
     kUsbl, kCompass, kContact;
 

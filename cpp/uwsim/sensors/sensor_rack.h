@@ -10,7 +10,7 @@
 
 namespace uwsim {
 
-/// The sensors of one vehicle, and the time of their next sample.
+/// The sensors of one vehicle, and the time when the next sample is due.
 class SensorRack {
  public:
   SensorRack() = default;
@@ -29,7 +29,8 @@ class SensorRack {
   NoisySensor& at(std::size_t index) { return sensors_.at(index); }
   const NoisySensor& at(std::size_t index) const { return sensors_.at(index); }
 
-  /// Whether the snapshot of `tick` must be recorded before the next step. Most steps cost only this comparison.
+  /// Whether the snapshot of `tick` must be recorded before the next step. In most steps, this comparison is the only
+  /// cost.
   bool due(std::uint64_t tick) const { return tick >= next_due_; }
   /// Does not allocate or free memory.
   void record(const VehicleSnapshot& snapshot, const Surroundings& around) {

@@ -12,22 +12,22 @@
 
 namespace uwsim {
 
-/// Errors of one channel of a sensor: the same parameters for each component, drawn independently. [u]: the channel's
-/// unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). Zero means no error of
-/// that kind. Model and names: IEEE Std 952-1997, annexes B and C; the Allan variances are in
+/// Errors of one channel of a sensor. All components use the same parameters but are drawn independently. [u]: the
+/// channel's unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). A value of
+/// zero disables that error. Model and names follow IEEE Std 952-1997, annexes B and C; the Allan variances are in
 /// tests/cpp/sensors/test_sensor_noise.cpp.
 struct NoiseSpec {
-  double std = 0;          ///< white noise of each sample [u]
-  double density = 0;      ///< white, N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
+  double std = 0;          ///< white noise per sample [u]
+  double density = 0;      ///< white noise N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
   double turn_on_std = 0;  ///< constant bias, drawn once per run [u]
   double bias_std = 0;     ///< stationary Gauss-Markov bias [u] ...
   double bias_time_s = 0;  ///< ... and its correlation time
   double walk = 0;         ///< random walk from 0 at time 0, K (rate random walk) [u/sqrt(s)]: std(t) = K sqrt(t)
   double quantum = 0;      ///< readings are integer multiples of this [u]
-  double limit_low = -std::numeric_limits<double>::infinity();  ///< readings saturate here [u]
+  double limit_low = -std::numeric_limits<double>::infinity();  ///< readings saturate below this [u]
   double limit_high = std::numeric_limits<double>::infinity();
 
-  /// Throws InvalidValue that names the field below `path`.
+  /// Throws InvalidValue naming the field below `path`.
   void check(const std::string& path) const;
 };
 

@@ -10,12 +10,13 @@ namespace {
 
 /// Acoustic position fix by an ultra-short baseline system at the station. The vehicle pings at the time of the sample;
 /// the station measures travel time and direction and sends the fix back, which arrives after twice the travel time
-/// along the ray that the sound-speed profile bends (direct_ray). The station knows the profile and corrects range and
-/// direction for the bending, as long-range systems do when they have one (Kongsberg HiPAP, Sonardyne Ranger 2; from
-/// memory): without errors a fix is the true position. The range error acts along the line of sight; the bearing error
-/// is two small angles across it, an error of R x angle in position. Out of range, and in a shadow zone, which no
-/// direct ray reaches, there is no fix: range 0, invalid. Obstacles do not block the ray. With `shares_modem` and a
-/// link of modems, ping and fix are packets of the link instead (sim/position_exchange.h).
+/// along the ray that the sound-speed profile bends (direct_ray). The station is assumed to know the profile and to
+/// correct range and direction for the bending, as long-range systems do when they have one (Kongsberg HiPAP, Sonardyne
+/// Ranger 2; from memory): without errors, a fix is the true position. The range error acts along the line of sight.
+/// The bearing error is two small angles across it, which cause an error of R x angle in position. There is no fix
+/// (range 0, invalid) out of range, or in a shadow zone, which no direct ray reaches. Obstacles do not block the ray.
+/// If `shares_modem` is set and the link uses modems, ping and fix are sent as packets over the link instead
+/// (sim/position_exchange.h).
 class Usbl final : public MountedSensor {
  public:
   explicit Usbl(const SensorSpec& spec)
@@ -50,7 +51,7 @@ class Usbl final : public MountedSensor {
     const Eigen::Vector3d line = from_station(input);
     const auto ray = line.norm() <= range_max_m_ ? ray_from_station(input) : std::nullopt;
     if (ray) return 2 * ray->time_s;
-    // By then the station knows that no answer will come.
+    // By then, the station can be sure that no answer will come.
     return 2 * std::min(line.norm(), range_max_m_) / input.around.sound.at(depth_m(input.around.station_world_m));
   }
 

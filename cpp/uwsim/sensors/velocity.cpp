@@ -3,7 +3,7 @@
 namespace uwsim {
 namespace {
 
-/// Velocity of the sensor over ground and its angular velocity, in sensor axes: ideal odometry with errors.
+/// The sensor's velocity over ground and its angular velocity, in sensor axes: ideal odometry with errors.
 class Velocity final : public MountedSensor {
  public:
   explicit Velocity(const SensorSpec& spec) : MountedSensor(spec) {}

@@ -18,8 +18,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; smaller rotations are below a hundredth of a beam
-constexpr float kMinRange_m = 0.01f;   // echoes from closer than this are no louder
+constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; less is below a hundredth of a beam width
+constexpr float kMinRange_m = 0.01f;   // echoes from closer than this get no louder
 
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
@@ -63,7 +63,7 @@ struct AcousticMultibeam::Transmission {
 };
 
 struct AcousticMultibeam::FanRays {
-  Eigen::Matrix3Xf directions_world;  // one beam after the other
+  Eigen::Matrix3Xf directions_world;  // beam by beam
   std::size_t first_beam;
   float beams_per_ray;
 
@@ -104,7 +104,7 @@ RayEcho AcousticMultibeam::ray_echo(const Transmission& sent, std::size_t beam, 
   const float lost = std::exp(kTwoWay * absorption_db_m * length);
   const float patch_m = length * footprint_.spacing_rad(beam), widening = footprint_.widening(beam);
   const float relief_m = reliefs_[material] * length * width_rad_ * footprint_.root_widening(beam);
-  // The extent of a ray's patch in range is due to tan i, that of the relief along the ray to cos i.
+  // The extent of a ray's patch in range depends on tan i, that of the relief along the ray on cos i.
   const float square = cos_i * cos_i;
   RayEcho echo;
   echo.range_m = range_m;
@@ -147,7 +147,7 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& r
       const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
       const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
       const float cosine = std::abs(normal.dot(direction)) / normal.norm();
-      // Out to the bottom and back to the moved head.
+      // From the head out to the bottom and back to the head's new position.
       const float half = moves ? 0.5f * (1 + (direction - 2 * sent.mach).norm()) : 1;
       echo = ray_echo(sent, rays.beam(first + lane), length_m, half * length_m, cosine, -z,
                       static_cast<Label>(met.label[lane]));
@@ -221,7 +221,8 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
   }
 }
 
-/// The directions at reception: by then a rotating fan has turned further, for each beam according to its travel time.
+/// The directions at reception: by then, a rotating fan has turned further, by an angle that depends on each beam's
+/// travel time.
 Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sent, std::size_t first,
                                                          std::size_t last) const {
   const auto begin = static_cast<Eigen::Index>(first), beams = static_cast<Eigen::Index>(last - first);
@@ -232,7 +233,7 @@ Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sen
     directions.noalias() = sent.rotation * footprint_.directions().middleCols(begin * per_beam, beams * per_beam);
     return directions;
   }
-  // A ray along each beam's axis gives the travel time, and thus the rotation.
+  // A ray along each beam's axis yields the travel time, and thus the rotation.
   const FanRays axes{sent.rotation * footprint_.axes().middleCols(begin, beams), first, 1.0f};
   std::vector<RayEcho> ahead(last - first);
   cast_straight(sent, axes, ahead);

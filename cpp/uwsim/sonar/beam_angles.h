@@ -3,7 +3,7 @@
 namespace uwsim {
 
 /// The angles of a fan's beams about the sonar's +z axis: 0 straight ahead (+x), positive to port. Beam 0 is the
-/// outermost beam to starboard; the others follow at even spacing, like angle_min and angle_increment of a
+/// outermost beam to starboard; the others follow at even spacing, like angle_min and angle_increment in
 /// sensor_msgs/LaserScan.
 struct BeamAngles {
   double first_rad;

@@ -8,20 +8,21 @@
 
 namespace uwsim {
 
-/// The rays that sample each beam of a fan: all carry the same energy and are distributed like the two-way pattern.
+/// The rays that sample each beam of a fan. All rays carry the same energy and are distributed like the two-way
+/// pattern.
 ///
 /// The pattern is the product of the transmitter's, narrow across the fan's plane, and the receiver's, narrow within
-/// it; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is steered
-/// (steered_widening). The offsets form a sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from memory) at the
-/// quantiles of the Gaussian, corrected to its exact mean and variance, so that a footprint's centre and extent do not
-/// depend on the number of rays.
+/// the plane; both are assumed Gaussian (main lobe only, no side lobes). A receiving beam widens as its array is
+/// steered (steered_widening). The offsets form a sunflower pattern (Vogel 1979, Math. Biosci. 44:179; from memory) at
+/// the quantiles of the Gaussian, adjusted to its exact mean and variance, so that a footprint's centre and extent do
+/// not depend on the number of rays.
 class BeamFootprint {
  public:
   /// Offsets within and across the fan's plane, in standard deviations of the pattern. Throws InvalidValue unless the
   /// number of rays is 1 (the axis alone) or in [4, 64].
   static std::vector<Eigen::Vector2d> offsets(int rays);
 
-  /// Widths: -3 dB, one way, of an unsteered beam.
+  /// Widths are at -3 dB, one way, of an unsteered beam.
   BeamFootprint(const MultibeamModel& fan, double width_across_rad, double width_along_rad, int rays);
 
   int rays() const { return rays_; }
@@ -29,11 +30,11 @@ class BeamFootprint {
   const Eigen::Matrix3Xf& directions() const { return directions_; }
   /// (3, beams) axes of the beams.
   const Eigen::Matrix3Xf& axes() const { return axes_; }
-  /// The rays of one beam; valid as long as this object.
+  /// The rays of one beam; valid during the lifetime of this object.
   BeamRays beam(std::size_t beam) const;
   /// Approximate angle between a beam's neighbouring rays [rad]; 0 for a single ray.
   float spacing_rad(std::size_t beam) const { return spacing_rad_[beam]; }
-  /// The factor by which a beam is wider than an unsteered one.
+  /// The ratio of a beam's width to that of an unsteered beam.
   float widening(std::size_t beam) const { return widening_[beam]; }
   float root_widening(std::size_t beam) const { return root_widening_[beam]; }
 

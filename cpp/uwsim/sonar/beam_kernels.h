@@ -5,7 +5,7 @@
 
 namespace uwsim {
 
-/// Hits of sixteen beams, as pointers to sixteen numbers each.
+/// Hits of sixteen beams, as pointers to sixteen values each.
 struct BeamHits {
   const double *distance_m, *normal_x, *normal_y, *normal_z;
   const double *direction_x, *direction_y, *direction_z;
@@ -16,7 +16,7 @@ struct BeamHits {
 /// Which hits count as echoes, and their level.
 struct EchoRule {
   double head_z_m;
-  double range_max_m;      ///< hits at or beyond this are no echoes; 0 discards all
+  double range_max_m;      ///< hits at or beyond this do not count as echoes; 0 discards all
   double absorption_db_m;  ///< one way
 };
 
@@ -27,17 +27,18 @@ struct BeamEchoes {
   std::uint8_t* valid;
 };
 
-/// Loops over sixteen beams, compiled for one instruction set. All instruction sets give the same bits.
+/// Loops over sixteen beams, compiled for one instruction set. All instruction sets produce the same bits.
 struct BeamKernels {
-  /// Directions of the beams in the world, from the head's x and y axes (3,) and the beams' cosines and sines (16,).
+  /// Computes the beams' directions in the world from the head's x and y axes (3,) and the cosines and sines of the
+  /// beam angles (16,).
   void (*directions)(const double* x_axis, const double* y_axis, const double* cosine, const double* sine,
                      double* direction_x, double* direction_y, double* direction_z);
-  /// Distances at which rays from a head at z <= 0 end: the maximum range, or the surface if it is nearer.
+  /// Computes the distances at which rays from a head at z <= 0 end: the maximum range, or the surface if it is nearer.
   void (*reach)(double head_z_m, double range_max_m, const double* direction_z, double* far_m);
-  /// Converts hits under water and within range to echoes. Logarithm and arc tangent are series in float, accurate to
-  /// 1e-6 (relative for the logarithm, in radians for the angle), so that compilers vectorise the loop.
+  /// Converts underwater hits within range to echoes. Logarithm and arc tangent are float series that are accurate to
+  /// 1e-6 (relative for the logarithm, in radians for the angle), so that compilers can vectorise the loop.
   void (*echoes)(const BeamHits& hits, const EchoRule& rule, const BeamEchoes& echoes);
-  /// Positions of the echoes in the sonar frame, (16, 3); NaN where the range is infinite.
+  /// Computes the positions of the echoes in the sonar frame, (16, 3); NaN where the range is infinite.
   void (*points)(const double* distance_m, const double* cosine, const double* sine, const float* range_m,
                  float* points_sonar_m);
 };

@@ -6,7 +6,7 @@
 
 #include "uwsim/sonar/beam_kernels.h"
 
-// Compiled once for each instruction set: hence the anonymous namespace. The loops are written for auto-vectorisation.
+// Compiled once for each instruction set, hence the anonymous namespace. The loops are written for auto-vectorisation.
 namespace uwsim {
 namespace {
 
@@ -16,8 +16,8 @@ constexpr float kDecibel = 8.68588964f;  // 20 / ln 10
 constexpr double kMinCosine = 1e-6;
 constexpr float kMinRange_m = 0.01f;
 
-/// Natural logarithm of a positive, normal number: ln 2 times its exponent, plus, for its mantissa m in [0.7, 1.41],
-/// the series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
+/// Natural logarithm of a positive, normal number: ln 2 times its exponent plus, for its mantissa m in [0.7, 1.41], the
+/// series 2 (z + z^3/3 + z^5/5 + ...) with z = (m - 1) / (m + 1), |z| < 0.172.
 inline float log_series(float x) {
   std::int32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -30,8 +30,8 @@ inline float log_series(float x) {
   return static_cast<float>(exponent) * 0.69314718f + series;
 }
 
-/// The angle of a right triangle from its two legs, both non-negative: the series of the arc tangent about 0, 45 or 90
-/// degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
+/// The angle of a right triangle, computed from its two non-negative legs. Uses the series of the arc tangent about 0,
+/// 45 or 90 degrees, whichever is nearest, so that its argument is at most tan(22.5 deg).
 inline float angle_series(float opposite, float adjacent) {
   const float less = opposite < adjacent ? opposite : adjacent, more = opposite < adjacent ? adjacent : opposite;
   const bool middle = less > 0.41421356f * more;

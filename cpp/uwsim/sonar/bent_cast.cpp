@@ -12,8 +12,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSag_m = 0.9e-3;  // largest distance of a chord from its arc
-// chords are cast slightly longer than they are, so that no surface slips through between two
+constexpr double kSag_m = 0.9e-3;  // largest distance between a chord and its arc
+// Chords are cast slightly beyond their ends, so that no surface slips through between two of them.
 constexpr double kOverlap_m = 1e-3;
 constexpr int kChordsMax = 100'000;
 
@@ -23,11 +23,11 @@ Eigen::Vector3d level(const Eigen::Vector3d& direction_world) {
   return length > 0 ? Eigen::Vector3d(flat / length) : Eigen::Vector3d::UnitX();
 }
 
-/// A ray in progress: its path lies in the vertical plane through `level_world`.
+/// A ray being traced. Its path lies in the vertical plane through `level_world`.
 struct BentRay {
   Eigen::Vector3d level_world;
   SoundPath path;
-  SoundPath::Step next;  // the step whose chord is cast
+  SoundPath::Step next;  // the step whose chord is to be cast
   double chord_m = 0;
   int chords = 0;
   bool done = false;
@@ -38,7 +38,7 @@ struct BentRay {
   }
 };
 
-/// The next chord: it ends with the layer, at the largest sag, or at the maximum time, whichever comes first.
+/// The next chord: it ends at the layer's boundary, at the largest sag, or at the maximum time, whichever comes first.
 SoundPath::Step next_chord(const SoundPath& path, double time_max_s) {
   const double curvature = std::abs(path.curvature_1_m());
   const double left_s = time_max_s - path.state().time_s;
@@ -84,7 +84,7 @@ std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile,
     const Eigen::Vector3d& direction = directions_world[k];
     const double dip = std::atan2(-direction.z(), std::hypot(direction.x(), direction.y()));
     rays[k] = BentRay{level(direction), SoundPath(profile, -origin_world_m.z(), dip), {}};
-    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface, and not going down
+    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface, and not heading down
     hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), direction, kNothing};
   }
   RayPacket packet{};

@@ -8,19 +8,19 @@
 
 namespace uwsim {
 
-/// The hit of a ray of sound on its bent path.
+/// The hit of a sound ray along its bent path.
 struct SoundHit {
   double length_m;  ///< length of the path; infinity without a hit
   double time_s;    ///< one way; infinity without a hit
   Eigen::Vector3d point_world_m;
   Eigen::Vector3f normal_world;   ///< of any length
-  Eigen::Vector3d arrival_world;  ///< unit vector, direction of the path at the hit
+  Eigen::Vector3d arrival_world;  ///< unit vector along the path at the hit
   Label label;
 };
 
-/// Casts bent rays from one point: each arc as a series of chords within a millimetre of it, until one hits a surface.
-/// A ray ends at z = 0, at `time_max_s`, or at its hit. hits[k] belongs to directions_world[k], unit vectors. The
-/// result does not depend on how the directions are divided among calls. Returns the number of chords cast.
+/// Casts bent rays from one point. Each arc is cast as a series of chords within a millimetre of it until one hits a
+/// surface. A ray ends at z = 0, at `time_max_s`, or at its hit. hits[k] belongs to directions_world[k], a unit vector.
+/// The result does not depend on how the directions are divided among calls. Returns the number of chords cast.
 std::size_t cast_bent(const RayScene& scene, const SoundSpeedProfile& profile, const Eigen::Vector3d& origin_world_m,
                       std::span<const Eigen::Vector3d> directions_world, double time_max_s, std::span<SoundHit> hits);
 

@@ -15,7 +15,7 @@ constexpr float kEmpty = std::numeric_limits<float>::infinity();
 constexpr double kMaxPixels = 1 << 26;
 constexpr double kSameSurface = 0.1;  // largest relative difference between pixels that are interpolated
 
-/// Offset of a pixel's centre from the axis at depth 1: positive to the left for columns, upwards for rows.
+/// Offset of a pixel's centre from the optical axis at depth 1: positive to the left for columns, upwards for rows.
 double offset_of(int index, int count, double fov_rad) {
   return std::tan(fov_rad / 2) * (1 - 2 * (index + 0.5) / count);
 }
@@ -27,7 +27,7 @@ float quantised(double depth_m, const DepthCamera& camera) {
   return static_cast<float>(std::round(depth_m / camera.range_max_m * steps) / steps * camera.range_max_m);
 }
 
-/// The range to which a column is reduced; `tangent`: of the column's angle.
+/// The single range for a column; `tangent`: the tangent of the column's angle.
 double column_range(const DepthImage& image, int column, RowReduction reduction, double tangent) {
   const DepthCamera& camera = image.camera;
   const auto depth = [&](int row) {

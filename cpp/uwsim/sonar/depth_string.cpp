@@ -12,7 +12,8 @@ namespace uwsim {
 namespace {
 
 constexpr char kSeparator = 'a';
-/// A float32 in G7 takes 13 characters including its separator; other writers may use more digits, up to this limit.
+/// A float32 in G7 format takes up to 13 characters including its separator; other writers may use more digits, up to
+/// this limit.
 constexpr std::size_t kLettersMax = 32;
 constexpr std::size_t kBeamsMax = 1'000'000;
 
@@ -20,8 +21,8 @@ constexpr int kDigits = 7;
 constexpr double kMinPlain = 1e-4, kMaxPlain = 1e6;
 constexpr std::array<double, kDigits + 4> kTens = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10};
 
-/// Like append_any_g7, for values in [kMinPlain, kMaxPlain): a float32 has 24 bits and 10^10 = 2^10 5^10 another 24, so
-/// the product and the half added to it are exact in a double. Four times as fast.
+/// Like append_any_g7, for values in [kMinPlain, kMaxPlain). A float32 has 24 bits and 10^10 = 2^10 5^10 another 24, so
+/// the product, and its sum with the half that is added for rounding, are exact in a double. Four times as fast.
 void append_plain_g7(std::string& out, float value) {
   int exponent = -4;  // of the first digit
   while (value >= (exponent < -1 ? 1 / kTens[static_cast<std::size_t>(-exponent - 1)]
@@ -45,8 +46,9 @@ void append_plain_g7(std::string& out, float value) {
   if (all > whole) out.append(1, '.').append(text + whole, all - whole);
 }
 
-/// Appends a non-negative number in C#'s format. C's %.7g follows the same rules except for the capital E and ties,
-/// which it rounds to even: the next double is far below the seventh digit and breaks ties away from zero.
+/// Appends a non-negative number in C#'s format. C's %.7g follows the same rules except for the capital E and for ties,
+/// which it rounds to even. Using the next larger double breaks ties away from zero; the increment is far below the
+/// seventh digit.
 void append_any_g7(std::string& out, float value) {
   double nudged = value;
   if (value != 0) nudged = std::nextafter(nudged, std::numeric_limits<double>::infinity());

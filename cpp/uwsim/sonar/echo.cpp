@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kReach = 15.0f / 16;
 
-/// The rays as a structure of arrays, for vector units: each adds height (1 - (r - range)^2 / reach^2)^2 to the
-/// envelope at a range r within its reach.
+/// The rays as a structure of arrays, for vectorisation: each adds height (1 - (r - range)^2 / reach^2)^2 to the
+/// envelope at ranges r within its reach.
 struct Shapes {
   using Lanes = Eigen::Array<float, Eigen::Dynamic, 1, 0, kRaysMax, 1>;
   Lanes range_m, per_reach2, height;
@@ -99,7 +99,7 @@ double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
     return double{1 / (ray.range_m * beam.directions.col(ray.ray).dot(beam.axis))};
   };
   double inverse = 0;
-  // the offsets of all rays have mean 0, so the line passes the axis at the mean
+  // The offsets of all rays have mean 0, so the line crosses the axis at the mean
   if (echo.size() == beam.offsets.size()) {
     for (const RayEcho& ray : echo) inverse += inverse_along_axis(ray);
     return static_cast<double>(echo.size()) / inverse;
@@ -115,7 +115,7 @@ double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam) {
     lowest = std::min(lowest, offset.x());
     highest = std::max(highest, offset.x());
   }
-  constexpr double kSolvable = 1e-3;  // fewer than three rays, or collinear ones, have no determinant
+  constexpr double kSolvable = 1e-3;  // the determinant of fewer than three rays, or of collinear ones, is smaller
   const double count = static_cast<double>(echo.size());
   if (lowest == 0 || highest == 0 || normal.determinant() < kSolvable * count * count * count) {
     return std::numeric_limits<double>::quiet_NaN();

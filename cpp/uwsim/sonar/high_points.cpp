@@ -5,11 +5,11 @@
 namespace uwsim {
 namespace {
 
-constexpr double kRounding_m = 1e-6;  // more than the difference between `nearly` and `exact` within 1000 km
+constexpr double kRounding_m = 1e-6;  // exceeds the difference between `nearly` and `exact` within 1000 km
 
-/// A rigid transform of points. `exact` is fused by std::fma, which is the same everywhere, in the order in which BLAS
-/// does it: a mission that does this with NumPy flies the same track to the last bit. `nearly` differs from it only by
-/// rounding and is much faster: it selects the points that matter.
+/// A rigid transform of points. `exact` uses std::fma, which gives the same result on every platform, in the order that
+/// BLAS uses, so a mission that does the same with NumPy flies a bitwise identical track. `nearly` differs only by
+/// rounding and is much faster; it selects the relevant points.
 class Placing {
  public:
   explicit Placing(const Eigen::Matrix4d& world_from_points)

@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The strip of the horizontal plane ahead of a vehicle: from half_width_m behind it to ahead_m in front of it,
+/// A strip of the horizontal plane along a vehicle's heading: from half_width_m behind it to ahead_m in front of it,
 /// half_width_m to either side. heading_rad: counter-clockwise from east.
 class Corridor {
  public:
@@ -19,7 +19,7 @@ class Corridor {
         half_width_m_(half_width_m),
         ahead_m_(ahead_m) {}
 
-  /// False for NaN.
+  /// Returns false for NaN.
   bool contains(double x_m, double y_m) const {
     const double dx = x_m - position_m_.x(), dy = y_m - position_m_.y();
     const double along = cos_ * dx + sin_ * dy, across = cos_ * dy - sin_ * dx;
@@ -31,14 +31,14 @@ class Corridor {
   double cos_, sin_, half_width_m_, ahead_m_;
 };
 
-/// The highest of the points (rows of x, y, z), in the world, that lie in the corridor; the first among equals. Points
-/// with NaN are ignored.
+/// Returns the highest of the points (rows of x, y, z), in the world frame, that lie in the corridor; of equally high
+/// points, the first. Points with NaN are ignored.
 template <typename T>
 std::optional<Eigen::Vector3d> highest_in_corridor(std::span<const T> points_m,
                                                    const Eigen::Matrix4d& world_from_points, const Corridor& corridor);
 
-/// The points (rows of x, y, z), in the world, that are higher than z_world_m, again as rows. Points with NaN are
-/// ignored.
+/// Returns the points (rows of x, y, z), in the world frame, that are higher than z_world_m, again as rows. Points with
+/// NaN are ignored.
 template <typename T>
 std::vector<double> points_above(std::span<const T> points_m, const Eigen::Matrix4d& world_from_points,
                                  double z_world_m);

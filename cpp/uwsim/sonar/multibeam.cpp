@@ -80,7 +80,7 @@ class FanCaster {
   }
 
  private:
-  /// The kernel writes sixteen beams, so it writes to a buffer, from which the existing beams are copied.
+  /// The kernel always writes sixteen beams, so it writes to a buffer from which the beams that exist are copied.
   void store_incomplete(const BeamHits& met, const EchoRule& rule, std::size_t count, const BeamEchoes& out) {
     kernels_.echoes(met, rule,
                     {echoes_.range_m.data(), echoes_.incidence_rad.data(), echoes_.intensity_db.data(),

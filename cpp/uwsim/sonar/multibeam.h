@@ -12,7 +12,7 @@
 
 namespace uwsim {
 
-/// Destinations of a ping's results, one value for each beam. The rows of several pings may be contiguous.
+/// Destinations for the results of a ping, one value per beam. The rows of several pings may be contiguous.
 struct PingRows {
   float* ranges_m;        ///< infinity without an echo
   float* points_sonar_m;  ///< beams x 3, row-major; NaN without an echo
@@ -31,22 +31,22 @@ struct MultibeamPing {
   std::vector<std::uint8_t> valid;
 };
 
-/// A forward-looking multibeam in geometry mode (the paper's): one exact ray for each beam, along its axis.
+/// A forward-looking multibeam in geometry mode (the paper's mode): one exact ray for each beam, along its axis.
 ///
-/// Sound does not leave the water: surfaces above z = 0 return no echo, and a head above the water or under the terrain
+/// Sound does not leave the water: surfaces above z = 0 return no echo, and a head above the water or below the terrain
 /// receives none. A head inside a solid receives echoes from the inside of its walls.
 ///
 /// The echo's level follows the active sonar equation for a bottom that scatters by Lambert's law (Urick 1983,
 /// "Principles of Underwater Sound", ch. 2 and 8): EL - SL = -40 log10 R - 2 alpha R + BS + 20 log10 cos(incidence),
-/// with BS by the label of the surface that was hit, and Francois-Garrison absorption at the head. It omits the
-/// insonified area, so levels are comparable between beams of one ping, not between instruments.
+/// with BS determined by the label of the surface hit, and Francois-Garrison absorption at the head. The insonified
+/// area is omitted, so levels are comparable between beams of one ping, not between instruments.
 class Multibeam {
  public:
-  /// The bottom strength of rock (EM 2040's data sheet), for labels beyond those given.
+  /// The bottom strength of rock (EM 2040 data sheet), for labels beyond those given.
   static constexpr double kRockStrength_db = -30;
 
-  /// `strengths_db`: backscatter at normal incidence by label. `on`: if false, it receives nothing. Throws InvalidValue
-  /// that names the label.
+  /// `strengths_db`: backscatter at normal incidence by label. `on`: if false, nothing is received. Throws InvalidValue
+  /// naming the label.
   explicit Multibeam(const MultibeamModel& model, std::span<const double> strengths_db = {}, bool on = true);
 
   const MultibeamModel& model() const { return model_; }
@@ -56,7 +56,7 @@ class Multibeam {
   const std::vector<float>& angles_rad() const { return angles_rad_; }
 
   /// The largest ping rate at which sound returns from `range_max_m` before the next ping, c / (2 R) with c at the
-  /// head's depth, limited by the model's electronics.
+  /// head's depth, but at most the rate that the model's electronics allow.
   double ping_rate_max_hz(const Water& water, double head_z_m) const;
 
   MultibeamPing ping(const RayScene& scene, const Water& water, const Pose& world_from_sonar) const;

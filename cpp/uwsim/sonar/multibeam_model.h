@@ -8,26 +8,26 @@
 namespace uwsim {
 
 /// A multibeam's fan: beams evenly spaced over a field of view about the head's forward axis. They are received by one
-/// flat array that faces ahead, or by two, each turned to its side ("dual RX").
+/// flat array that faces ahead, or by two arrays, each angled to its side ("dual RX").
 struct MultibeamModel {
-  int number = 0;  ///< 1..4, as on the wire (`modelTrigger`); 0: not on the wire
+  int number = 0;  ///< 1..4 in messages (`modelTrigger`); 0 for a model that messages cannot select
   std::string name;
   int beams = 0;
   double field_of_view_rad = 0;
-  double range_max_m = 0;    ///< a range at or beyond this is no echo
-  double range_limit_m = 0;  ///< the published LaserScan's range_max: a decoded range above this is no echo
+  double range_max_m = 0;    ///< a range at or beyond this counts as no echo
+  double range_limit_m = 0;  ///< the published LaserScan's range_max: a decoded range above this counts as no echo
   double frequency_hz = 0;
   bool dual_swath = false;
-  double ping_rate_max_hz = 50;        ///< of the electronics (50: assumed); travel time may limit it further
+  double ping_rate_max_hz = 50;        ///< limit of the electronics (assumed); travel time may limit the rate further
   double tilt_rate_rad_s = 0.0872665;  ///< of the head: 0.1 degree per frame in the paper, at 50 frames/s (assumed)
-  /// angle of each of two receivers from straight ahead to its side; 0: there is one receiver
+  /// Angle of each of two receivers from straight ahead to its side; 0 for a single receiver
   double receiver_tilt_rad = 0;
-  double gain_db = 0;  ///< of the receiver's display, added to every intensity
+  double gain_db = 0;  ///< of the receiver's display; added to every intensity
 
-  /// Throws InvalidValue that names sonar.<field>.
+  /// Throws InvalidValue naming sonar.<field>.
   void check() const;
 
-  /// The angle between a beam and the normal of the array that receives it, on either side.
+  /// The angle between a beam and the normal of its receiving array, on either side.
   double steering_rad(int beam) const { return std::abs(std::abs(angles().at(beam)) - receiver_tilt_rad); }
   BeamAngles angles() const { return even_beam_angles(field_of_view_rad, beams); }
 };

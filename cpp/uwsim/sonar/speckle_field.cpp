@@ -7,17 +7,18 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSpline = 2;           // cells under a linear B-spline
-constexpr std::size_t kCells = 2 * kSpline;  // of both sizes
-constexpr double kRounding = 16;             // steps of the lattices' orientation: 1/16 of a unit quaternion
+constexpr std::size_t kSpline = 2;           // number of cells under a linear B-spline
+constexpr std::size_t kCells = 2 * kSpline;  // including both sizes
+constexpr double kRounding = 16;             // resolution of the lattices' orientation: 1/16 of a unit quaternion
 constexpr float kMidway = 0.27f;
-// width of cells at which the B-spline alone has the footprint's curvature
+// Cell width at which the B-spline alone has the curvature of the footprint.
 const double kCellPerDeviation = std::sqrt(6.0);
 constexpr double kLeast_m = 1e-4;
-// The hash keys of cells (i, j) are i and j times these, summed: no two cells within some 10^4 of each other share one.
+// The hash keys of cells (i, j) are the sums of i and j times these; no two cells within some 10^4 of each other share
+// a key.
 constexpr std::uint32_t kStrideAcross = 0x9e3779b1U, kStrideWithin = 0x85ebca77U;
 
-/// Murmur3's finalisers (Appleby, public domain): every bit of the result depends on every bit of the input.
+/// Murmur3's finalizers (Appleby, public domain): every bit of the result depends on every bit of the input.
 std::uint64_t mixed(std::uint64_t h) {
   h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
   h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
@@ -30,24 +31,25 @@ std::uint32_t mixed(std::uint32_t h) {
   return h ^ (h >> 16);
 }
 
-/// A power of two [m]; `level` must be within double's exponents.
+/// A power of two [m]; `level` must be within the exponent range of a double.
 double power_of_two(int level) { return std::bit_cast<double>(static_cast<std::uint64_t>(level + 1023) << 52); }
 
-/// The cells along one axis that a footprint covers: the weights and keys of two cells of one size and two of twice
-/// that.
+/// The cells along one axis that a footprint covers: weights and keys of two cells of one size and of two cells of
+/// twice that size.
 struct CoveredCells {
   alignas(16) std::array<float, kCells> weight{};
   alignas(16) std::array<std::uint32_t, kCells> number{};
   float squares = 0;  // the sum of the squared weights
 
-  /// A linear B-spline on cells of size c has a correlation of about exp(-1.5 d^2 / c^2). The shares of the two sizes
-  /// would give a Gaussian footprint's curvature at d = 0; with kMidway they agree best up to a d of two deviations.
-  /// `stride`: odd; keys are its multiples, from a start that depends on the level.
+  /// A linear B-spline on cells of size c has a correlation of about exp(-1.5 d^2 / c^2). Weighting the two sizes by
+  /// their squares would match the curvature of a Gaussian footprint at d = 0; with kMidway, they agree best up to a d
+  /// of two deviations. `stride`: odd; keys are its multiples, starting at a value that depends on the level.
   CoveredCells(double at_m, float deviation_m, std::uint32_t stride, const SpeckleField::LevelKeys& keys) {
     const auto bits = std::bit_cast<std::uint64_t>(kCellPerDeviation * std::max<double>(deviation_m, kLeast_m));
-    const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level: the largest cells that are not too coarse
+    const int level = static_cast<int>(bits >> 52) - 1023;  // 2^level is the size of the largest cells that are fine
+                                                            // enough
     const auto ratio = std::bit_cast<double>((bits & kMantissa) | kOne);
-    // square of the finer size over the footprint's: in (1/4, 1]
+    // Square of the ratio of the finer size to the footprint's: in (1/4, 1]
     const auto square = static_cast<float>(1 / (ratio * ratio));
     const float by_curvature = (square - 0.25f) / 0.75f;
     const float fine = by_curvature + kMidway * by_curvature * (1 - by_curvature);
@@ -62,7 +64,7 @@ struct CoveredCells {
              const SpeckleField::LevelKeys& keys) {
     const double cells = at_m * power_of_two(-level);
     auto cell = static_cast<std::int64_t>(cells);
-    cell -= static_cast<double>(cell) > cells;  // rounded down
+    cell -= static_cast<double>(cell) > cells;  // rounds down
     const auto off = static_cast<float>(cells - static_cast<double>(cell));
     const std::array<float, kSpline> weights = {share * (1 - off), share * off};
     const std::uint32_t start = keys[static_cast<std::size_t>(level) % keys.size()];
@@ -74,9 +76,9 @@ struct CoveredCells {
   }
 };
 
-/// The sums over all pairs of cells of the product of their weights and of two noises. Each noise is the sum of a
-/// hash's four bytes, with signs that make the two uncorrelated; no test here can distinguish the sum of several cells
-/// from a normal distribution.
+/// Sums the product of weights and noise over all pairs of cells, for two noises. Each noise is the sum of a hash's
+/// four bytes, with signs that make the two uncorrelated. No test in this project can distinguish the sum over several
+/// cells from a normal distribution.
 std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
   constexpr std::size_t kAll = kCells * kCells;
   alignas(32) std::uint32_t hash[kAll];
@@ -137,7 +139,7 @@ SpeckleField::SpeckleField(std::uint64_t seed, double frequency_hz)
 
 SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
   Eigen::Vector4d rounded = world_from_sonar.orientation.coeffs();
-  // Both signs of a quaternion are the same orientation. The sign changes where heads are unlikely to be mounted.
+  // Both signs of a quaternion represent the same orientation. The sign flips where heads are unlikely to be mounted.
   if (rounded.dot(Eigen::Vector4d(0.37, 0.29, 0.59, 0.66)) < 0) rounded = -rounded;
   View view;
   view.field_ = this;
@@ -156,7 +158,7 @@ SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
 std::array<double, 2> SpeckleField::View::draws(const EchoFootprint& footprint) const {
   const Eigen::Vector3d at_m = head_m_ + lattice_from_sonar_ * footprint.middle_m.cast<double>();
   const Eigen::Vector3f& deviation_m = footprint.deviation_m;
-  // Within the fan's plane, cells lie along the axis that the surface is closer to.
+  // Within the fan's plane, cells lie along the axis to which the surface is closer to parallel.
   const Eigen::Index along = deviation_m.y() >= deviation_m.x() ? 1 : 0;
   const CoveredCells within(at_m[along], deviation_m[along], kStrideWithin, field_->within_);
   const CoveredCells across(at_m.z(), deviation_m.z(), kStrideAcross, field_->across_);

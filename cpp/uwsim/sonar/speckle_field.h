@@ -10,7 +10,7 @@
 
 namespace uwsim {
 
-/// Where the rays of an echo hit surfaces, in the fan's frame relative to the head.
+/// The region where the rays of an echo hit surfaces, in the fan's frame, relative to the head.
 struct EchoFootprint {
   Eigen::Vector3f middle_m;
   Eigen::Vector3f deviation_m;  ///< standard deviations
@@ -20,25 +20,26 @@ struct EchoFootprint {
 EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<const Eigen::Matrix3Xf>& directions);
 
 /// Speckle from scatterers that are fixed in the world: a beam averages white noise over its footprint. Overlapping
-/// beams share scatterers: for equal Gaussian footprints whose middles are d apart, the correlation of intensities is
-/// exp(-d^2 / (4 sigma^2)), the square of their amplitudes' overlap, as speckle does (Goodman 2007, "Speckle Phenomena
-/// in Optics", ch. 3). A ping from the same place hits the same scatterers.
+/// beams share scatterers. For equal Gaussian footprints whose centres are d apart, the correlation of intensities is
+/// exp(-d^2 / (4 sigma^2)), the square of their amplitudes' overlap, as for real speckle (Goodman 2007, "Speckle
+/// Phenomena in Optics", ch. 3). Pings from the same place hit the same scatterers.
 ///
-/// The noise is hashed by cells of square lattices, whose sizes are the powers of two. Each footprint is covered by
-/// linear B-splines on the two next sizes, along the fan's plane and across it, mixed so that the correlation has the
-/// footprint's extent. Lattices are aligned with the fan to within 4 degrees and fixed in the world for headings that
-/// round to the same value; from others the scatterers appear with random phases, as they do in water.
+/// The noise is hashed by cells of square lattices whose sizes are powers of two. Each footprint is covered by linear
+/// B-splines on the two nearest sizes, along the fan's plane and across it, mixed so that the correlation has the
+/// footprint's extent. Lattices are aligned with the fan to within 4 degrees and are fixed in the world for headings
+/// that round to the same value; from other headings, the scatterers appear with independent random phases, as in real
+/// water.
 ///
-/// Not modelled: the change of speckle with the direction from which the same footprint is seen.
+/// Not modelled: how speckle changes with the direction from which the same footprint is seen.
 class SpeckleField {
  public:
-  /// A key for each size of cells, 2^level, at level modulo 64.
+  /// One key per cell size 2^level, at index level modulo 64.
   using LevelKeys = std::array<std::uint32_t, 64>;
 
   /// Different frequencies have different speckle.
   SpeckleField(std::uint64_t seed, double frequency_hz);
 
-  /// The field for one ping; valid as long as the field.
+  /// The field as seen by one ping; valid during the lifetime of the field.
   class View {
    public:
     /// Two independent standard normal draws for a footprint.

@@ -9,16 +9,16 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDeepest_m = 12000;  // the deepest point of all oceans
+constexpr double kDeepest_m = 12000;  // deeper than any ocean
 
-/// A piece in which the speed of sound is assumed linear is halved until its middle is this accurate, or it is this
-/// short.
+/// An interval over which the speed of sound is assumed linear is halved until its midpoint is this accurate, or the
+/// interval is this short.
 constexpr double kWithin_m_s = 0.05, kShortest_m = 0.01;
-/// Initial pieces, which suffice in most water: the second derivative is at most 0.116 (m/s)/K^2 by temperature and
-/// 5e-7 (m/s)/m^2 by depth; by salinity it grows with S^1.5.
+/// Initial interval sizes, which suffice in most water: the second derivative is at most 0.116 (m/s)/K^2 with respect
+/// to temperature and 5e-7 (m/s)/m^2 with respect to depth; with respect to salinity, it grows with S^1.5.
 constexpr double kPiece_k = 1.8, kPiece_psu = 5, kPiece_m = 800;
 
-/// Depths between which temperature and salinity are linear.
+/// Depths at which the slope of temperature or salinity changes.
 std::vector<double> kinks_m(const Water& water) {
   std::vector<double> depths = {0, water.bottom_depth_m};
   if (water.profile) {
@@ -39,7 +39,7 @@ int pieces_to_begin_with(const Water& water, double upper_m, double lower_m) {
                          {std::abs(kelvin) / kPiece_k, std::abs(psu) / kPiece_psu, (lower_m - upper_m) / kPiece_m}))));
 }
 
-/// Adds the levels below `upper_m`, down to `lower_m`, between which the speed of sound is linear enough.
+/// Adds levels from `upper_m` down to `lower_m` such that the speed of sound is nearly linear between them.
 void add_levels(const Water& water, double upper_m, double lower_m, std::vector<double>& depths_m) {
   const double middle_m = 0.5 * (upper_m + lower_m);
   const double chord_m_s = 0.5 * (water.sound_speed_m_s(-upper_m) + water.sound_speed_m_s(-lower_m));
@@ -61,7 +61,7 @@ SoundSpeedProfile sound_speed_profile(const Water& water) {
     const int pieces = pieces_to_begin_with(water, upper, lower);
     for (int piece = 1; piece < pieces; ++piece) {
       const double depth = upper + (lower - upper) * piece / pieces;
-      // guards against rounding
+      // Guards against rounding
       if (depth > depths.back() && depth < lower) add_levels(water, depths.back(), depth, depths);
     }
     add_levels(water, depths.back(), lower, depths);

@@ -20,7 +20,7 @@ BeamPattern::BeamPattern(double width_rad, double taper, double floor) : taper_(
   require(width_rad > 0 && width_rad <= std::numbers::pi, "beam.width_rad", width_rad, "must be in (0, pi] rad");
   require(taper >= 0 && taper <= 0.5, "beam.taper", taper, "must be in [0, 0.5]");
   require(floor >= 0 && floor < 1, "beam.floor", floor, "must be in [0, 1)");
-  double low = 0, high = 1;  // brackets the half-power point: H^2 <= 1/4 at u = 1
+  double low = 0, high = 1;  // bracket the half-power point: H^2 <= 1/4 at u = 1
   for (int halving = 0; halving < 60; ++halving) {
     const double middle = (low + high) / 2;
     (amplitude(middle) * amplitude(middle) > 0.5 ? low : high) = middle;

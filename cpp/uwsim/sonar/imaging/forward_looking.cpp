@@ -13,20 +13,21 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFloor = 1e-4;  // -40 dB leakage into a transducer from all directions; assumed
+constexpr double kFloor = 1e-4;  // -40 dB of leakage into a transducer from all directions; assumed
 constexpr double kVerticalTaper = 0.46;
-// multiple of the width, to either side; beyond it a Hamming pattern is below -30 dB
+// Multiple of the width, to either side; beyond this, a Hamming pattern is below -30 dB.
 constexpr double kVerticalSpan = 1.25;
 constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
 constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits
 
-/// A forward-looking imaging sonar: one broad transmission, many narrow receiving beams side by side. Pings once, from
-/// one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if that is on, and on request
-/// labels (bins, beams). Bearings are about the sonar's +z, positive to port; its x axis is the middle of the picture.
+/// A forward-looking imaging sonar with one broad transmission and many narrow receiving beams side by side. Pings
+/// once, from one pose, and returns level_db (bins, beams), dB re 1 uPa, with the time-varied gain if it is on, and on
+/// request labels (bins, beams). Bearings are about the sonar's +z axis, positive to port; its x axis is the middle of
+/// the picture.
 ///
-/// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes weighted by
-/// the receiving array's pattern. Not modelled: echoes of the surface and multiple reflections, motion within a ping,
-/// and the curvature of a line array's beams away from the level plane.
+/// Columns of rays sample the scene over the vertical aperture; each beam is the sum of the columns' echoes, weighted
+/// by the receiving array's pattern. Not modelled: echoes of the surface and multiple reflections, motion within a
+/// ping, and the curvature of a line array's beams away from the level plane.
 class ForwardLooking final : public ImagingSonar {
  public:
   ForwardLooking(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -87,7 +88,7 @@ class ForwardLooking final : public ImagingSonar {
  private:
   std::size_t columns() const { return (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_; }
 
-  /// Mean echo power by range, one row for each column of rays; also by label, unless that is empty.
+  /// Mean echo power by range, one row per column of rays; also by label, unless the output for labels is empty.
   std::vector<double> column_profiles(const ImagingRequest& request, const Pose& pose, double absorption,
                                       std::span<EchoesByLabel> by_label) const {
     const std::size_t columns = this->columns();
@@ -109,7 +110,7 @@ class ForwardLooking final : public ImagingSonar {
     return profiles;
   }
 
-  /// The rays of a column by elevation, with solid angle and vertical pattern.
+  /// The rays of a column in order of elevation, with solid angle and vertical pattern.
   std::vector<ArcRay> column_rays() const {
     const double span = std::min(kVerticalSpan * vertical_width_rad_, std::numbers::pi / 2);
     const double step = 2 * span / rays_per_column_;
@@ -123,7 +124,7 @@ class ForwardLooking final : public ImagingSonar {
     return rays;
   }
 
-  /// A vertical plane through the head's z axis.
+  /// A vertical plane of rays through the head's z axis.
   RayArc column_at(const Eigen::Matrix3d& rotation, double bearing_rad) const {
     const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
     return {rotation * Eigen::Vector3d(c, s, 0), rotation.col(2), rotation * Eigen::Vector3d(-s, c, 0), 0,
@@ -148,7 +149,7 @@ class ForwardLooking final : public ImagingSonar {
     }
   }
 
-  /// The surface of each cell's strongest echo.
+  /// For each cell, the surface that produces the strongest echo.
   std::vector<float> labels(std::span<const EchoesByLabel> columns, const std::vector<double>& weights, double least,
                             int threads) const {
     std::vector<float> cells(bins_ * beams_);
@@ -168,13 +169,13 @@ class ForwardLooking final : public ImagingSonar {
   }
 
   std::size_t beams_;
-  std::size_t columns_per_beam_;  ///< vertical planes of rays from one beam's axis to the next
+  std::size_t columns_per_beam_;  ///< number of vertical planes of rays per beam spacing
   int rays_per_column_;
   std::size_t bins_;
   double vertical_width_rad_;
   BeamPattern across_;
-  double first_bearing_rad_, spacing_rad_;  ///< of the columns: the first beam's bearing, and between columns
-  std::size_t reach_;                       ///< columns beyond the outermost beams
+  double first_bearing_rad_, spacing_rad_;  ///< of the columns: the bearing of the first, and the spacing
+  std::size_t reach_;                       ///< number of columns beyond the outermost beams
 };
 
 constexpr double kPi = std::numbers::pi;

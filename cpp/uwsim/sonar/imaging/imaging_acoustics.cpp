@@ -10,9 +10,9 @@
 namespace uwsim {
 namespace {
 
-constexpr int kMaxLooks = 16;  // a product of more uniforms might underflow
+constexpr int kMaxLooks = 16;  // a product of more uniform draws might underflow
 constexpr int kMaxBins = 20000;
-constexpr double kLoudest_db = 300;  // far louder than any transducer; keeps powers within a double
+constexpr double kLoudest_db = 300;  // far louder than any transducer; keeps powers within the range of a double
 
 constexpr Parameter kParameters[] = {
     {"frequency_hz", 1, kRequired, 1e3, 5e6, "Hz", "carrier"},

@@ -15,37 +15,37 @@ namespace uwsim {
 struct ImagingAcoustics {
   double frequency_hz = 0;
   double source_level_db = 0;  ///< at 1 m on the axis
-  double noise_level_db = 0;   ///< in the receiver's band, after its beam former
-  /// Lambert's strength per square metre at normal incidence, of the terrain and of solids. `strengths_db`, by label,
-  /// takes precedence for labels that it contains with a value other than NaN.
+  double noise_level_db = 0;   ///< in the receiver's band, after beamforming
+  /// Lambert's strength per square metre at normal incidence, of the terrain and of solids. Finite entries of
+  /// `strengths_db`, which is indexed by label, take precedence; NaN entries do not.
   double bottom_strength_db = 0;
   double solid_strength_db = 0;
   std::vector<double> strengths_db;
   double range_max_m = 0;
   int range_bins = 0;            ///< each one range resolution wide: range_max_m / range_bins
-  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; when off, the levels are those received
+  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; when off, levels are as received
   double gain_db_decade = 0;     ///< a
-  int looks = 1;                 ///< independent looks averaged in a cell: 1 is full speckle, 0 means none
+  int looks = 1;                 ///< independent looks averaged in a cell: 1 for full speckle, 0 for none
 
-  /// Lambert's mu, as a ratio.
+  /// Lambert's mu, as a linear ratio.
   double strength(Label label) const;
   double bin_m() const { return range_max_m / range_bins; }
   double bin_centre_m(int bin) const { return (bin + 0.5) * bin_m(); }
-  /// Absorption in the water at the head, Francois and Garrison [dB/m].
+  /// Absorption in the water at the head, by Francois and Garrison [dB/m].
   double absorption_db_m(const Water& water, double head_z_m) const;
 };
 
-/// The parameters above by name, without strengths_db.
+/// The parameters above, by name, except strengths_db.
 std::span<const Parameter> imaging_acoustics_parameters();
-/// Makes them from a complete set of parameters. Throws InvalidValue for strengths out of range.
+/// Creates the acoustics from a complete set of parameters. Throws InvalidValue for strengths out of range.
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});
 
-/// Turns an echo's mean power into the displayed level: noise, speckle, gain.
+/// Converts an echo's mean power to the displayed level: noise, speckle, gain.
 ///
-/// Many scatterers in a cell with random phases make a complex Gaussian pressure (Goodman 1975, "Statistical properties
-/// of laser speckle patterns"), so amplitude is Rayleigh and power exponential: standard deviation = mean. The mean of
-/// n looks is a gamma variate of shape n: std = mean / sqrt(n). Noise adds as power, before the draw. A cell's draw is
-/// a function of (stream, ping, cell) only.
+/// Many scatterers with random phases in a cell produce a complex Gaussian pressure (Goodman 1975, "Statistical
+/// properties of laser speckle patterns"), so amplitude is Rayleigh-distributed and power exponential: its standard
+/// deviation equals its mean. The mean of n looks is a gamma variate of shape n, with std = mean / sqrt(n). Noise adds
+/// as power, before the draw. A cell's draw is a function of (stream, ping, cell) only.
 class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);

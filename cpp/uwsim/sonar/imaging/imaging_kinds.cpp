@@ -4,7 +4,7 @@
 
 namespace uwsim {
 
-/// A new imaging sonar needs one new file, and its kind's name in both of these lists.
+/// To add an imaging sonar, add a file and list its kind in both places below.
 extern const ImagingKind kForwardLooking, kSideScan, kSingleBeam;
 
 namespace {

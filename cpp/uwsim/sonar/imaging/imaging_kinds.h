@@ -4,17 +4,17 @@
 
 namespace uwsim {
 
-/// The built-in kinds, one file each in this folder.
+/// The built-in kinds, each defined in its own file in this folder.
 std::span<const ImagingKind* const> imaging_kinds();
 
-/// Throws InvalidValue that lists the known names.
+/// Returns the kind with this name. Throws InvalidValue listing the known names.
 const ImagingKind& imaging_kind(std::string_view name);
 
-/// The parameters common to all kinds (ImagingAcoustics), then the kind's own.
+/// Returns the parameters common to all kinds (ImagingAcoustics), followed by those of the kind.
 std::vector<Parameter> imaging_parameters(const ImagingKind& kind);
 
-/// Makes a sonar from its parameters. `strengths_db`: see ImagingAcoustics. Throws InvalidValue that names
-/// sonar.<parameter> if one is unknown, missing or out of range.
+/// Creates a sonar from its parameters. `strengths_db`: see ImagingAcoustics. Throws InvalidValue naming
+/// sonar.<parameter> if a parameter is unknown, missing or out of range.
 std::unique_ptr<ImagingSonar> imaging_sonar(std::string_view kind, ParameterValues figures,
                                             const std::vector<double>& strengths_db = {});
 

@@ -19,12 +19,12 @@ namespace uwsim {
 struct ImagingRequest {
   const RayScene& scene;
   const Water& water;
-  std::span<const Pose> world_from_sonar;  ///< one ping from each, or as the kind defines; x ahead, y to port, z up
+  std::span<const Pose> world_from_sonar;  ///< by default one ping from each; x ahead, y to port, z up
   std::span<const double> angles_rad;      ///< angles of a steered beam, about the sonar's +z; empty for other kinds
   const RandomStream& random;
   std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its speckle as first_ping + k
   int threads = 1;
-  /// whether to identify also the surface that each cell's echo comes from, see EchoesByLabel
+  /// whether to identify the surface that each cell's echo comes from; see EchoesByLabel
   bool with_labels = false;
 };
 
@@ -35,14 +35,14 @@ struct ImagingArray {
   std::vector<float> values;
 };
 
-/// An imaging sonar with its parameters. Every kind is one file in this folder and a line in imaging_kinds.cpp.
+/// An imaging sonar with its parameters. Each kind has its own file in this folder and an entry in imaging_kinds.cpp.
 class ImagingSonar {
  public:
   explicit ImagingSonar(const ImagingAcoustics& acoustics) : acoustics_(acoustics) {}
   virtual ~ImagingSonar() = default;
 
   const ImagingAcoustics& acoustics() const { return acoustics_; }
-  /// Returns the same arrays for the same request, whatever the number of threads. Throws InvalidValue.
+  /// Returns the same arrays for the same request, regardless of the number of threads. Throws InvalidValue.
   virtual std::vector<ImagingArray> ping(const ImagingRequest& request) const = 0;
 
  private:

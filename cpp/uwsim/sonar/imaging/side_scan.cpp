@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSparsest_rad = 0.1 * kDegree;
-constexpr double kHighest_rad = 30 * kDegree;  // above the horizontal: the highest elevation of rays
+constexpr double kHighest_rad = 30 * kDegree;  // highest elevation of rays above the horizontal
 constexpr double kFloor = 1e-3;                // -30 dB: a transducer's sensitivity outside its beam; assumed
 constexpr double kTaper = 0.46;
 
-/// Angles from straight down to above the horizontal, dense enough to hit a flat bottom at equal steps of range.
+/// Angles from straight down to above the horizontal, dense enough to sample a flat bottom at equal steps in range.
 std::vector<double> across_angles(const ImagingAcoustics& acoustics, double height_m) {
   std::vector<double> angles;
   for (double angle = -std::numbers::pi / 2 + kSparsest_rad / 2; angle < kHighest_rad; angle += kSparsest_rad) {
@@ -33,14 +33,14 @@ std::vector<double> across_angles(const ImagingAcoustics& acoustics, double heig
   return angles;
 }
 
-/// A side-scan sonar: one beam to either side, narrow along the track (the sonar's x axis) and wide across it. Pings
-/// once from each pose and returns port_db and starboard_db (pings, bins), dB re 1 uPa by slant range, and altitude_m
-/// (pings,): the range of the first return on either side, infinite without one; on request port_labels and
-/// starboard_labels (pings, bins).
+/// A side-scan sonar with one beam to either side, narrow along the track (the sonar's x axis) and wide across it.
+/// Pings once from each pose and returns port_db and starboard_db (pings, bins), dB re 1 uPa by slant range, and
+/// altitude_m (pings,), the range of the first return on either side, infinite if there is none; on request also
+/// port_labels and starboard_labels (pings, bins).
 ///
-/// Rays lie in planes across the track, from straight down to above the horizontal: as dense as the bins are on a flat
-/// bottom at the depth straight below, and never sparser than a tenth of a degree. Neither side receives the other's
-/// echoes.
+/// Rays lie in planes across the track, from straight down to above the horizontal. They are as dense as the range bins
+/// on a flat bottom at the depth straight below, and never sparser than a tenth of a degree. Neither side receives the
+/// other's echoes.
 class SideScan final : public ImagingSonar {
  public:
   SideScan(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -113,11 +113,11 @@ class SideScan final : public ImagingSonar {
     lines.altitude_m[row] = first_return_m(both, 2 * receiver.noise());
   }
 
-  /// Mean echo power by range of one side; `port`: 1 for port, -1 for starboard.
+  /// Mean echo power by range on one side; `port`: 1 for port, -1 for starboard.
   std::vector<double> side_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double port,
                                 std::vector<ArcRay>& rays, EchoesByLabel* by_label) const {
     std::vector<double> echo(bins_, 0.0);
-    // Planes cover twice the width: a Hamming pattern's main lobe is down by 15 dB there.
+    // Planes cover twice the beam width, where the main lobe of a Hamming pattern is down by 15 dB.
     const double step = 2 * along_width_rad_ / planes_;
     for (int plane = 0; plane < planes_; ++plane) {
       const double aside = -along_width_rad_ + (plane + 0.5) * step;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFloor = 0;
 constexpr double kTaper = 0.46;
-constexpr double kSpan = 1.2;  // multiple of the width, to either side; beyond it a Hamming pattern is below -25 dB
+constexpr double kSpan = 1.2;  // multiple of the width, to either side; beyond this, a Hamming pattern is below -25 dB
 constexpr int kMeanOver = 2;   // bins to either side
 constexpr double kEdge = 0.1;  // fraction of the peak
 
@@ -31,7 +31,7 @@ std::vector<double> smoothed(std::span<const double> values) {
   return means;
 }
 
-/// The position of the echo in bins; infinite where nothing exceeds the threshold.
+/// The position of the echo in bins; infinite if nothing exceeds the threshold.
 double detect(std::span<const double> received, double threshold) {
   const std::vector<double> means = smoothed(received);
   const auto peak = std::max_element(means.begin(), means.end());
@@ -48,14 +48,14 @@ double detect(std::span<const double> received, double threshold) {
   return moment / power;
 }
 
-/// A profiling sonar: one round pencil beam that a motor steps about the head's z axis. Pings once at each of the
+/// A profiling sonar: a single pencil beam that a motor steps about the head's z axis. Pings once at each of the
 /// request's angles, measured from its x axis, positive to port, all from one pose. Returns level_db (angles, bins), dB
-/// re 1 uPa, and ranges_m (angles,), infinite without an echo; on request labels (angles, bins).
+/// re 1 uPa, and ranges_m (angles,), infinite without an echo; on request also labels (angles, bins).
 ///
-/// The range is the centroid of the power about the echo's peak, out to where a running mean over five bins has fallen
-/// to a tenth of it: near nadir that is the bottom straight below, at oblique angles it is the beam's middle. 1 / R^2,
-/// Lambert's law and absorption pull the centroid inwards: by less than a beam's width squared on a flat bottom below
-/// 45 degrees.
+/// The range is the centroid of the power around the echo's peak, out to where a running mean over five bins has fallen
+/// to a tenth of the peak. Near nadir, this is the bottom straight below; at oblique angles, it is the middle of the
+/// beam. 1 / R^2, Lambert's law and absorption pull the centroid inwards, on a flat bottom below 45 degrees by less
+/// than the square of the beam width.
 class SingleBeam final : public ImagingSonar {
  public:
   SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& figures)
@@ -107,7 +107,7 @@ class SingleBeam final : public ImagingSonar {
   }
 
  private:
-  /// Mean echo power by range: a square grid of rays over the beam.
+  /// Mean echo power by range, from a square grid of rays over the beam.
   std::vector<double> beam_echo(const SurfaceEchoes& echoes, const Eigen::Matrix3d& rotation, double angle_rad,
                                 EchoesByLabel* by_label) const {
     std::vector<double> echo(bins_, 0.0);
@@ -129,7 +129,7 @@ class SingleBeam final : public ImagingSonar {
   double detection_db_;
   BeamPattern pattern_;
   double step_rad_;
-  std::vector<double> offsets_rad_;  ///< of the rays from the beam's axis, in either direction
+  std::vector<double> offsets_rad_;  ///< of the rays from the beam's axis, the same in both directions
 };
 
 constexpr Parameter kParameters[] = {

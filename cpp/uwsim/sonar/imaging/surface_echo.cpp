@@ -6,10 +6,10 @@
 namespace uwsim {
 namespace {
 
-constexpr double kMinRange_m = 0.05;  // closer than this, a transducer has no far field, and 1 / R^2 diverges
+constexpr double kMinRange_m = 0.05;  // closer than this, there is no far field, and 1 / R^2 diverges
 constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
 
-/// The range of the tangent plane in another direction, relative to that of the hit; from the dot products of the
+/// The range of the tangent plane in another direction, relative to the range of the hit, from the dot products of the
 /// normal with both directions.
 double range_ratio(double along, double other) {
   const double ratio = along / other;

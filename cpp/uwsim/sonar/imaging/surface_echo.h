@@ -16,7 +16,7 @@ struct RayArc {
   Eigen::Vector3d up_world;
   Eigen::Vector3d aside_world;  ///< ahead, aside and up are orthogonal unit vectors
   double aside_rad = 0;
-  double half_width_rad = 0;  ///< half the angle to the neighbouring arcs: extent of a ray's patch across the arc
+  double half_width_rad = 0;  ///< half the angle to the neighbouring arcs; a ray's patch extends this far across
 
   Eigen::Vector3d direction(double angle_rad) const;
 };
@@ -27,17 +27,17 @@ struct ArcRay {
   double gain_sr;  ///< the beam's two-way power pattern times the solid angle that the ray represents
 };
 
-/// Rays at ascending angles; each represents the interval up to half way to its neighbours. gain_sr is 1.
+/// Rays at ascending angles; each represents the interval to the midpoints between it and its neighbours. gain_sr is 1.
 std::vector<ArcRay> arc_rays(std::span<const double> angles_rad);
 
-/// Mean echo power by range, separately for each surface: what the cells of a picture show.
+/// Mean echo power by range, separately for each surface. Used to label the cells of a picture.
 class EchoesByLabel {
  public:
   explicit EchoesByLabel(std::size_t bins) : bins_(bins) {}
 
   /// The profile of a surface, initially zero.
   std::span<double> of(Label label);
-  /// Adds another object's echoes, multiplied by a weight.
+  /// Adds the echoes of another object, multiplied by a weight.
   void add(double weight, const EchoesByLabel& other);
   /// The surface with the strongest echo in a bin; kNothing if none exceeds `least`.
   Label strongest(std::size_t bin, double least) const;
@@ -53,18 +53,19 @@ class EchoesByLabel {
 
 /// Echoes of surfaces along rays from a head, as mean power by range.
 ///
-/// A ray of solid angle dO that hits a surface at range R under incidence i covers dA = R^2 dO / cos i. By Lambert's
-/// law (Urick 1983, "Principles of Underwater Sound", ch. 8) this patch returns, relative to the source's power at 1 m,
+/// A ray of solid angle dO that hits a surface at range R and incidence i covers dA = R^2 dO / cos i. By Lambert's law
+/// (Urick 1983, "Principles of Underwater Sound", ch. 8), this patch returns, relative to the source's power at 1 m,
 ///   R^-4 10^(-2 alpha R / 10) mu cos^2 i dA = mu cos i dO R^-2 10^(-2 alpha R / 10),
-/// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no model: hidden
-/// surfaces are hit by no ray. Rays are straight and reflected once. Surfaces above z = 0 return no echo, a head there
-/// receives none, and the inside of a surface returns none: a head in the ground or in a solid receives only noise.
+/// spread evenly over the ranges that the patch covers on the surface's tangent plane. Shadows need no separate model,
+/// since no ray hits a hidden surface. Rays are straight and reflected once. Surfaces above z = 0 return no echo, and a
+/// head above z = 0 receives none. The inside of a surface returns no echo either, so a head in the ground or in a
+/// solid receives only noise.
 class SurfaceEchoes {
  public:
   SurfaceEchoes(const RayScene& scene, const Eigen::Vector3d& head_world_m, const ImagingAcoustics& acoustics,
                 double absorption_db_m);
 
-  /// Adds the echoes of an arc to `profile`, one power for each range bin, and to `by_label`, unless that is null.
+  /// Adds the echoes of an arc to `profile`, one power per range bin, and to `by_label` unless it is null.
   void add(const RayArc& arc, std::span<const ArcRay> rays, std::span<double> profile,
            EchoesByLabel* by_label = nullptr) const;
 
@@ -76,7 +77,7 @@ class SurfaceEchoes {
   Eigen::Vector3d head_world_m_;
   double range_max_m_, bin_m_;
   double absorption_db_m_;
-  double solid_;                   // Lambert's mu for labels beyond strengths_
+  double solid_;                   // Lambert's mu for labels that strengths_ does not cover
   std::vector<double> strengths_;  // Lambert's mu by label
 };
 
