@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-/// The contribution of one relaxing salt: A P f_r f^2 / (f_r^2 + f^2).
+/// The contribution of one relaxing compound: A P f_r f^2 / (f_r^2 + f^2).
 double relaxation(double amplitude, double relaxation_khz, double frequency_khz) {
   if (relaxation_khz == 0) return 0;  // fresh water
   const double f2 = frequency_khz * frequency_khz;

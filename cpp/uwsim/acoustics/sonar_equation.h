@@ -13,15 +13,15 @@ struct SonarFigures {
   double pulse_length_s = 1e-4;
   double bandwidth_hz = 1e4;  ///< bandwidth of the pulse, which is compressed to 1 / bandwidth
   double source_level_db = 200;
-  double directivity_index_db = 20;  ///< of a receiving beam, steered or not: that of a line array does not change
+  double directivity_index_db = 20;  ///< of a receiving beam; for a line array, steering does not change it
   double noise_level_db = 45;
-  double detection_threshold_db = 13;  ///< signal-to-noise ratio at which one look is detected half of the time
+  double detection_threshold_db = 13;  ///< signal-to-noise ratio at which a single look is detected half of the time
 
-  /// Throws InvalidValue that names sonar.<field>.
+  /// Throws InvalidValue naming sonar.<field>.
   void check() const;
-  /// 10 log10 (bandwidth x pulse length): the gain of compressing a long pulse.
+  /// 10 log10 (bandwidth x pulse length), the gain from compressing a long pulse.
   double processing_gain_db() const;
-  /// SL + PG + DI - NL: the signal-to-noise ratio of an echo without any loss [dB].
+  /// SL + PG + DI - NL, the signal-to-noise ratio of a lossless echo [dB].
   double figure_db() const;
   /// Range resolution of the compressed pulse, c / (2 B) [m].
   double range_cell_m(double sound_speed_m_s) const;
@@ -30,38 +30,38 @@ struct SonarFigures {
   double beam_solid_angle_sr() const;
 };
 
-/// The factor by which steering widens the beam of a flat array: 1 / cos, since its projected length is shorter (van
-/// Trees 2002, "Optimum Array Processing", ch. 2). Steering beyond 80 degrees widens it no further (assumed: no array
-/// is used that way).
+/// The factor by which steering widens the beam of a flat array: 1 / cos, because the projected length of the array is
+/// shorter (van Trees 2002, "Optimum Array Processing", ch. 2). Steering beyond 80 degrees does not widen it further
+/// (assumed: arrays are not used that way).
 double steered_widening(double steering_rad);
 
-/// How a bottom scatters sound back.
+/// The acoustic backscattering properties of a bottom.
 struct BottomMaterial {
-  double strength_db = -30;  ///< backscatter of a square metre at normal incidence; other angles follow Lambert's law
+  double strength_db = -30;  ///< backscatter per square metre at normal incidence; other angles follow Lambert's law
   double relief = 0.1;       ///< rms slope of the relief across a footprint, which spreads the echo in range
 };
 
-/// Where a beam meets a plane bottom.
+/// The geometry of a beam that hits a plane bottom.
 struct BottomPlace {
   double range_m;
   double incidence_rad = 0;
   double steering_rad = 0;
 };
 
-/// The extent in range of a plane bottom's echo [m]: the range cell, the relief and the slope of the footprint. Relief
-/// spreads it by relief x width of the footprint x cos i, with the geometric mean of both widths, R sqrt(along x
+/// The extent in range of a plane bottom's echo [m], due to the range cell, the relief and the slope of the footprint.
+/// Relief contributes relief x width of the footprint x cos i, with the geometric mean of both widths, R sqrt(along x
 /// across) (derived: relief of a given slope is proportional to the footprint). Incidence i, within the fan's plane,
-/// spreads it by sqrt(pi / (4 ln 2)) x width across x R tan i, the width of a rectangle as high as the Gaussian.
+/// contributes sqrt(pi / (4 ln 2)) x width across x R tan i, the width of a rectangle as high as the Gaussian.
 double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                      double sound_speed_m_s);
 
-/// The area of bottom that contributes to one range cell [m^2]: the footprint, Omega R^2 / cos i, if its echo is within
-/// a range cell (beam-limited, echoes fall by 20 log R); the fraction cell / extent of it if not (pulse-limited, 30 log
-/// R).
+/// The area of bottom that contributes to one range cell [m^2]. If the echo fits in a range cell, it is the footprint,
+/// Omega R^2 / cos i (beam-limited, echoes fall by 20 log R); otherwise it is the fraction cell / extent of the
+/// footprint (pulse-limited, 30 log R).
 double echo_area_m2(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                     double sound_speed_m_s);
 
-/// Signal-to-noise ratio of a plane bottom [dB], the active sonar equation (Urick 1983, "Principles of Underwater
+/// Signal-to-noise ratio of a plane bottom [dB] from the active sonar equation (Urick 1983, "Principles of Underwater
 /// Sound", ch. 2 and 8) with Lambert's law: SL + PG + DI - NL + BS + 20 log cos i + 10 log A - 40 log R - 2 alpha R.
 double echo_snr_db(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                    double sound_speed_m_s, double absorption_db_m);

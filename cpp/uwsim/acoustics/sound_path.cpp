@@ -8,7 +8,8 @@
 namespace uwsim {
 namespace {
 
-/// Smaller arguments use a series that is exact to the last digit: casting bent rays spends most of its time here.
+/// For smaller arguments, a series that is exact to the last digit is used, since casting bent rays spends most of its
+/// time here.
 constexpr double kSmall = 0.02;
 
 double sinc(double x) {
@@ -65,12 +66,12 @@ double SoundPath::to_boundary_m() const {
   const SoundLayer& in = layer();
   const double top_m = std::max(in.top_m, 0.0);
   const double here = speed_m_s();
-  // The length to where the arc crosses a depth, downwards (+1) or upwards (-1).
+  // The length to the point where the arc crosses a depth, downwards (+1) or upwards (-1).
   const auto crossing = [&](double depth_m, int sense) {
     const double down_m = depth_m - state_.depth_m;
     const double faster = in.gradient_1_s * down_m;
     const double sine_2 = sine_ * sine_ - cosine_ * cosine_ * faster * (2 * here + faster) / (here * here);
-    if (sine_2 < 0) return kInfinity;  // turns before it gets there
+    if (sine_2 < 0) return kInfinity;  // turns before it reaches the depth
     const double dip = sense * std::atan2(std::sqrt(sine_2), snell_s_m_ * (here + faster));
     const double half_turn = 0.5 * (dip - state_.dip_rad);
     const double rise = std::sin(state_.dip_rad + half_turn);
@@ -87,7 +88,7 @@ double SoundPath::to_boundary_m() const {
 
 SoundPath::Step SoundPath::step(double length_max_m) const {
   const SoundLayer& in = layer();
-  // A bound on the change of depth over this length: most steps end well within their layer.
+  // An upper bound for the change in depth over this length: most steps end well within their layer.
   const double farthest_m = length_max_m * (std::abs(sine_) + 0.5 * std::abs(curvature_1_m_) * length_max_m);
   if (state_.depth_m - farthest_m > std::max(in.top_m, 0.0) && state_.depth_m + farthest_m < in.bottom_m) {
     return {ahead(length_max_m), false};
@@ -126,7 +127,7 @@ SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_r
   SoundPath path(profile, depth_m, dip_rad);
   if (depth_m <= 0 && dip_rad <= 0) return path.state();
   for (;;) {
-    // To the end of the layer; bounded for layers that do not end.
+    // To the end of the layer; limited in length for layers without an end.
     const SoundPath::Step whole = path.step(2000 * (time_s - path.state().time_s) + 1);
     if (whole.end.time_s >= time_s || !whole.leaves) return path.ahead(path.length_after(time_s - path.state().time_s));
     if (path.advance(whole)) return path.state();

@@ -15,14 +15,14 @@ struct SoundState {
   double length_m = 0;  ///< along the path
 };
 
-/// A ray of sound through a layered profile by Snell's law: cos(dip) / c is constant. In a layer of constant gradient g
-/// the path is an arc of curvature g cos(dip) / c, bent towards slower water (Urick 1983, "Principles of Underwater
-/// Sound", ch. 5; cited from memory, the closed forms derived here). Steps and times are closed forms that stay exact
-/// for a vanishing gradient, a vertical ray, or a turning point. High-frequency limit: no diffraction, no focusing; the
+/// A ray of sound through a layered profile by Snell's law: cos(dip) / c is constant. In a layer of constant gradient
+/// g, the path is an arc of curvature g cos(dip) / c, bent towards slower water (Urick 1983, "Principles of Underwater
+/// Sound", ch. 5; cited from memory, the closed forms derived here). Steps and times are closed forms that remain exact
+/// for a vanishing gradient, a vertical ray, or a turning point. High-frequency limit: no diffraction, no focusing. The
 /// water is layered in depth only.
 class SoundPath {
  public:
-  /// `profile` must outlive it. dip_rad: below the horizontal.
+  /// `profile` must outlive this object. dip_rad: below the horizontal.
   SoundPath(const SoundSpeedProfile& profile, double depth_m, double dip_rad);
 
   const SoundState& state() const { return state_; }
@@ -31,19 +31,19 @@ class SoundPath {
   /// Speed of sound at the present point [m/s].
   double speed_m_s() const { return layer().at(state_.depth_m); }
 
-  /// A piece of the arc within one layer.
+  /// A section of the arc within one layer.
   struct Step {
     SoundState end;
-    bool leaves = false;  ///< whether it ends on the layer's boundary or at the surface
+    bool leaves = false;  ///< whether it ends at the layer's boundary or at the surface
   };
-  /// The next step, at most `length_max_m` long; shorter if the layer or the water ends sooner. Infinity requests the
-  /// whole layer; the step is then infinitely long if the ray never leaves the layer.
+  /// The next step, at most `length_max_m` long; shorter if the layer or the water ends first. An infinite maximum
+  /// requests the whole layer; the step is then infinitely long if the ray never leaves the layer.
   Step step(double length_max_m) const;
-  /// Moves to the end of the step. Returns whether that is the surface, where the path ends.
+  /// Moves to the end of the step. Returns whether that is at the surface, where the path ends.
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;
-  /// The length along this layer's arc that takes `time_s`.
+  /// The length along this layer's arc that sound covers in `time_s`.
   double length_after(double time_s) const;
 
  private:
@@ -59,7 +59,7 @@ class SoundPath {
   SoundState state_;
 };
 
-/// The end of a ray after `time_s`, or where it meets the surface before then.
+/// The end of a ray after `time_s`, or the point where it meets the surface before that time.
 SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_rad, double time_s);
 
 }  // namespace uwsim

@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-/// p + R r - station, as one scalar along the line of sight and two across it, whose errors are independent.
+/// p + R r - station, as one scalar along the line of sight and two across it, with independent errors.
 class AcousticFixAid final : public Aid {
  public:
   AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std, double bearing_std)
@@ -19,8 +19,8 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm();
     if (!(range > 1e-6)) return;
-    // Where the position is known well, use axes along and across the expected line, which keeps the bearing's error
-    // out of the range: along the measured line, the vehicle is R (1 - cos error) nearer than R.
+    // If the position is known well, use axes along and across the expected line of sight, so that the bearing error
+    // does not affect the range: along the measured line, the vehicle is R (1 - cos error) nearer than R.
     const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
     const bool is_known = position_variance < kKnown * kKnown * range * range;
     const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
@@ -40,7 +40,7 @@ class AcousticFixAid final : public Aid {
   }
 
  private:
-  static constexpr double kKnown = 0.1;  // share of the range
+  static constexpr double kKnown = 0.1;  // as a fraction of the range
 
   Eigen::Vector3d expected(const FilterState& state) const {
     return state.position_m + state.orientation * lever_ - station_;
@@ -50,7 +50,7 @@ class AcousticFixAid final : public Aid {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
-    constexpr double kLeast = 1e-6;  // m2: so that an exact fix still has a gate
+    constexpr double kLeast = 1e-6;  // m2; gives an exact fix a gate as well
     Aid::correct(state, residual, h, std::max(variance, kLeast));
   }
 

@@ -9,7 +9,7 @@
 
 namespace uwsim {
 
-/// A vector or matrix of fixed size, number by number.
+/// A vector or matrix of fixed size, element by element.
 template <typename Values>
 void exchange_numbers(StateArchive& archive, Values&& values) {
   for (Eigen::Index k = 0; k < values.size(); ++k) archive(values.data()[k]);

@@ -15,8 +15,8 @@ inline constexpr int kMaxAids = 8;
 using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
 using ErrorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxErrors, kMaxErrors>;
 
-/// How the bias of one channel behaves, in its unit u: a constant drawn at the start, a first-order Gauss-Markov
-/// process of standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
+/// The model of one channel's bias, in its unit u: a constant drawn at the start, a first-order Gauss-Markov process
+/// with standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
 struct BiasModel {
   double turn_on_std = 0;   ///< [u]
   double drift_std = 0;     ///< [u]
@@ -24,48 +24,48 @@ struct BiasModel {
   double walk = 0;          ///< [u/sqrt(s)]
 
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
-  /// The share that remains after dt. A drift on top of a constant is treated as a random walk, which agrees with it
-  /// over times that are short compared with drift_time_s, so that one state covers both.
+  /// The fraction of the bias that remains after dt. A drift on top of a constant is treated as a random walk, which
+  /// agrees with it over times that are short compared with drift_time_s, so that one state can represent both.
   double decay(double dt_s) const;
-  /// The variance that dt adds [u2].
+  /// The increase of the variance over dt [u2].
   double growth(double dt_s) const;
 };
 
-/// The outcome of an aid's scalars, and how many of its last consecutive readings had outliers.
+/// The outcomes of an aid's scalars, and the number of its last consecutive readings with outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
 
-/// The IMU at the state's time, interpolated between two samples; biases included, body axes of that time.
+/// The IMU's values at the state's time, interpolated between two samples; including biases, in body axes at that time.
 struct LastSample {
   Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t time_ns = kNone;  ///< of the newest sample that the state has reached since it started or coasted
-  /// The change of the rate over the interval before that sample, and the interval's length; 0: unknown.
+  /// The change of the rate over the interval before that sample, and the interval's length; 0 if unknown.
   Eigen::Vector3d rate_slope_rad_s2 = Eigen::Vector3d::Zero();
   double slope_s = 0;
-  double guessed_s = 0;  ///< how long the first sample's rate was assumed to hold before it
+  double guessed_s = 0;  ///< for how long the first sample's rate was assumed to apply before it
 };
 
 /// The state of an error-state Kalman filter (Sola 2017, "Quaternion kinematics for the error-state Kalman filter"):
-/// the motion of the IMU's centre, and the covariance of its errors. World ENU; body axes of REP 103. The attitude's
-/// error is local: true attitude = orientation * Exp(error).
+/// the motion of the IMU's centre, and the covariance of its errors. World ENU; REP 103 body axes. The attitude error
+/// is local: true attitude = orientation * Exp(error).
 struct FilterState {
   std::uint64_t time_ns = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< world axes
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d rate_bias_rad_s = Eigen::Vector3d::Zero(), force_bias_m_s2 = Eigen::Vector3d::Zero();
-  ErrorVector aid_bias;  ///< by the index of its error - kAidBias
+  ErrorVector aid_bias;  ///< at index (error index - kAidBias)
   ErrorMatrix covariance;
   LastSample sample;
   std::array<AidCounts, kMaxAids> counts;
-  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and when it last did
-  std::uint64_t restarted_ns = 0;            ///< when it last restarted
+  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and the last time
+  std::uint64_t restarted_ns = 0;            ///< time of the last restart
 
   int errors() const { return static_cast<int>(covariance.rows()); }
   Eigen::Vector3d rate_rad_s() const { return sample.rate_rad_s - rate_bias_rad_s; }
-  /// Moves the estimated error into the state.
+  /// Adds the estimated error to the state.
   void add(const ErrorVector& error);
 };
 

@@ -7,10 +7,10 @@
 namespace uwsim {
 namespace {
 
-/// The yaw of a compass's x axis. With the vehicle's own field i, body axes, as a share of the earth's horizontal
-/// field, and the direction n of magnetic north, yaw is measured too small by (n x R i)_z (Groves 2013, ch. 6.1): on a
-/// level vehicle, turning separates it from an attitude error; the upward field matters as soon as the vehicle rolls or
-/// pitches.
+/// The yaw of a compass's x axis. Let i be the vehicle's own field, in body axes, as a fraction of the earth's
+/// horizontal field, and n the direction of magnetic north. The measured yaw is then too small by (n x R i)_z (Groves
+/// 2013, ch. 6.1). On a level vehicle, turning separates this from an attitude error; the upward field matters as soon
+/// as the vehicle rolls or pitches.
 class HeadingAid final : public Aid {
  public:
   HeadingAid(const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std, double north_rad)
@@ -27,9 +27,9 @@ class HeadingAid final : public Aid {
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d ahead = state.orientation * axis_;
     const double level = ahead.head<2>().squaredNorm();
-    if (level < 1e-4) return;  // it points straight up or down
-    // Use the expected yaw, not the measured one, whose noise would be in `sees` as well as in the residual: readings
-    // at one heading would then seem to reveal a field that does not exist.
+    if (level < 1e-4) return;  // the axis points straight up or down
+    // Use the expected yaw: the noise of the measured yaw would appear in `sees` as well as in the residual, and
+    // readings at a single heading would then seem to reveal a field that does not exist.
     const double yaw = std::atan2(ahead.y(), ahead.x());
     const Eigen::Vector3d east_of_north(std::sin(north_rad_), -std::cos(north_rad_), 0);
     Eigen::Vector4d sees;

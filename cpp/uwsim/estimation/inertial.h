@@ -8,43 +8,44 @@
 
 namespace uwsim {
 
-/// The errors of an inertial measurement unit, for each axis.
+/// The errors of an inertial measurement unit, per axis.
 struct ImuErrors {
-  double rate_std = 0;   ///< [rad/s] white noise of a sample, rounding included
+  double rate_std = 0;   ///< [rad/s] white noise of a sample, including quantisation
   double force_std = 0;  ///< [m/s2]
   double period_s = 0.005;
-  /// a sample's specific force is the mean over this time before it; 0: an instantaneous value
+  /// A sample's specific force is the mean over this time before it; 0 for an instantaneous value
   double averaging_s = 0;
   BiasModel rate_bias, force_bias;
-  /// The most that an axis can measure [rad/s], [m/s2]: a sample whose length reaches it hides a shock.
+  /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample that reaches it hides a shock.
   double rate_limit = std::numeric_limits<double>::infinity();
   double force_limit = std::numeric_limits<double>::infinity();
 };
 
-/// A sample of the IMU, in body axes of its time.
+/// A sample of the IMU, in body axes at its time.
 struct ImuSample {
   Eigen::Vector3d rate_rad_s, force_m_s2;  ///< angular velocity, specific force
   std::uint64_t time_ns;
 };
 
 /// Strapdown navigation and the growth of its errors (Sola 2017, sections 5.3 and 5.4, local attitude error). Each
-/// sample's force is rotated by the attitude at its own time. Between samples, the force is interpolated linearly, in
-/// world axes, and the angular velocity by the parabola through the newest three samples, with the coning correction
-/// dt^2/12 w0 x w1 for axes that turn (Savage 1998, "Strapdown Inertial Navigation Integration Algorithm Design, Part
+/// sample's force is rotated by the attitude at the sample's time. Between samples, the force is interpolated linearly
+/// in world axes, and the angular velocity by the parabola through the newest three samples, with the coning correction
+/// dt^2/12 w0 x w1 for rotating axes (Savage 1998, "Strapdown Inertial Navigation Integration Algorithm Design, Part
 /// 1", J. Guidance, Control and Dynamics 21:19, section on coning; Groves 2013, ch. 5.5). The errors are of third order
-/// in a step's rotation: valid for steps that rotate by much less than 1 rad. The earth's rotation is neglected.
+/// in a step's rotation, so it is valid for steps that rotate by much less than 1 rad. The earth's rotation is
+/// neglected.
 class Inertial {
  public:
   Inertial(const ImuErrors& imu, double gravity_m_s2) : imu_(imu), gravity_m_s2_(gravity_m_s2) {}
 
-  /// Moves the state to `time_ns`, at or before the next sample's time. `aid_biases`: one for each error from kAidBias
-  /// on.
+  /// Advances the state to `time_ns`, at or before the next sample's time. `aid_biases`: one for each error from
+  /// kAidBias on.
   void advance(FilterState& state, std::uint64_t time_ns, const ImuSample& next,
                const std::vector<BiasModel>& aid_biases) const;
-  /// Moves the state without a sample: on a straight line, with the errors of a vehicle that may manoeuvre.
+  /// Advances the state without a sample: along a straight line, with the errors of a vehicle that may manoeuvre.
   void coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const;
 
-  /// Saves or restores the parameters that it was made with. Throws InvalidValue.
+  /// Saves or restores the parameters passed to the constructor. Throws InvalidValue.
   void exchange_figures(StateArchive& archive);
 
   const ImuErrors& errors() const { return imu_; }

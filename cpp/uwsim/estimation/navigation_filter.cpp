@@ -11,15 +11,16 @@ namespace {
 
 constexpr std::uint64_t kHorizon_ns = static_cast<std::uint64_t>(NavigationFilter::kHorizon_s * 1e9);
 constexpr std::uint64_t kCheckpoint_ns = 100'000'000;
-// A filter that doubts itself again within this time is wrong in more than the aid observes, for example after a
-// collision. It then restarts where it is, with these standard deviations, assumed for an ROV that is thrown about.
+// If the filter doubts itself again within this time, more is wrong than the aid observes, for example after a
+// collision. The filter then restarts from its present estimate, with these standard deviations, assumed for an ROV
+// that is thrown about.
 constexpr std::uint64_t kDoubtAgain_ns = 5'000'000'000;
-// For some time after a doubt it also restarts if the IMU's biases reach values that they hardly ever have, which is
-// how an attitude error appears; but not again immediately.
+// For some time after a doubt, the filter also restarts if the IMU's biases reach implausible values, which is how an
+// attitude error shows; but not again immediately.
 constexpr std::uint64_t kProbation_ns = 30'000'000'000, kSettling_ns = 3'000'000'000;
 constexpr double kImplausible = 4;  // standard deviations
 constexpr double kLostPosition_m = 2, kLostVelocity_m_s = 1, kLostAttitude_rad = 0.15;
-constexpr std::size_t kForgetFrom = 2048;  // number of events; they are moved down together
+constexpr std::size_t kForgetFrom = 2048;  // number of events; they are discarded in blocks of this size
 
 }  // namespace
 
@@ -84,7 +85,7 @@ bool NavigationFilter::biases_are_plausible() const {
          are(present_.force_bias_m_s2, inertial_.errors().force_bias);
 }
 
-/// Corrects the present state, and restarts if the filter turns out to be lost.
+/// Corrects the present state, and restarts if the filter turns out to have diverged.
 void NavigationFilter::correct(const Event& reading) {
   const auto aid = static_cast<std::size_t>(reading.source);
   AidCounts& counts = present_.counts[aid];
@@ -102,7 +103,8 @@ void NavigationFilter::correct(const Event& reading) {
   if (again || (on_probation && !biases_are_plausible())) restart();
 }
 
-/// Restarts where it is: everything learnt is forgotten except the means of position, velocity and attitude.
+/// Restarts the filter in place: discards everything it has estimated except the means of position, velocity and
+/// attitude.
 void NavigationFilter::restart() {
   present_.restarted_ns = present_.time_ns;
   const Eigen::Vector3d position = present_.covariance.diagonal().segment<3>(kPosition);
@@ -147,7 +149,7 @@ void NavigationFilter::insert(const Event& event) {
     too_late_ += event.source >= 0;
     return;
   }
-  // Events at one time are sorted by source, the IMU first, so that the order of adding them does not matter.
+  // Simultaneous events are sorted by source, the IMU first, so that the order in which they are added does not matter.
   const auto later = [](const Event& a, const Event& b) {
     return a.time_ns != b.time_ns ? a.time_ns < b.time_ns : a.source < b.source;
   };
@@ -179,7 +181,7 @@ const NavigationFilter::Event* NavigationFilter::next_inertial(std::size_t from)
   return found == events_.end() ? nullptr : &*found;
 }
 
-/// Returns whether the event could be processed: a reading newer than the IMU's waits.
+/// Returns whether the event could be processed; a reading newer than the IMU's last sample must wait.
 bool NavigationFilter::apply(std::size_t index) {
   const Event& event = events_[index];
   if (event.time_ns > present_.time_ns) {
@@ -202,7 +204,7 @@ void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
 
 void NavigationFilter::checkpoint() { checkpoints_.push_back({present_, next_}); }
 
-/// The index of the last checkpoint to which readings may still go back.
+/// The index of the last checkpoint before the time that late readings may reach back to.
 std::size_t NavigationFilter::last_before_horizon() const {
   const auto after = std::find_if(checkpoints_.begin(), checkpoints_.end(), [&](const Checkpoint& c) {
     return c.state.time_ns + kHorizon_ns > present_.time_ns;

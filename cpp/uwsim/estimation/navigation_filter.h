@@ -14,7 +14,7 @@
 
 namespace uwsim {
 
-/// Where the vehicle is when the filter starts, and how accurately that is known, as standard deviations.
+/// The vehicle's initial state, and its accuracy as standard deviations.
 struct FilterStart {
   std::uint64_t time_ns = 0;
   Pose world_from_body;
@@ -24,32 +24,32 @@ struct FilterStart {
   Eigen::Vector3d attitude_std_rad = Eigen::Vector3d::Zero();  ///< body axes
 };
 
-/// An error-state Kalman filter that takes readings in any order. It keeps the readings of the last kHorizon_s and its
-/// states at some times between; when a reading arrives late, it goes back to the last state before it and replays what
-/// followed. The result depends only on the readings and their times, not on when they were added.
+/// An error-state Kalman filter that accepts readings in any order. It keeps the readings of the last kHorizon_s, and
+/// its state at some times in between; when a reading arrives late, it returns to the last state before the reading and
+/// replays what followed. The result depends only on the readings and their times, not on when they were added.
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
-  /// Version of the bytes that save() returns. 2: includes the parameters of its instruments, the IMU's last sample,
-  /// and all three axes of a compass's hard iron.
+  /// Version of the bytes that save() returns. Version 2 includes the parameters of the filter's instruments, the IMU's
+  /// last sample, and all three axes of a compass's hard iron.
   static constexpr std::uint64_t kVersion = 2;
 
-  /// `imu_body_m`: where the IMU is on the body.
+  /// `imu_body_m`: position of the IMU on the body.
   NavigationFilter(const ImuErrors& imu, const Eigen::Vector3d& imu_body_m, double gravity_m_s2);
 
-  /// Returns the aid's index. To be called before start().
+  /// Adds an aid and returns its index. Must be called before start().
   int add_aid(std::unique_ptr<Aid> aid);
   void start(const FilterStart& start);
 
-  /// Adds readings of the IMU, body axes, rows of angular velocity and specific force; they must not be later than
-  /// other readings that follow.
+  /// Adds readings of the IMU, body axes, as rows of angular velocity and specific force. Other readings that are added
+  /// afterwards must not be earlier.
   void add_imu(std::uint64_t time_ns, const double* rate_and_force);
   /// Adds a reading of an aid, measured at `time_ns`, that arrived at `arrival_ns`. A reading from before the start, or
-  /// one that arrived later than kHorizon_s, is dropped and counted.
+  /// one that arrived more than kHorizon_s late, is dropped and counted.
   void add_reading(int aid, std::uint64_t time_ns, std::uint64_t arrival_ns, const double* reading);
-  /// Records that there was no IMU until `time_ns`.
+  /// Records that the IMU provided no samples until `time_ns`.
   void add_silence(std::uint64_t time_ns);
-  /// Processes what was added. Readings newer than the IMU's wait.
+  /// Processes the readings that have been added. Readings newer than the IMU's last sample wait.
   void catch_up();
 
   /// The newest state, of the IMU's centre.
@@ -60,7 +60,8 @@ class NavigationFilter {
   int aids() const { return static_cast<int>(aids_.size()); }
   int aid_width(int aid) const { return aids_.at(static_cast<std::size_t>(aid))->width(); }
 
-  /// Everything that future results depend on. A filter with the same aids that restores it continues identically.
+  /// Returns everything that future results depend on. A filter with the same aids that restores these bytes continues
+  /// identically.
   std::string save();
   /// Throws InvalidValue for bytes that do not match, and for an unknown version.
   void restore(std::string_view bytes, std::uint64_t version = kVersion);
@@ -98,9 +99,9 @@ class NavigationFilter {
   std::vector<std::unique_ptr<Aid>> aids_;
   std::vector<BiasModel> aid_biases_;
   FilterState present_;
-  std::vector<Event> events_;  ///< by time; at equal times the IMU first
-  std::size_t next_ = 0;       ///< the first event that is not yet in present_
-  std::size_t changed_ = 0;    ///< the first event that is new
+  std::vector<Event> events_;  ///< by time; simultaneous ones with the IMU first
+  std::size_t next_ = 0;       ///< the first event that has not been applied to present_
+  std::size_t changed_ = 0;    ///< the first new event
   std::vector<Checkpoint> checkpoints_;
   std::uint64_t too_late_ = 0;
 };

@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-/// An attitude filter's orientation: true orientation * Exp(bias + noise). Three scalars.
+/// The orientation from an attitude filter: true orientation * Exp(bias + noise). Three scalars.
 class OrientationAid final : public Aid {
  public:
   OrientationAid(double std, const BiasModel& bias) : variance_(std * std), bias_(bias) {}

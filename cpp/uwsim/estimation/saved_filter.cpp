@@ -15,7 +15,7 @@ void exchange_sample(StateArchive& archive, LastSample& sample) {
   archive(sample.guessed_s);
 }
 
-/// Version 1 holds no more of the IMU than its newest angular velocity: the rest starts at the next sample.
+/// Of the IMU, version 1 contains only the newest angular velocity; the rest starts with the next sample.
 void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t version) {
   archive(state.time_ns);
   exchange_numbers(archive, state.position_m);
@@ -89,7 +89,7 @@ void NavigationFilter::exchange(StateArchive& archive, std::uint64_t version) {
   }
 }
 
-/// A restored filter uses the parameters in the saved state, whatever its own were.
+/// A restored filter uses the parameters in the saved state, regardless of those it was constructed with.
 void NavigationFilter::exchange_figures(StateArchive& archive) {
   inertial_.exchange_figures(archive);
   aid_biases_.clear();

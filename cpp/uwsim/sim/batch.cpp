@@ -13,8 +13,8 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSharesPerThread = 8;      // members have uneven costs: those near the bed find contacts
-constexpr std::size_t kStepsWorthThreads = 256;  // in all members together: fewer take less time than starting a thread
+constexpr std::size_t kSharesPerThread = 8;      // members have uneven costs, since those near the bed find contacts
+constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer take less time than starting a thread
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 
@@ -22,7 +22,7 @@ using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 }  // namespace
 
-/// Calls work(member, k) for the k-th chosen member; when all have ended, throws the error of the first.
+/// Calls work(member, k) for the k-th chosen member. When all have finished, rethrows the first failing member's error.
 template <typename Work>
 void Batch::each(std::span<const std::size_t> chosen, int threads, const Work& work) const {
   std::vector<std::exception_ptr> errors(chosen.size());

@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// Everything that one simulation of a batch is built from, apart from terrain and solids. Members with equal
+/// Everything from which one simulation of a batch is built, apart from terrain and solids. Members with equal
 /// parameters share their vehicles' specs.
 struct MemberSpec {
   Water water;
@@ -20,7 +20,7 @@ struct MemberSpec {
   std::optional<LinkSpec> link;
 };
 
-/// Position and motion of one vehicle of each member; each pointer is to one row per member.
+/// Position and motion of one vehicle in each member; each pointer refers to one row per member.
 struct MotionRows {
   std::uint64_t* times_ns;    ///< (n,)
   double* positions_world_m;  ///< (n, 3)
@@ -30,15 +30,15 @@ struct MotionRows {
   std::uint8_t* released;     ///< (n,) 0 or 1
 };
 
-/// The samples of one sensor of each member.
+/// The samples of one sensor in each member.
 struct SampleRows {
   double* values;  ///< (n, width)
   std::uint64_t* stamps_ns;
   std::uint8_t* valid;
 };
 
-/// The pings of one sonar of each member in physics mode: (n, beams), with three columns for points. The names have the
-/// same meaning as in AcousticPing.
+/// The pings of one sonar in each member in physics mode: (n, beams), with three columns for points. Fields are as in
+/// AcousticPing.
 struct AcousticRows {
   PingRows echoes;
   float *snr_db, *travel_time_s, *deviation_m;
@@ -46,28 +46,30 @@ struct AcousticRows {
 };
 
 /// n independent simulations of one world, advanced and read together by several threads. They share terrain, solids
-/// and their indices; each has its own water, seed and vehicles, whose names and instruments are the same in all. A
-/// member equals the Simulation of its spec: it gives the same results to the last bit, whatever the thread count. Only
-/// one thread at a time may call.
+/// and their indices; each has its own water, seed and vehicles, but the names of vehicles and instruments are the same
+/// in all. A member is equivalent to a Simulation with its spec: results are bitwise identical, regardless of the
+/// number of threads. Only one thread at a time may call these functions.
 ///
-/// If a member throws, the others continue; then the error of the first is thrown, with its index: batch[3].
+/// If a member throws, the others continue; then the first failing member's error is rethrown with its index, as
+/// batch[3].
 class Batch {
  public:
-  /// Throws InvalidValue, as Simulation does.
+  /// Throws InvalidValue, like Simulation.
   Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads);
 
   std::size_t size() const { return members_.size(); }
   /// Shared, so that observers of a member outlive its restart. Throws std::out_of_range.
   const std::shared_ptr<Simulation>& member(std::size_t index) { return members_.at(index); }
 
-  /// Restarts members, each with its spec; `specs`: new ones for these members, or none. Throws, changing nothing.
+  /// Restarts the chosen members. `specs`: new specs for these members; empty to reuse the present ones. On error,
+  /// throws without changing anything.
   void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
   /// See Simulation::release and set_state. Throws InvalidValue; all members that can be placed are placed.
   void release(std::size_t vehicle, std::span<const std::size_t> chosen);
   void set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states);
 
-  /// Sets the effort of one vehicle of each member: (n, 6), see Actuators::set_effort. Throws InvalidValue, changing
-  /// none.
+  /// Sets the effort of one vehicle in each member: (n, 6), see Actuators::set_effort. On error, throws InvalidValue
+  /// without changing any member.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
   void step(std::uint64_t count);
   /// Advances each member by its own number of steps, (n,).
@@ -77,7 +79,7 @@ class Batch {
   /// The number of values in a reading. Throws std::out_of_range.
   std::size_t reading_width(std::size_t vehicle, std::size_t sensor) const;
   void read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows);
-  /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), row by row.
+  /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), in row-major order.
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const;
   /// Pings in physics mode, in the same layout. Throws InvalidValue for a member in geometry mode.
   void acoustic_ping(std::size_t vehicle, std::size_t sonar, const AcousticRows& rows, double* world_from_sonar) const;

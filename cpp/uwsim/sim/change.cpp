@@ -10,7 +10,7 @@
 
 namespace uwsim {
 
-/// Builds new vehicles and transfers their state as if it had been saved and restored. Everything that may fail comes
+/// Builds new vehicles and transfers their state as if it had been saved and restored. Everything that may fail is done
 /// first.
 void Simulation::change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles) {
   spec.check();

@@ -15,10 +15,10 @@ namespace uwsim {
 namespace {
 
 constexpr double kDeepest_m = 12000;
-constexpr int kChords = 4;  // per bent ray, to detect obstacles
-// fraction of the water's depth: how far above the flat bottom a reflected ray is checked
+constexpr int kChords = 4;  // per bent ray, for detecting obstacles
+// Clearance above the flat bottom at which a reflected ray is checked, as a fraction of the water depth.
 constexpr double kOffTheBed = 0.05;
-constexpr double kBesideHit_m = 0.01;  // to continue behind a solid
+constexpr double kBesideHit_m = 0.01;  // step past a solid before continuing behind it
 constexpr int kSolidsPassed = 8;
 
 double depth_of(const Transducer& transducer) { return std::max(0.0, -transducer.position_world_m.z()); }
@@ -27,20 +27,20 @@ Eigen::Vector3d along(const Eigen::Vector3d& level, double dip_rad) {
   return std::cos(dip_rad) * level - std::sin(dip_rad) * Eigen::Vector3d::UnitZ();
 }
 
-/// The depth of the first surface under a point; infinite if there is none.
+/// The depth of the first surface below a point; infinite if there is none.
 double bed_under(const RayScene& scene, const Eigen::Vector3d& point_world_m) {
   const Eigen::Vector3d top(point_world_m.x(), point_world_m.y(), 0);
   return scene.cast({top, -Eigen::Vector3d::UnitZ()}, kDeepest_m).distance_m;
 }
 
-/// A straight piece of a ray's path.
+/// A straight segment of a ray's path.
 struct Segment {
   Eigen::Vector3d from, to;
   std::size_t path;  // index of its path
 };
 
-/// The pieces of a ray: those between its reflections, or chords of a bent one. Between its ends a bent ray is
-/// approximated by the cubic that leaves and arrives in the same directions.
+/// Adds the segments of a ray: the lines between its reflections, or chords of a bent ray, which is approximated
+/// between its ends by the cubic with the same directions at both ends.
 void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const Transducer& to,
                   const Eigen::Vector3d& level, double bottom_m, std::size_t path, std::vector<Segment>& segments) {
   const double start_m = depth_of(from), end_m = depth_of(to);
@@ -89,7 +89,7 @@ bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond
   return false;
 }
 
-/// Which paths are blocked by terrain. All segments are cast together, each only along its length.
+/// Determines which paths are blocked by terrain. All segments are cast together, each only along its length.
 std::vector<bool> blocked_paths(const RayScene& scene, const std::vector<Segment>& segments, std::size_t paths) {
   std::vector<bool> blocked(paths, false);
   for (std::size_t first = 0; first < segments.size(); first += kPacketRays) {
@@ -170,7 +170,7 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
       across_m > 0 ? Eigen::Vector3d(line.x() / across_m, line.y() / across_m, 0) : Eigen::Vector3d(1, 0, 0);
   const double deepest = std::max(depth_of(from), depth_of(to));
   double bottom_m = bed_under(scene, 0.5 * (from.position_world_m + to.position_world_m));
-  if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way is above the ends: nothing is reflected by it
+  if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way is above one of the ends: no reflection
   const std::vector<Eigenray> rays = eigenrays(water_.profile, {depth_of(from), depth_of(to), across_m, bottom_m});
   std::vector<Segment> segments;
   const bool bends = water_.profile.steepest_1_s() > 0;

@@ -21,19 +21,19 @@ struct LinkSpec {
   double acidity_ph = 8;
   std::vector<LinkFault> faults;
 
-  /// Throws InvalidValue that names link.<field>.
+  /// Throws InvalidValue naming link.<field>.
   void check() const;
 };
 
-/// Position and velocity of a modem's transducer; world frame.
+/// Position and velocity of a modem's transducer, world frame.
 struct Transducer {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();
 };
 
-/// How sound travels from one transducer to another in a world. Rays are bent by the sound-speed profile and reflected
-/// by a flat surface and a flat bottom, which is as deep as the bed half-way between both; terrain in a ray's way
-/// blocks it (no diffraction), solids and hulls do not (they are small).
+/// The propagation of sound between transducers in a world. Rays are bent by the sound-speed profile and reflected by a
+/// flat surface and a flat bottom, which is at the depth of the bed half-way between the transducers. Terrain in a
+/// ray's path blocks it (no diffraction); solids and hulls do not (they are small).
 class LinkWater {
  public:
   LinkWater(const LinkSpec& spec, const Water& water);
@@ -49,7 +49,7 @@ class LinkWater {
   ModemWater water_;
 };
 
-/// A simulation's link: its parameters, its packets, the water that they pass through, and the instruments that use it.
+/// A simulation's link: its parameters, its packets, the water they travel through, and the instruments that use it.
 struct Link {
   LinkSpec spec;
   PacketNetwork network;

@@ -8,35 +8,35 @@
 
 namespace uwsim {
 
-/// The pings of a USBL that shares its vehicle's modem: a ping and the fix that answers it are ordinary packets of the
-/// link, with air time, turns, collisions and losses. There is one ping at a time: it waits for its turn (a newer one
-/// replaces it), is measured from the vehicle's position when it leaves, and is answered by the station immediately.
-/// The vehicle gives up if no answer has arrived after all turns and the travel time over its range, and then has no
-/// sample. The number of the sample, modulo 65536, in both packets keeps vehicle and station synchronised.
+/// The pings of a USBL that shares its vehicle's modem. A ping and the fix that answers it are ordinary packets of the
+/// link, with air time, turns, collisions and losses. Only one ping is under way at a time: it waits for its turn (a
+/// newer ping replaces it), is measured from the vehicle's position when it is sent, and is answered by the station
+/// immediately. The vehicle gives up, and has no sample, if no answer has arrived after all turns and the travel time
+/// over its range. Both packets contain the sample number modulo 65536, which keeps vehicle and station synchronised.
 class PositionExchange {
  public:
-  static constexpr std::uint64_t kPriority = 2;  ///< like other instruments
-  /// the ping has a number, the fix also three coordinates; assumed
+  static constexpr std::uint64_t kPriority = 2;  ///< same as other instruments
+  /// A ping contains a number, a fix also three coordinates (assumed).
   static constexpr std::size_t kPingBytes = 2, kFixBytes = 14;
 
   PositionExchange() = default;
-  /// node: of the vehicle; sensor: its index on the vehicle. topic: of both packets.
+  /// node: the vehicle's node; sensor: its index on the vehicle. topic: used by both packets.
   PositionExchange(std::size_t node, std::size_t sensor, std::uint64_t topic)
       : node_(node), sensor_(sensor), topic_(topic) {}
 
   std::size_t node() const { return node_; }
   std::size_t sensor() const { return sensor_; }
 
-  /// Must be called before packets are sent: gives up an overdue ping, and sends one if the sensor requests it.
+  /// Gives up an overdue ping, and sends a new one if the sensor requests it. Must be called before packets are sent.
   void ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
-  /// Whether its ping has left since the last call; the caller then reports the vehicle's state by left().
+  /// Whether the ping has been sent since the last call; if so, the caller must pass the vehicle's state to left().
   bool has_left(const PacketNetwork& network) const {
     return state_ == State::kWaiting && network.counts(topic_, node_).sent != sent_before_;
   }
   void left(const VehicleSnapshot& from, const NoisySensor& sensor, const PacketNetwork& network, std::uint64_t now_ns);
   /// Handles an arrived packet: the station answers a ping; a vehicle receives the answer.
   void hear(const LinkDelivery& delivery, const NoisySensor& sensor, PacketNetwork& network);
-  /// Whether the sensor has its answer, or will never get it. If so, settle() reports it to the sensor.
+  /// Whether the sensor has its answer or will never get it. If so, settle() reports the outcome to the sensor.
   bool is_settled(std::uint64_t now_ns) const {
     return (state_ == State::kAsked || state_ == State::kAnswered) && now_ns >= until_ns_;
   }
@@ -44,7 +44,7 @@ class PositionExchange {
   const VehicleSnapshot& asked() const { return asked_; }
   void settle() { state_ = State::kIdle; }
 
-  /// Saves or restores it at `tick`, after the network. Throws InvalidValue.
+  /// Saves or restores the exchange at `tick`; must be called after the network's. Throws InvalidValue.
   void exchange_state(StateArchive& archive, const PacketNetwork& network, std::uint64_t tick);
 
  private:
@@ -53,10 +53,10 @@ class PositionExchange {
   std::size_t node_ = 0, sensor_ = 0;
   std::uint64_t topic_ = 0;
   State state_ = State::kIdle;
-  std::uint64_t number_ = 0;       // number of the sample of its ping
+  std::uint64_t number_ = 0;       // number of the sample for which the ping was sent
   std::uint64_t sent_before_ = 0;  // number of pings sent when the present one was queued
-  std::uint64_t until_ns_ = 0;     // kAsked: when it gives up; kAnswered: when the sensor's latency is over
-  VehicleSnapshot asked_;          // the vehicle's state when the ping left
+  std::uint64_t until_ns_ = 0;     // kAsked: when it gives up; kAnswered: when the sensor's latency has passed
+  VehicleSnapshot asked_;          // the vehicle's state when the ping was sent
 };
 
 }  // namespace uwsim

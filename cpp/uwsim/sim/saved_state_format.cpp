@@ -10,8 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::string_view kMagic = "uwsim state\n";
-/// The version of a state's bytes, in this file and in each `exchange_state`. Raising it makes users' existing states
-/// unreadable: do so only if their content cannot be interpreted in the present form.
+/// The version of a saved state's bytes, in this file and in each `exchange_state`. Increasing it makes users' existing
+/// states unreadable, so do so only if the old bytes cannot be interpreted in the new form.
 constexpr std::uint64_t kVersion = 1;
 
 /// FNV-1a, 64 bits: detects damage, not forgery.
@@ -47,7 +47,7 @@ struct Content {
   std::string_view scenario, build, state;
 };
 
-/// The parts of a saved state that is complete, undamaged and of a version that this build can read.
+/// Parses a saved state. Throws unless it is complete, undamaged and of a version that this build can read.
 Content content_of(std::string_view bytes) {
   require(bytes.substr(0, kMagic.size()) == kMagic, "state", "foreign", "must be bytes that save_state returned");
   bytes.remove_prefix(kMagic.size());

@@ -5,19 +5,19 @@
 
 namespace uwsim {
 
-/// The origin of a saved state: fingerprints of the scenario, seed included, and of the build.
+/// The origin of a saved state: fingerprints of the scenario, including the seed, and of the build.
 struct StateOrigin {
   std::string scenario, build;
 };
 
-/// A saved state: the bytes of `state` after a header with format, version, origin, length and checksum.
+/// Returns a saved state: the bytes of `state` after a header with format, version, origin, length and checksum.
 std::string wrapped_state(std::string_view state, const StateOrigin& origin);
-/// The bytes of the state in a saved state. Throws InvalidValue unless the state is complete, undamaged and of this
-/// scenario. It may come from another build, whose steps may differ in the last bits.
+/// Returns the bytes of the state in a saved state. Throws InvalidValue unless the saved state is complete, undamaged
+/// and of this scenario. It may come from another build, whose steps may differ in the last bits.
 std::string_view unwrapped_state(std::string_view bytes, const StateOrigin& origin);
-/// The fingerprint of the build that saved a state. Throws InvalidValue for a damaged one.
+/// Returns the fingerprint of the build that saved a state. Throws InvalidValue for a damaged state.
 std::string saved_build(std::string_view bytes);
-/// The notes that were stored with a saved state. Throws like unwrapped_state.
+/// Returns the notes that were stored with a saved state. Throws like unwrapped_state.
 std::string saved_notes(std::string_view bytes, const StateOrigin& origin);
 
 }  // namespace uwsim

@@ -12,7 +12,7 @@
 namespace uwsim {
 namespace {
 
-/// items[index]. Throws std::out_of_range that names `what`.
+/// Returns items[index]. Throws std::out_of_range naming `what`.
 template <typename Items>
 auto& item(Items& items, std::size_t index, const char* what) {
   if (index < items.size()) return items[index];
@@ -65,7 +65,7 @@ std::size_t Simulation::add_vehicle(const VehicleSpec& spec) {
   return vehicles_.size() - 1;
 }
 
-/// A vehicle before it has a body.
+/// Creates a vehicle without a body.
 Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec, const Water& water) const {
   require_unique_names(from.sensors, "vehicle.sensors.name");
   require_unique_names(from.sonars, "vehicle.sonars.name");

@@ -20,77 +20,77 @@ namespace uwsim {
 struct SimulationSpec {
   double step_s = 0.005;
   std::uint64_t seed = 0;
-  double mission_time_s = 3600;  ///< how long a battery lasts after the release
+  double mission_time_s = 3600;  ///< how long a battery lasts after a release
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
   double range_warning_m = 110;
   double proximity_warning_m = 10;
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 
-/// A world with vehicles in it, advanced by fixed steps. In a step, sensors sample, actuators follow their commands as
-/// long as the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and telemetry do not advance
-/// time, and give the same result when repeated at the same time. Only one thread at a time may use it.
+/// A world and its vehicles, advanced in fixed steps. In each step, sensors sample, actuators follow their commands
+/// while the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and telemetry do not advance
+/// time; repeated at the same time, they return the same result. Only one thread at a time may use it.
 class Simulation {
  public:
   Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec);
 
-  /// Returns the vehicle's index. Throws InvalidValue if the spec is invalid or its start is under the ground or inside
-  /// a closed solid.
+  /// Adds a vehicle and returns its index. Throws InvalidValue if the spec is invalid or its start is below the ground
+  /// or inside a closed solid.
   std::size_t add_vehicle(const VehicleSpec& spec);
 
-  /// Replaces the parameters of the water, the vehicles and the spec, from the next step on. Everything keeps its
-  /// state: motion, commands, samples. `vehicles`: one for each, in order, with parts of the same names; their start
-  /// positions are ignored. Throws InvalidValue, changing nothing, for a spec that is invalid or has a different step
-  /// or seed.
+  /// Replaces the parameters of the water, the vehicles and the spec from the next step on. All state is kept: motion,
+  /// commands, samples. `vehicles`: one spec per vehicle, in order, with parts of the same names; their start positions
+  /// are ignored. If a spec is invalid or has a different step or seed, throws InvalidValue without changing anything.
   void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles);
 
-  /// Connects the station, node 0, with the vehicles, node 1 + index, once all vehicles have been added. Throws
-  /// InvalidValue.
+  /// Connects the station, node 0, with the vehicles, nodes 1 + index. Must be called after all vehicles have been
+  /// added. Throws InvalidValue.
   void set_link(const LinkSpec& spec);
   bool has_link() const { return link_.has_value(); }
-  /// The packets of the link. Throws InvalidValue if there is none.
+  /// The packets of the link. Throws InvalidValue if there is no link.
   PacketNetwork& link();
-  /// How a packet sent now would reach another node.
+  /// Returns how a packet sent now would reach another node.
   Reception link_reception(std::size_t from, std::size_t to) const;
 
   /// Throws InvalidValue if the motion of a vehicle diverges.
   void step(std::uint64_t count = 1);
   std::uint64_t tick() const { return tick_; }
-  /// Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.
+  /// A counter that changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.
   std::uint64_t version() const { return version_; }
   std::uint64_t time_ns() const { return tick_ * step_ns_; }
   double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }
   const SimulationSpec& spec() const { return spec_; }
 
   const BodyState& state(std::size_t vehicle) const;
-  /// Moves the vehicle to a pose immediately, and releases it if it is docked; its propellers keep turning, and its
+  /// Moves the vehicle to a pose immediately, releasing it if it is docked; its propellers keep spinning, and its
   /// sensors keep their samples. Throws InvalidValue for a state that is not finite, more than 1000 km away, faster
-  /// than 100 m/s or rad/s, under the ground or inside a closed solid.
+  /// than 100 m/s or rad/s, below the ground or inside a closed solid.
   void set_state(std::size_t vehicle, const BodyState& state);
-  /// Releases the vehicle from its dock; its mission time starts. Does nothing if it is already released.
+  /// Releases the vehicle from its dock and starts its mission time. Does nothing if it is already released.
   void release(std::size_t vehicle);
-  /// Holds the vehicle at a pose, at rest, until it is released again. Its commands end, and its battery is charged:
-  /// the next release starts a new mission. Throws InvalidValue for a place under the ground or inside a closed solid.
+  /// Holds the vehicle at a pose, at rest, until it is released again. Its commands are cancelled and its battery is
+  /// charged; the next release starts a new mission. Throws InvalidValue for a position below the ground or inside a
+  /// closed solid.
   void dock(std::size_t vehicle, const Pose& world_from_body);
   bool released(std::size_t index) const { return vehicle(index).released(); }
   /// The vehicle's thrusters and fins.
   Actuators& actuators(std::size_t index) { return changeable(index).actuators; }
   const Actuators& actuators(std::size_t index) const { return vehicle(index).actuators; }
-  /// How often the vehicle has started to touch something.
+  /// The number of times the vehicle has come into contact with anything.
   std::uint64_t collisions(std::size_t index) const { return vehicle(index).collisions; }
 
-  /// Throws std::out_of_range, as does every function with an index.
+  /// Throws std::out_of_range, as do all functions with an index.
   const Vehicle& vehicle(std::size_t index) const;
   Telemetry telemetry(std::size_t vehicle) const;
-  /// The reference is valid until the next read of this sensor. Without noise: the present value, without errors, rate,
-  /// latency and drop-outs.
+  /// Reads a sensor. The reference is valid until the sensor is read again. With `with_noise` false, returns the
+  /// present value without errors, rate, latency or drop-outs.
   const Sample& read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true);
-  /// Starts collecting each sample that a sensor measures from `from_ns` on and that arrives; nothing: stops
+  /// Starts collecting the samples that a sensor measures at or after `from_ns`, as they arrive; nullopt stops
   /// collecting.
   void watch_sensor(std::size_t vehicle, std::size_t sensor, std::optional<std::uint64_t> from_ns);
-  /// The samples that have arrived since the last call. Throws InvalidValue unless the sensor is watched.
+  /// Returns the samples that have arrived since the last call. Throws InvalidValue unless the sensor is watched.
   SampleBatch take_samples(std::size_t vehicle, std::size_t sensor);
   void aim(std::size_t vehicle, std::size_t sonar, double elevation_rad);
   const SonarHead& sonar(std::size_t vehicle, std::size_t sonar) const;
@@ -98,22 +98,24 @@ class Simulation {
   /// Pings in geometry mode.
   MultibeamPing ping(std::size_t vehicle, std::size_t sonar) const;
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows) const;
-  /// Pings in physics mode. Draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry mode.
+  /// Pings in physics mode. Random draws are keyed by seed, vehicle, sonar and tick. Throws InvalidValue in geometry
+  /// mode.
   AcousticPing acoustic_ping(std::size_t vehicle, std::size_t sonar, int threads = 1) const;
-  /// The surfaces of the world alone, without vehicles.
+  /// The surfaces of the world, without vehicles.
   const RayScene& scene() const { return *scene_; }
   /// The surroundings of the vehicle's instruments: the world, and all other vehicles at their present poses. Valid
   /// until time advances or a vehicle is moved.
   RayScene scene_around(std::size_t vehicle) const;
-  /// All vehicles at their present poses, for RayScene::with; indices are the vehicles'.
+  /// All vehicles at their present poses, for RayScene::with; indices are vehicle indices.
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 
-  /// Everything that future steps depend on, as bytes, except for what the simulation was built from: a simulation
-  /// built in the same way that restores them gives the same steps and samples to the last bit. `notes` are stored with
-  /// them.
+  /// Returns, as bytes, everything that future steps depend on, except for the parameters of the simulation. A
+  /// simulation built in the same way that restores these bytes produces bitwise identical steps and samples. `notes`
+  /// are stored as well.
   std::string save_state(const StateOrigin& origin, const std::string& notes = {});
-  /// Returns the notes. Throws InvalidValue, changing nothing, for a state that is damaged or of another origin.
+  /// Restores a saved state and returns its notes. If the state is damaged or of another origin, throws InvalidValue
+  /// without changing anything.
   std::string restore_state(std::string_view bytes, const StateOrigin& origin);
 
  private:
@@ -143,8 +145,8 @@ class Simulation {
   RigidBodyWorld bodies_;
   std::vector<Vehicle> vehicles_;
   std::optional<Link> link_;
-  std::shared_ptr<MovingBodies> hulls_;  // the vehicles as targets for rays
-  mutable std::uint64_t hulls_version_;  // when they were placed
+  std::shared_ptr<MovingBodies> hulls_;  // the vehicles as ray targets
+  mutable std::uint64_t hulls_version_;  // the version at which they were placed
 };
 
 }  // namespace uwsim

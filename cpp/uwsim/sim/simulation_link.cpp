@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kRanging = "ranging/";  // prefix of the topics of instruments that share the modem
 
-/// Transducers at their poses when a packet starts to be sent, computed on request: most steps send nothing.
+/// Transducers at their poses when a packet starts to be sent. Computed on demand, since most steps send nothing.
 template <typename Place>
 class Medium final : public LinkMedium {
  public:
@@ -42,7 +42,7 @@ void Simulation::set_link(const LinkSpec& spec) {
   join_instruments();
 }
 
-/// Creates an exchange for each instrument that shares the modem; existing ones continue.
+/// Creates an exchange for each instrument that shares the modem; existing exchanges continue.
 void Simulation::join_instruments() {
   std::vector<PositionExchange> before = std::move(link_->exchanges);
   link_->exchanges.clear();
@@ -66,7 +66,7 @@ PacketNetwork& Simulation::link() {
   return link_->network;
 }
 
-/// A vehicle's transducer is at the origin of its body.
+/// A vehicle's transducer is at its body's origin.
 Transducer Simulation::transducer(std::size_t node) const {
   if (node == 0) return {link_->spec.station_transducer_world_m, Eigen::Vector3d::Zero()};
   const BodyState& body = state(node - 1);
@@ -90,7 +90,7 @@ void Simulation::receive() {
   PacketNetwork& network = link_->network;
   const auto& deliveries = network.deliveries();
   std::size_t arrived = network.receive(time_ns());
-  arrived = std::min(arrived, deliveries.size());  // older ones are not kept
+  arrived = std::min(arrived, deliveries.size());  // older ones have been discarded
   for (PositionExchange& one : link_->exchanges) {
     SensorRack& sensors = vehicles_[one.node() - 1].sensors;
     const NoisySensor& sensor = sensors.at(one.sensor());

@@ -2,7 +2,7 @@
 
 namespace uwsim {
 
-/// The instrument panel of a vehicle, as in the paper.
+/// A vehicle's instrument panel, as in the paper.
 struct Telemetry {
   double time_s = 0;
   double speed_m_s = 0;
@@ -12,12 +12,12 @@ struct Telemetry {
   double pressure_pa = 0;
   double depth_m = 0;
   double distance_to_station_m = 0;
-  double distance_to_seabed_m = 0;  ///< straight down; infinity if there is nothing
+  double distance_to_seabed_m = 0;  ///< straight down; infinity if there is no surface below
   double mission_time_s = 0;        ///< since the release
-  double battery_percent = 0;       ///< remaining part of the mission time
+  double battery_percent = 0;       ///< remaining fraction of the mission time
   bool range_warning = false;       ///< too far from the station
   bool proximity_warning = false;   ///< too near the seabed
-  bool collision_warning = false;   ///< touching something
+  bool collision_warning = false;   ///< in contact with anything
 };
 
 }  // namespace uwsim

@@ -31,7 +31,7 @@ struct VehicleSpec {
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
 };
 
-/// A vehicle in a simulation: its equipment and its state, except for that of its body.
+/// A vehicle in a simulation: its equipment, and its state except for that of its body.
 struct Vehicle {
   std::string name;
   std::size_t body = 0;  ///< index in the RigidBodyWorld
@@ -41,9 +41,9 @@ struct Vehicle {
   std::vector<SonarHead> sonars;
   Battery battery;
   bool touching = false;
-  std::uint64_t collisions = 0;  ///< how often it has started to touch something
+  std::uint64_t collisions = 0;  ///< how often it has come into contact with anything
 
-  /// The mission starts when the vehicle leaves its dock.
+  /// A mission starts when the vehicle leaves its dock.
   bool released() const { return battery.mission_started(); }
 };
 

@@ -24,8 +24,7 @@ struct ThrusterParameters {
   double zero_thrust_advance_ratio = std::numeric_limits<double>::infinity();
   double torque_per_thrust_m = 0;  ///< k_q = D K_Q / K_T
   int spin = 1;                    ///< +1 right-handed, -1 left-handed about the axis when thrusting ahead
-  double health = 1;               ///< fraction of the thrust that remains after a fault; the allocation does not
-                                   ///< account for it
+  double health = 1;               ///< fraction of the thrust that remains after a fault; ignored by the allocation
 
   /// Throws InvalidValue naming the thruster and the field.
   void check() const;

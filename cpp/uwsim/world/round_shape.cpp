@@ -11,8 +11,7 @@ namespace {
 // Overlap of adjoining pieces, so that no ray slips between them.
 constexpr double kSeam_m = 1e-9;
 constexpr double kSharpestCosine = 0.1;  // cosine of half the angle of the sharpest bend
-constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis below which a ray is treated as
-                                         // parallel to the wall
+constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis; a ray at less is parallel to the wall
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");

@@ -13,8 +13,8 @@ namespace uwsim {
 namespace {
 
 constexpr int kIterations = 100;
-constexpr double kExact = 1e-13;  // relative error of the angle of a ray that is found
-constexpr double kLevel = 1e-7;   // legs less steep than this are treated as this steep: their length errs by 5e-15
+constexpr double kExact = 1e-13;  // relative error of the launch angle of a ray
+constexpr double kLevel = 1e-7;   // flatter legs are treated as this steep, which changes their length by 5e-15
 
 /// atanh(x) / x
 double atanh_ratio(double x) {
@@ -28,13 +28,13 @@ double per_sinc(double x) {
   return std::abs(x) < 0.02 ? 1 + q / 6 * (1 + q * 7 / 60) : x / std::sin(x);
 }
 
-/// Snell's invariant of a ray, by its dip's sine where the sound is fastest: p = sqrt(1 - sine^2) / fastest.
+/// Snell's invariant of a ray, expressed by the sine of its dip where sound is fastest: p = sqrt(1 - sine^2) / fastest.
 struct Snell {
   double fastest_m_s;
   double sine;
 
   double p_s_m() const { return std::sqrt((1 - sine) * (1 + sine)) / fastest_m_s; }
-  /// Sine of the dip where the speed is c; exact where the dip vanishes.
+  /// The sine of the dip where the speed is c; exact where the dip vanishes.
   double sine_at(double c) const {
     const double ratio = c / fastest_m_s;
     return std::sqrt(std::max(0.0, sine * sine * ratio * ratio + (1 - ratio) * (1 + ratio)));
@@ -45,7 +45,7 @@ struct LegSum {
   double across_m = 0, time_s = 0, length_m = 0;
 };
 
-/// The leg between two depths, along which the ray keeps going up or down; the order of the depths does not matter.
+/// The leg between two depths along which the ray does not turn; the order of the depths does not matter.
 LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, const Snell& snell, bool all) {
   const auto [top, bottom] = std::minmax(depth_m, other_m);
   const double p = snell.p_s_m();
@@ -81,7 +81,7 @@ double fastest_between(const SoundSpeedProfile& profile, double depth_m, double 
   return fastest;
 }
 
-/// The depths at which a ray starts, reflects or turns, and ends.
+/// The depths at which a ray starts, reflects or turns, and ends, in order.
 using Depths = std::span<const double>;
 
 double across(const SoundSpeedProfile& profile, Depths depths, const Snell& snell) {
@@ -90,7 +90,7 @@ double across(const SoundSpeedProfile& profile, Depths depths, const Snell& snel
   return sum;
 }
 
-/// The root of a continuous function between two points of opposite sign: the Illinois variant of regula falsi.
+/// The root of a continuous function between two points with opposite signs, by the Illinois variant of regula falsi.
 template <typename Function>
 double root(const Function& f, double a, double fa, double b, double fb) {
   for (int k = 0; k < kIterations && a != b; ++k) {
@@ -126,7 +126,7 @@ Eigenray ray_along(const SoundSpeedProfile& profile, Depths depths, const Snell&
   return ray;
 }
 
-/// Finds the ray whose legs never turn between their ends; returns whether there is one. The angle atan(rise / across)
+/// Finds the ray whose legs do not turn between their ends; returns whether there is one. The angle atan(rise / across)
 /// is nearly linear in the ray's dip.
 bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, Snell& snell) {
   double rise = 0, low = depths[0], high = depths[0];
@@ -143,8 +143,8 @@ bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, 
   };
   const double least = 0.1 * kLevel;
   const double at_least = error(least);
-  if (at_least > 0) return false;  // even the flattest leg does not reach that far
-  // Bracket the root near the straight line, if a first try shows on which side of it the root lies.
+  if (at_least > 0) return false;  // even the flattest leg does not reach far enough
+  // Bracket the root near the straight line if an initial guess shows on which side of it the root lies.
   const double guess = std::clamp(std::sin(wanted), 2 * least, 0.999);
   const double at_guess = error(guess);
   double other = at_guess > 0 ? std::max(least, 0.8 * guess) : std::min(1.0, 1.25 * guess);
@@ -175,7 +175,8 @@ bool turning(const SoundSpeedProfile& profile, const RayEnds& ends, int sense, d
     const double edge = sense < 0 ? std::max(layer.top_m, limit_m) : std::min(layer.bottom_m, limit_m);
     const double edge_speed = layer.at(edge);
     if (edge_speed > fastest) {
-      // Where the layer first exceeds all speeds between the ends, plus a tiny amount, so that the ray can turn.
+      // The depth at which the layer first exceeds all speeds between the ends, plus a tiny amount, so that the ray can
+      // turn.
       double begin = layer.at(here) >= fastest ? here : here + (fastest - layer.at(here)) / layer.gradient_1_s;
       begin += 1e-9 * (edge - begin);
       const double at_begin = error(begin), at_edge = error(edge);
@@ -202,7 +203,7 @@ void check(const RayEnds& ends) {
           "must be in [0, 1e6] m");
 }
 
-/// The same ends, moved apart very slightly in depth if need be: a level ray in uniform water has no vertical leg.
+/// The same ends, moved apart very slightly in depth if necessary: a level ray in uniform water has no vertical leg.
 RayEnds never_level(RayEnds ends) {
   if (std::abs(ends.to_depth_m - ends.from_depth_m) < kLevel * ends.across_m) {
     const double sense = ends.from_depth_m + kLevel * ends.across_m <= ends.bottom_m ? 1 : -1;
@@ -217,7 +218,7 @@ std::optional<Eigenray> direct_ray(const SoundSpeedProfile& profile, const RayEn
   check(given);
   const RayEnds ends = never_level(given);
   const double straight[] = {ends.from_depth_m, ends.to_depth_m};
-  if (straight[0] == straight[1]) return Eigenray{};  // both ends are one point
+  if (straight[0] == straight[1]) return Eigenray{};  // both ends coincide
   Snell snell{};
   if (monotone(profile, straight, ends.across_m, snell)) return ray_along(profile, straight, snell);
   for (const int sense : {-1, 1}) {

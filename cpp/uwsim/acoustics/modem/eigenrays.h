@@ -17,14 +17,14 @@ struct Eigenray {
   double arrival_dip_rad = 0;  ///< below the horizontal, at its end, in the direction of travel
   double time_s = 0;
   double length_m = 0;
-  double surface_grazing_rad = 0;    ///< angle between ray and surface where it reflects
-  double bottom_grazing_rad = 0;     ///< the same at the bottom
-  int legs = 0;                      ///< number of legs between reflections
+  double surface_grazing_rad = 0;    ///< angle between ray and surface at the reflection
+  double bottom_grazing_rad = 0;     ///< angle between ray and bottom at the reflection
+  int legs = 0;                      ///< number of legs, separated by reflections
   std::array<double, 3> across_m{};  ///< horizontal length of each leg
 };
 
-/// The ends of eigenrays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite, and then nothing is reflected
-/// there.
+/// The ends of eigenrays. Depths [m] are in [0, bottom_m]; bottom_m may be infinite, which disables reflections from
+/// the bottom.
 struct RayEnds {
   double from_depth_m;
   double to_depth_m;
@@ -32,16 +32,17 @@ struct RayEnds {
   double bottom_m;
 };
 
-/// The rays between two points through a layered profile, between a flat surface and a flat bottom: direct ones, and
-/// those reflected by the surface, the bottom, or each of them once. Snell's law, cos(dip) / c = p: the horizontal
-/// distance of a leg that never turns is the integral of p c / sqrt(1 - p^2 c^2) over depth, a closed form in each
-/// layer (as in SoundPath), which is solved for p. Where no such leg reaches that far, a direct ray turns at the depth
-/// where c = 1 / p; where none does, there is a shadow zone, and no direct ray is returned. High-frequency limit: no
-/// diffraction, no focusing. A profile with several extremes may have more rays of one kind: only the first found on
-/// each side is returned. Sorted by travel time. Throws InvalidValue for ends outside the water.
+/// Returns the rays between two points through a layered profile, between a flat surface and a flat bottom: direct
+/// rays, and rays reflected by the surface, by the bottom, or by each of them once. By Snell's law, cos(dip) / c = p,
+/// the horizontal length of a leg that does not turn is the integral of p c / sqrt(1 - p^2 c^2) over depth, which has a
+/// closed form in each layer (as in SoundPath) and is solved for p. If no such leg reaches far enough, a direct ray
+/// turns at the depth where c = 1 / p; if none does, the receiver is in a shadow zone and no direct ray is returned.
+/// High-frequency limit: no diffraction, no focusing. A profile with several extremes may have more rays of one kind:
+/// only the first found on each side is returned. Sorted by travel time. Throws InvalidValue for ends outside the
+/// water.
 std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& ends, bool with_bounces = true);
 
-/// The direct ray alone; none in a shadow zone. Does not allocate memory.
+/// Returns only the direct ray, or nullopt in a shadow zone. Does not allocate memory.
 std::optional<Eigenray> direct_ray(const SoundSpeedProfile& profile, const RayEnds& ends);
 
 }  // namespace uwsim

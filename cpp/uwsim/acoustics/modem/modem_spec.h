@@ -6,16 +6,16 @@
 
 namespace uwsim {
 
-/// A cable has a fixed latency, an ideal link only the sound's travel time; a modem models everything.
+/// A cable has only a fixed latency, an ideal link only the sound's travel time; for a modem, all effects are modelled.
 enum class LinkKind { kCable, kIdeal, kModem };
 
-/// Medium access. ALOHA: a node sends when it has a packet, after a random wait. TDMA: each node sends in its turn.
+/// Medium access. ALOHA: a node sends when it has a packet, after a random wait. TDMA: each node sends in its own slot.
 enum class MediumAccess { kAloha, kTdma };
 
 /// The parameters of a modem. Levels in dB re 1 uPa (at 1 m).
 struct ModemSpec {
   LinkKind kind = LinkKind::kModem;
-  double bit_rate_bit_s = 1000;     ///< for all bits of a packet, header included; 0: packets take no time
+  double bit_rate_bit_s = 1000;     ///< for all bits of a packet, including the header; 0: packets take no time
   double preamble_s = 0;            ///< precedes the bits of each packet
   std::uint64_t packet_bytes = 64;  ///< largest payload of a packet
   std::uint64_t header_bytes = 4;   ///< header of each packet
@@ -24,7 +24,7 @@ struct ModemSpec {
   double frequency_hz = 25e3;  ///< centre of the band
   double bandwidth_hz = 4e3;
   double source_level_db = 185;
-  double receiver_noise_db_hz = 0;  ///< spectral density of the vehicle's own and the electronics' noise
+  double receiver_noise_db_hz = 0;  ///< spectral density of self-noise and electronic noise
   Modulation modulation = Modulation::kFsk;
   bool fading = false;
   double coding_gain_db = 0;
@@ -35,16 +35,16 @@ struct ModemSpec {
   MediumAccess access = MediumAccess::kTdma;
   double slot_s = 1;     ///< TDMA: time to send in a slot; a guard time follows
   double guard_s = 1;    ///< TDMA: travel time over the range that the slots are designed for
-  double backoff_s = 0;  ///< ALOHA: the longest wait before a packet, drawn uniformly
+  double backoff_s = 0;  ///< ALOHA: maximum of the uniformly distributed wait before a packet
 
-  std::uint64_t queue_bytes = 4096;  ///< largest payload that may wait at a node
+  std::uint64_t queue_bytes = 4096;  ///< limit of the payload that may wait at a node
 
   bool takes_turns() const { return kind == LinkKind::kModem && access == MediumAccess::kTdma; }
   /// Duration of a packet with this many bytes of payload [s].
   double packet_s(std::uint64_t bytes) const {
     return preamble_s + (bit_rate_bit_s > 0 ? 8 * static_cast<double>(bytes + header_bytes) / bit_rate_bit_s : 0);
   }
-  /// Throws InvalidValue that names modem.<field>.
+  /// Throws InvalidValue naming modem.<field>.
   void check() const;
 };
 

@@ -59,8 +59,8 @@ void PacketNetwork::arrive(const Flight& flight) {
   if (flight.is_last) finish_copy(flight, known);
 }
 
-/// Handles one complete copy of a message. A message counts once: as delivered with the first copy that arrives, as
-/// lost when no copy has arrived and none can arrive any more.
+/// Handles one complete copy of a message. A message counts once: as delivered when its first copy arrives, or as lost
+/// when no copy has arrived and none can arrive any more.
 void PacketNetwork::finish_copy(const Flight& flight, Partial& known) {
   const auto copy = static_cast<Loss>(known.fate);
   if (copy == Loss::kNone && !known.delivered) {
@@ -74,7 +74,7 @@ void PacketNetwork::finish_copy(const Flight& flight, Partial& known) {
   forget(flight.message.number);
 }
 
-/// Whether another copy of its message is queued or on its way.
+/// Whether another copy of the flight's message is queued or in flight.
 bool PacketNetwork::more_to_come(const Flight& flight) const {
   const std::uint64_t number = flight.message.number;
   return nodes_[flight.from].queue.holds(number) ||
@@ -82,7 +82,7 @@ bool PacketNetwork::more_to_come(const Flight& flight) const {
                      [&](const auto& other) { return other.message.number == number && other.packet > flight.packet; });
 }
 
-/// A message that has been sent and will not be repeated is lost if no copy of it is still on its way.
+/// A message that has been sent and will not be repeated is lost if no copy of it is still in flight.
 void PacketNetwork::drop_repeat(std::size_t from, const LinkMessage& message) {
   const bool on_its_way = std::any_of(flights_.begin(), flights_.end(),
                                       [&](const Flight& flight) { return flight.message.number == message.number; });
@@ -119,7 +119,7 @@ Loss PacketNetwork::fate(const Flight& flight) const {
   return Loss::kNone;
 }
 
-/// Whether part of its reception overlaps a fault that destroys it.
+/// Whether part of the packet's reception overlaps a fault that destroys it.
 bool PacketNetwork::struck_by_fault(const Flight& flight) const {
   const auto lies_in = [&](std::uint64_t from_ns, std::uint64_t until_ns) {
     return flight.starts_ns < until_ns && (flight.ends_ns > from_ns || flight.starts_ns >= from_ns);
@@ -151,14 +151,14 @@ double PacketNetwork::fault_loss(std::size_t from, std::size_t to, std::uint64_t
   for (const Outage& outage : outages_) {
     if ((outage.node == from || outage.node == to) && outage.from_ns <= now_ns && now_ns < outage.until_ns) return 1;
   }
-  double loss = 0;  // one draw is compared with all of them
+  double loss = 0;  // a single draw is compared with all of them
   for (const LinkFault& fault : faults_) {
     if (fault.from_s <= now_s && now_s < fault.until_s) loss = std::max(loss, fault.loss);
   }
   return loss;
 }
 
-/// The combined level of all other packets that overlap it at the receiver.
+/// The combined level of all other packets that overlap this one at the receiver.
 double PacketNetwork::interference_db(const Flight& flight) const {
   double power = 0;
   for (const Sound& other : sounds_) {
@@ -188,9 +188,9 @@ void PacketNetwork::finish(const Flight& flight, Loss loss) {
   if (deliveries_.size() > kDeliveriesKept) deliveries_.pop_front();
 }
 
-/// Forgets sounds that cannot overlap any flight that is still to arrive.
+/// Discards sounds that cannot overlap any flight that has yet to arrive.
 void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
-  first_start_ns_.assign(nodes_.size(), kNever);  // of the flights still to arrive at each node
+  first_start_ns_.assign(nodes_.size(), kNever);  // of the flights that have yet to arrive at each node
   for (const Flight& flight : flights_) {
     first_start_ns_[flight.at] = std::min(first_start_ns_[flight.at], flight.starts_ns);
   }
@@ -198,7 +198,7 @@ void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
                 [&](const Sound& old) { return old.ends_ns <= now_ns && first_start_ns_[old.at] >= old.ends_ns; });
 }
 
-/// Forgets outages that cannot overlap any packet that is still to arrive.
+/// Discards outages that cannot overlap any packet that has yet to arrive.
 void PacketNetwork::forget_outages(std::uint64_t now_ns) {
   std::uint64_t first_ns = now_ns;
   for (const Flight& flight : flights_) first_ns = std::min(first_ns, flight.starts_ns);

@@ -177,7 +177,7 @@ void PacketNetwork::let_others_hear(const Flight& flight, std::uint64_t start_ns
   }
 }
 
-/// A node receives nothing while it sends.
+/// Marks a node as transmitting: it receives nothing in the meantime.
 void PacketNetwork::deafen(std::size_t index, std::uint64_t from_ns, std::uint64_t until_ns) {
   for (Flight& flight : flights_) {
     if (flight.at == index && flight.starts_ns < until_ns && flight.ends_ns > from_ns) {

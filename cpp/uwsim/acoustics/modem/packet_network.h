@@ -13,26 +13,26 @@
 
 namespace uwsim {
 
-/// An interval in which packets are lost with some probability, whatever the water does; 1 is a blackout. It affects
-/// every packet whose reception overlaps it, including those that were under way when it began.
+/// An interval in which packets are lost with some probability, whatever the state of the water; 1 is a blackout. It
+/// affects every packet whose reception overlaps it, including those in flight when it began.
 struct LinkFault {
   double from_s = 0;
   double until_s = 0;
   double loss = 1;
 };
 
-/// Reasons for the loss of a packet.
+/// The reason for the loss of a packet.
 enum class Loss { kNone, kUnheard, kNoise, kCollision, kDeaf, kDoppler, kFault };
 inline constexpr std::size_t kLossKinds = 7;
 
-/// The surroundings of a network: where its nodes are now.
+/// Provides the acoustics between a network's nodes at their present positions.
 class LinkMedium {
  public:
   virtual ~LinkMedium() = default;
-  /// Computes how a packet sent now reaches another node.
+  /// Returns how a packet sent now would reach another node.
   virtual Reception hear(std::size_t from, std::size_t to) const = 0;
-  /// The approximate delay [s] and level [dB re 1 uPa] of the direct path, for a packet that is not addressed to that
-  /// node.
+  /// Returns the approximate delay [s] and level [dB re 1 uPa] along the direct path, for a packet that is not
+  /// addressed to that node.
   virtual std::array<double, 2> overhear(std::size_t from, std::size_t to) const = 0;
 };
 
@@ -43,9 +43,9 @@ struct LinkDelivery {
   void exchange_state(StateArchive& archive);
 };
 
-/// The fate of the messages on a topic that a node submitted. replaced: by newer ones before they were sent. refused:
-/// the queue was full. late: the deadline passed before they could be sent. lost: by why their first lost packet was
-/// lost. Bytes count payloads only.
+/// Outcomes of the messages that a node submitted on a topic. replaced: by newer ones before they were sent. refused:
+/// because the queue was full. late: the deadline passed before they could be sent. lost: by the reason for which their
+/// first lost packet was lost. Bytes count payloads only.
 struct TopicCounts {
   std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
@@ -58,16 +58,16 @@ struct TopicCounts {
 /// The link quality that one node last observed from another.
 struct LinkQuality {
   std::uint64_t packets = 0, packets_lost = 0;
-  std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0: none has yet
+  std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0 if none has
   double delay_s = 0, snr_db = 0, closing_m_s = 0, spread_s = 0;  ///< of the last packet, lost or not
   void exchange_state(StateArchive& archive);
 };
 
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
-/// packet. Nodes are half-duplex: deaf while they send. Packets that overlap at a receiver are noise to each other.
-/// There are no acknowledgements: a message whose packets do not all arrive is lost unless it is repeated (`repeats`)
-/// and a repeat arrives; a receiver drops further copies. A message arrives with its last packet. Draws are keyed by
-/// the number of the packet. Motion during a packet's flight is neglected.
+/// packet. Nodes are half-duplex: they cannot receive while they send. Packets that overlap at a receiver are noise to
+/// each other. There are no acknowledgements: a message with a lost packet is lost unless it is repeated (`repeats`)
+/// and a repeat arrives; a receiver discards further copies. A message arrives with its last packet. Random draws are
+/// keyed by packet number. Motion during a packet's flight is neglected.
 class PacketNetwork {
  public:
   PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
@@ -75,35 +75,35 @@ class PacketNetwork {
 
   const ModemSpec& modem() const { return modem_; }
   std::size_t nodes() const { return nodes_.size(); }
-  /// The index of a topic, for send() and counts().
+  /// Returns the index of a topic, for send() and counts().
   std::uint64_t topic(const std::string& name);
   const std::vector<std::string>& topics() const { return topics_; }
-  /// The fate of the messages on a topic that a node submitted.
+  /// Returns the outcomes of the messages that a node submitted on a topic.
   const TopicCounts& counts(std::uint64_t topic, std::size_t from) const { return counts_[topic][from]; }
 
   /// Queues a message from a node at a given time; returns whether there was room. Throws InvalidValue for an unknown
   /// node.
   bool send(std::size_t from, LinkMessage message, std::uint64_t now_ns);
-  /// Starts sending whatever may be sent in the step that begins now.
+  /// Starts sending all packets that may be sent in the step that begins now.
   void transmit(std::uint64_t now_ns, const LinkMedium& medium);
   /// Receives everything that has arrived by now; returns the number of messages.
   std::size_t receive(std::uint64_t now_ns);
-  /// Cuts a node off from now on, or reconnects it: a node that is cut off neither sends nor receives packets.
+  /// Disconnects a node from now on, or reconnects it. A disconnected node neither sends nor receives packets.
   void cut_off(std::size_t node, bool is_cut_off, std::uint64_t now_ns);
-  /// The probability that a fault destroys a packet between the nodes now.
+  /// The probability that a fault destroys a packet sent between these nodes now.
   double fault_loss(std::size_t from, std::size_t to, std::uint64_t now_ns) const;
-  /// How long a node may have to wait for its own turn and the others' [s].
+  /// The longest time that a node may have to wait for its own turn, including the turns of the others [s].
   double longest_wait_s() const;
-  /// The earliest time at which a message may arrive, as far as is known; none arrives before it.
+  /// A lower bound for the time at which the next message arrives.
   std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
 
   /// The newest messages that arrived, in order of arrival.
   const std::deque<LinkDelivery>& deliveries() const { return deliveries_; }
-  /// The link quality that `at` last observed from `from`.
+  /// The link quality that node `at` last observed for packets from node `from`.
   const LinkQuality& quality(std::size_t from, std::size_t at) const { return quality_[from * nodes_.size() + at]; }
   std::uint64_t waiting_messages(std::size_t node) const { return nodes_[node].queue.size(); }
   std::uint64_t waiting_bytes(std::size_t node) const { return nodes_[node].queue.bytes(); }
-  /// For how long any node has been sending, in total.
+  /// The total time that nodes have been sending [s].
   double sending_s() const { return sending_s_; }
 
   void exchange_state(StateArchive& archive);
@@ -115,30 +115,31 @@ class PacketNetwork {
     bool waits = false;                  // ALOHA: the wait before the next packet has been drawn
     std::uint64_t sending_until_ns = 0;  // end of its newest packet
   };
-  /// A packet on its way to its addressee.
+  /// A packet in flight to its addressee.
   struct Flight {
     std::uint64_t packet = 0, from = 0, at = 0, starts_ns = 0, ends_ns = 0;
     Reception heard;
-    LinkMessage message;  // its payload is set with the last packet only
+    LinkMessage message;  // its payload is set only with the last packet
     std::uint64_t bytes = 0;
     bool is_last = false, deaf = false;
     bool is_copy = false;  // one of several copies of its message
     void exchange_state(StateArchive& archive);
   };
-  /// A packet as a node receives it, addressed to it or not: noise to all others there. There are many of these.
+  /// A packet as received by a node, whether or not it is addressed to it; it is noise to all other packets there.
+  /// There are many of these, so the struct is small.
   struct Sound {
     std::uint64_t packet = 0, at = 0, starts_ns = 0, ends_ns = 0;
     double level_db = 0;
     void exchange_state(StateArchive& archive);
   };
-  /// A message of which some packets have arrived. fate: of its first lost packet, if any, in its newest copy. before:
-  /// of the copy before. delivered: whether a copy was.
+  /// A message of which some packets have arrived. fate: the fate of the first lost packet, if any, in its newest copy.
+  /// before: the same for the previous copy. delivered: whether any copy has been delivered.
   struct Partial {
     std::uint64_t number = 0, fate = 0, before = 0;
     bool delivered = false;
     void exchange_state(StateArchive& archive);
   };
-  /// An interval in which a node is cut off.
+  /// An interval in which a node is disconnected.
   struct Outage {
     std::uint64_t node = 0, from_ns = 0, until_ns = 0;
   };
@@ -177,7 +178,7 @@ class PacketNetwork {
   std::vector<Sound> sounds_;  // by packet
   std::vector<Partial> partials_;
   std::deque<LinkDelivery> deliveries_;
-  std::vector<std::size_t> arrived_;  // kept between steps to reuse its memory, like the next one
+  std::vector<std::size_t> arrived_;  // kept between steps to reuse its memory, as is the next member
   std::vector<std::uint64_t> first_start_ns_;
   std::uint64_t next_message_ = 0, next_packet_ = 0;
   std::uint64_t next_end_ns_ = ~std::uint64_t{0};  // earliest end of a flight

@@ -13,17 +13,17 @@
 
 namespace uwsim {
 
-/// A message from one node to another. Times in nanoseconds of simulated time.
+/// A message from one node to another. Times are in nanoseconds of simulated time.
 struct LinkMessage {
-  std::uint64_t number = 0;    ///< counts all messages of the network
+  std::uint64_t number = 0;    ///< sequence number among all messages of the network
   std::uint64_t to = 0;        ///< receiving node
   std::uint64_t topic = 0;     ///< index of the topic, for counting
   std::uint64_t priority = 0;  ///< 0 is sent first
   std::uint64_t given_ns = 0;
-  std::uint64_t deadline_ns = 0;  ///< dropped if sending has not begun by then; 0: never
+  std::uint64_t deadline_ns = 0;  ///< the message is dropped if sending has not begun by then; 0: no deadline
   bool replaces = false;          ///< replaces an older message of its topic and receiver whose sending has not begun
-  bool signal = false;            ///< sent by an instrument: does not reset the failsafe's silence timer
-  std::uint64_t repeats = 0;      ///< how many more times it is sent as a whole
+  bool signal = false;            ///< sent by an instrument; does not reset the failsafe's silence timer
+  std::uint64_t repeats = 0;      ///< number of further times that the whole message is sent
   std::string payload;
   std::uint64_t packets_sent = 0;
   bool again = false;  ///< whether it has been sent before
@@ -33,17 +33,17 @@ struct LinkMessage {
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
 
-/// The messages waiting at a node: the lowest priority number first, then the oldest. Each operation takes at most a
-/// time that grows with the logarithm of their number.
+/// The messages waiting at a node: the lowest priority number first, then the oldest. The time for each operation grows
+/// at most with the logarithm of their number.
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
-  /// Refuses a message that would exceed `bytes_max`. replaced: receives the message that it replaces, if any.
+  /// Refuses a message that would exceed `bytes_max`. replaced: set to the message that it replaces, if any.
   Added add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced);
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }
   std::uint64_t bytes() const { return bytes_; }
-  /// Removes messages whose deadline has passed and calls `tell` for each, in the order of their deadlines.
+  /// Removes messages whose deadline has passed and calls `tell` for each, in order of deadline.
   template <typename Tell>
   void expire(std::uint64_t now_ns, const Tell& tell) {
     while (!deadlines_.empty() && deadlines_.begin()->first <= now_ns) {
@@ -54,13 +54,13 @@ class PacketQueue {
       take(found);
     }
   }
-  /// The message to send from next; the queue must not be empty.
+  /// The message from which to send next; the queue must not be empty.
   LinkMessage& front() { return messages_.begin()->second; }
   LinkMessage take_front() { return take(messages_.begin()); }
-  /// Returns a copy of the message to send from next, which is queued again behind its equals.
+  /// Returns a copy of the message from which to send next, and requeues that message behind those of equal priority.
   LinkMessage repeat_front();
   bool holds(std::uint64_t number) const { return numbers_.contains(number); }
-  /// In order of submission.
+  /// All messages, in order of submission.
   std::vector<const LinkMessage*> messages() const;
 
   void exchange_state(StateArchive& archive);
@@ -75,12 +75,12 @@ class PacketQueue {
 
   void insert(LinkMessage message);
   LinkMessage take(Messages::iterator from);
-  /// The oldest message that a new one replaces.
+  /// The oldest message that this new message replaces.
   Messages::iterator replaced_by(const LinkMessage& message);
 
   Messages messages_;
   std::set<std::pair<std::uint64_t, Place>> deadlines_;  // of waiting messages, and of some whose sending has begun
-  std::set<Place> replaceable_;                          // a few for each topic
+  std::set<Place> replaceable_;                          // a few per topic
   std::unordered_set<std::uint64_t> numbers_;
   std::uint64_t bytes_ = 0;
   std::uint64_t next_order_ = 0;

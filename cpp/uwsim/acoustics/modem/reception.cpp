@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kAudible_db = 20;  // arrivals down to this far below the strongest count for the spread
+constexpr double kAudible_db = 20;  // arrivals weaker than the strongest by more than this do not count for the spread
 
 double power(double level_db) { return std::pow(10, 0.1 * level_db); }
 double level_db(double power) { return 10 * std::log10(std::max(power, 1e-30)); }

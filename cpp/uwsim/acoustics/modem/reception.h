@@ -41,14 +41,14 @@ struct Reception {
 };
 
 /// Transmission loss along a ray [dB]: spherical spreading by its length, absorption, and the loss at each reflection.
-/// Sonar equation in one direction (Urick 1983, ch. 2): level = SL - TL.
+/// One-way sonar equation (Urick 1983, ch. 2): level = SL - TL.
 double path_loss_db(const ModemSpec& modem, const ModemWater& water, const Eigenray& ray, double from_depth_m,
                     double to_depth_m);
 
-/// Adds up arrivals incoherently: those within the window after the first are signal, later ones are noise.
+/// Adds arrivals incoherently: those within the window after the first are signal, later ones are noise.
 Reception reception(const ModemSpec& modem, const ModemWater& water, std::span<const HeardPath> paths);
 
-/// The probability of losing a packet at this noise and interference; `interference_db` is within the band.
+/// The probability of losing a packet at this noise and interference; `interference_db` is the level within the band.
 double packet_loss(const ModemSpec& modem, const Reception& heard, double interference_db, std::uint64_t bytes);
 
 }  // namespace uwsim
