@@ -5,14 +5,14 @@
 namespace uwsim {
 namespace {
 
-/// NaN passes, so that the receiver of the effort can refuse it.
+/// NaN passes through, so that the receiver of the effort can refuse it.
 double clip(double value, double most) { return value < -most ? -most : value > most ? most : value; }
 
 }  // namespace
 
 Vector6d Autopilot::steer(const MotionEstimate& estimate, const Course& course) {
   const auto& nu = estimate.velocity_body;
-  const Eigen::Vector3d up = estimate.world_from_body.row(2);  // the world's z in body axes
+  const Eigen::Vector3d up = estimate.world_from_body.row(2);  // the world's z axis in body axes
   const double yaw_rad = estimate.yaw_rad(), cos = std::cos(yaw_rad), sin = std::sin(yaw_rad);
   const double east_m_s = course.velocity_world_m_s.x(), north_m_s = course.velocity_world_m_s.y();
   Vector6d effort;
@@ -33,7 +33,7 @@ Vector6d Autopilot::steer(const MotionEstimate& estimate, const Course& course) 
   const double step = gains.height_integral * period_s_ * clip(height_error, 1.0);
   integrals[2] = clip(integrals[2] + step, 0.5);
 
-  // The Munk moment pitches a slender vehicle over: turn the body's z back to the world's.
+  // The Munk moment pitches a slender vehicle over: turn the body's z axis back to the world's.
   effort[3] = -gains.level * up.y() - gains.level_rate * nu[3];
   effort[4] = gains.level * up.x() - gains.level_rate * nu[4];
 

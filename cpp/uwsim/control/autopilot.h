@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// Share of full effort per unit of error.
+/// Gains in full effort per unit of error.
 struct AutopilotGains {
   double speed = 0;            ///< per m/s
   double speed_integral = 0;   ///< per m
@@ -26,9 +26,9 @@ struct Course {
   double z_world_m = 0;
 };
 
-/// Holds a course, and the vehicle level, without a model of the vehicle: a PI or PD loop for each axis (Fossen 2011,
-/// "Handbook of Marine Craft Hydrodynamics and Motion Control", ch. 12). Integrals are limited: surge and sway to full
-/// effort, height to half of it.
+/// Maintains a course and keeps the vehicle level, without a model of the vehicle: a PI or PD loop for each axis
+/// (Fossen 2011, "Handbook of Marine Craft Hydrodynamics and Motion Control", ch. 12). Integrals are limited: surge and
+/// sway to full effort, height to half of it.
 class Autopilot {
  public:
   Autopilot(double period_s, const AutopilotGains& gains) : gains(gains), period_s_(period_s) {}
@@ -37,7 +37,7 @@ class Autopilot {
   Vector6d steer(const MotionEstimate& estimate, const Course& course);
 
   AutopilotGains gains;
-  /// Surge, sway and height, in effort: the only state carried from one period to the next.
+  /// Integrals of surge, sway and height, in units of effort: the only state carried from one period to the next.
   Eigen::Vector3d integrals = Eigen::Vector3d::Zero();
 
  private:

@@ -8,9 +8,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kDeep_m = -1e3;  // deep enough for no part of the hull to be near the surface
+constexpr double kDeep_m = -1e3;  // deep enough to keep the whole hull away from the surface
 constexpr double kSlowest_m_s = 0.3;
-constexpr int kHalvings = 8;  // resolves the wanted force along the vehicle to 0.4 %
+constexpr int kHalvings = 8;  // resolves the requested force along the vehicle to 0.4 %
 
 Pose deep(const Eigen::Matrix3d& world_from_body) { return {{0, 0, kDeep_m}, Eigen::Quaterniond(world_from_body)}; }
 
@@ -29,7 +29,8 @@ ControlModel::ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSp
   }
 }
 
-/// The torque at full effort; below a small speed, where fins hardly turn the vehicle, as at that speed.
+/// The torque at full effort. Below a small speed, where fins hardly turn the vehicle, the torque at that speed is
+/// used.
 Vector6d ControlModel::fin_limit(double surge_m_s) const {
   const double speed = std::max(surge_m_s, kSlowest_m_s);
   return 0.5 * water_.density_kg_m3 * speed * speed * fin_torque_.cwiseAbs();
@@ -49,8 +50,8 @@ Vector6d ControlModel::driven_part(const Vector6d& wrench_body) const {
   return part;
 }
 
-/// The largest force along the vehicle that is possible with all the rest is found by bisection: the set of reachable
-/// wrenches is convex.
+/// The largest force along the vehicle that is compatible with the other components is found by bisection; the set of
+/// reachable wrenches is convex.
 Vector6d ControlModel::by_thrusters(const Vector6d& wrench_body, bool across_first) const {
   const Allocation& allocation = actuators_.allocation();
   const Vector6d all = allocation.reachable(wrench_body);

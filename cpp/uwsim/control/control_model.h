@@ -10,29 +10,30 @@
 
 namespace uwsim {
 
-/// A controller's knowledge of its vehicle, from the vehicle's file: the equations of motion deep in still water, the
-/// forces of thrusters there, and those of fins at small angles in flow from ahead, about axes that they alone drive.
+/// A controller's model of its vehicle, from the vehicle's file: the equations of motion deep in still water, the
+/// forces of thrusters there, and those of fins at small angles in flow from ahead, about axes that only fins drive.
 class ControlModel {
  public:
-  /// Throws InvalidValue for actuators that are not valid.
+  /// Throws InvalidValue for invalid actuators.
   ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3);
 
-  /// The wrench for an acceleration at a given velocity and attitude, tau = M (nu' - nu'_0), nu'_0 the acceleration
-  /// without actuators: drag, Coriolis and restoring forces are fed forward. Six-vectors in body axes; [N, N m].
+  /// The wrench for an acceleration at a given velocity and attitude, tau = M (nu' - nu'_0), where nu'_0 is the
+  /// acceleration without actuators: drag, Coriolis and restoring forces are fed forward. Six-vectors in body axes; [N,
+  /// N m].
   Vector6d wrench_body(const Eigen::Matrix3d& world_from_body, const Vector6d& velocity,
                        const Vector6d& acceleration) const;
   /// The change in acceleration caused by a change of the wrench.
   Vector6d change_body(const Vector6d& wrench_body) const { return inverse_mass_ * wrench_body; }
-  /// The wrench without the axes that no actuator drives.
+  /// The wrench with components about axes that no actuator drives set to 0.
   Vector6d driven_part(const Vector6d& wrench_body) const;
-  /// The part of a wanted wrench that thrusters, and fins at a speed ahead, can deliver: without the axes that they do
-  /// not drive, and scaled where it exceeds the thrusters' limits. Torque comes first and force gets what is left; both
-  /// keep their direction. With across_first, force across the vehicle comes before force along it. Fins reach their
-  /// limits about each axis separately.
+  /// The part of a requested wrench that thrusters, and fins at the given speed ahead, can deliver: without axes that
+  /// they do not drive, and scaled down where it exceeds the thrusters' limits. Torque takes priority over force; both
+  /// keep their direction. With across_first, force across the vehicle takes priority over force along it. Fins reach
+  /// their limits about each axis separately.
   Vector6d reachable(const Vector6d& wrench_body, double surge_m_s, bool across_first = false) const;
   /// The efforts for a reachable wrench, each in [-1, 1].
   Vector6d effort(const Vector6d& wrench_body, double surge_m_s) const;
-  /// Whether thrusters or fins drive an axis, surge to yaw.
+  /// For each axis, surge to yaw, whether thrusters or fins drive it.
   const std::array<bool, 6>& driven() const { return driven_; }
 
  private:
@@ -43,7 +44,7 @@ class ControlModel {
   Actuators actuators_;
   EvenWater water_;
   Matrix6d mass_, inverse_mass_;
-  Vector6d fin_torque_;  // of axes that fins alone drive, at 1 N/m^2
+  Vector6d fin_torque_;  // about axes that only fins drive, at 1 N/m^2
   std::array<bool, 6> driven_{};
 };
 

@@ -13,18 +13,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlowestClimb_m_s = 0.3;  // below this speed pitch does not make the vehicle climb
+constexpr double kSlowestClimb_m_s = 0.3;  // below this speed, pitch does not make the vehicle climb
 constexpr double kSteepest = 0.35;         // [rad]
 
-/// The vector, shortened to a maximum length.
+/// The vector, shortened to a maximum length if necessary.
 template <typename Vector>
 Vector limited(const Vector& vector, double longest) {
   const double length = vector.norm();
   return length > longest ? Vector(vector * (longest / length)) : vector;
 }
 
-/// The speed towards a place at a distance: gain times distance near it and, farther away, the highest from which the
-/// vehicle can stop there at a constant deceleration, up to a limit.
+/// The speed of approach to a target at a given distance: gain times distance near the target; farther away, the
+/// highest speed from which the vehicle can stop there at constant deceleration, up to a limit.
 double approach_speed(double distance, double gain, double deceleration, double fastest) {
   if (gain == 0) return 0;
   const double near = deceleration / (gain * gain);
@@ -58,7 +58,7 @@ Vector6d MotionController::reach(const MotionEstimate& estimate, const MotionTar
     const double left_m = target.position_world_m[axis] - estimate.position_world_m[axis];
     if (!std::isnan(left_m)) towards[axis] = left_m;
   }
-  // Surge and sway share a gain, weighted by how the direction of travel lies along them.
+  // Surge and sway share one gain, weighted by the components of the direction of travel along them.
   const Eigen::Vector2d level = towards.head<2>();
   const double distance_m = level.norm(), yaw_rad = estimate.yaw_rad();
   const double ahead =
@@ -88,7 +88,7 @@ Vector6d MotionController::hold_velocity(const MotionEstimate& estimate, const V
   return track(estimate, estimate.world_from_body * velocity_body.head<3>(), turn, false);
 }
 
-/// The angular velocity, in body axes, that turns towards an attitude.
+/// The angular velocity, in body axes, for turning towards an attitude.
 Vector3d MotionController::turn_towards(const MotionEstimate& estimate, const MotionTarget& target) const {
   const Eigen::Matrix3d wanted =
       (Eigen::AngleAxisd(target.heading_rad, Vector3d::UnitZ()) *
@@ -116,7 +116,7 @@ Vector6d MotionController::track(const MotionEstimate& estimate, const Vector3d&
       limited(Vector3d(velocity_world_m_s - memory.velocity_world_m_s), gains_.acceleration_max_m_s2 * period_s_);
   const Vector3d spin =
       limited(Vector3d(turn_body_rad_s - memory.turn_body_rad_s), gains_.turn_acceleration_max_rad_s2 * period_s_);
-  // The error is the present one; the feed-forward leads to the reference at the period's end.
+  // The error is the present one; the feed-forward leads to the reference at the end of the period.
   Vector6d error, reference, acceleration;
   error << world_from_body.transpose() * memory.velocity_world_m_s, memory.turn_body_rad_s;
   error -= measured;
@@ -124,7 +124,7 @@ Vector6d MotionController::track(const MotionEstimate& estimate, const Vector3d&
   memory.turn_body_rad_s += spin;
   reference << world_from_body.transpose() * memory.velocity_world_m_s, memory.turn_body_rad_s;
   acceleration << world_from_body.transpose() * gain / period_s_, spin / period_s_;
-  acceleration.head<3>() -= measured.tail<3>().cross(reference.head<3>());  // since body axes turn
+  acceleration.head<3>() -= measured.tail<3>().cross(reference.head<3>());  // because body axes rotate
 
   std::array<Pid, 6> loops;
   std::array<PidGains, 6> gains;

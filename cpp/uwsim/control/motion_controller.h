@@ -9,36 +9,37 @@
 
 namespace uwsim {
 
-/// The cascade of one axis: a position error demands a velocity, a velocity error an acceleration.
+/// The cascade of one axis: a position error commands a velocity, a velocity error an acceleration.
 struct LoopGains {
-  double position_1_s = 0;    ///< velocity for each unit of position error [1/s]
-  double velocity_1_s = 0;    ///< acceleration for each unit of velocity error [1/s]
-  double integral_1_s2 = 0;   ///< acceleration for each unit of the velocity error's integral [1/s^2]
-  double acceleration_1 = 0;  ///< share of the measured acceleration that is opposed, like added inertia
+  double position_1_s = 0;    ///< velocity per unit of position error [1/s]
+  double velocity_1_s = 0;    ///< acceleration per unit of velocity error [1/s]
+  double integral_1_s2 = 0;   ///< acceleration per unit of the velocity error's integral [1/s^2]
+  double acceleration_1 = 0;  ///< fraction of the measured acceleration that is opposed, like added inertia
 };
 
 struct ControlGains {
   std::array<LoopGains, 6> loops;  ///< surge to yaw
-  double filter_s = 0.1;           ///< filter of the measured acceleration
-  double tracking_s = 1;           ///< time constant of the anti-windup: see PidGains
+  double filter_s = 0.1;           ///< time constant of the filter for the measured acceleration
+  double tracking_s = 1;           ///< time constant of the anti-windup; see PidGains
   double speed_max_m_s = 1;        ///< horizontal, towards a position
   double climb_max_m_s = 0.5;      ///< vertical, towards a position
   double turn_max_rad_s = 0.5;     ///< towards an attitude
   double acceleration_max_m_s2 = 0.5;
   double turn_acceleration_max_rad_s2 = 1;
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check(double period_s) const;
 };
 
-/// The motion to hold. Positions that are NaN are free: only the velocity is held there.
+/// The motion to maintain. Positions that are NaN are not controlled: only the velocity is maintained along these axes.
 struct MotionTarget {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< rate of the position, fed forward
+  Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< rate of change of the position, fed forward
   double roll_rad = 0;
   double pitch_rad = 0;
   double heading_rad = 0;
-  bool across_first = false;  ///< beyond the thrusters' limits, force across the vehicle comes before force along it
+  bool across_first = false;  ///< beyond the thrusters' limits, force across the vehicle takes priority over force
+                              ///< along
 };
 
 /// The state carried from one control period to the next.
@@ -52,29 +53,29 @@ struct MotionMemory {
   bool begun = false;
 };
 
-/// Position, depth, heading, attitude and velocity loops: a cascade (Fossen 2021, "Handbook of Marine Craft
+/// Position, depth, heading, attitude and velocity control by a cascade (Fossen 2021, "Handbook of Marine Craft
 /// Hydrodynamics and Motion Control", 2nd ed., ch. 15).
 ///
-/// Errors of position and attitude give reference velocities: a gain times the error near the target and, farther away,
-/// the highest from which the vehicle can stop there. Their rates are limited (a reference model, sec. 12.1). A PID
-/// loop for each axis turns the errors of velocity into accelerations a, and tau = M a - f(eta, nu_ref) feeds forward
-/// drag, Coriolis and restoring forces of the vehicle's model. The attitude error is the rotation vector that remains.
-/// The integrals of surge, sway and heave are kept in world axes, since what they counteract, a current or a wrong
-/// trim, does not turn with the vehicle. The model assumes deep water at rest; the loops correct for everything else. A
-/// vehicle without vertical thrusters climbs by pitching.
+/// Errors of position and attitude determine reference velocities: a gain times the error near the target; farther
+/// away, the highest velocity from which the vehicle can stop there. Their rates of change are limited (a reference
+/// model, sec. 12.1). A PID loop for each axis converts velocity errors to accelerations a, and tau = M a - f(eta,
+/// nu_ref) feeds forward drag, Coriolis and restoring forces from the vehicle's model. The attitude error is the
+/// remaining rotation vector. The integrals of surge, sway and heave are kept in world axes, since what they
+/// counteract, a current or a wrong trim, does not turn with the vehicle. The model assumes deep water at rest; the
+/// loops correct for everything else. A vehicle without vertical thrusters climbs by pitching.
 class MotionController {
  public:
-  /// Throws InvalidValue for gains that are not valid.
+  /// Throws InvalidValue for invalid gains.
   MotionController(ControlModel model, const ControlGains& gains, double period_s);
 
-  /// Computes the efforts of one control period, surge to yaw, that lead to a target.
+  /// Computes the efforts of one control period, surge to yaw, for reaching a target.
   Vector6d reach(const MotionEstimate& estimate, const MotionTarget& target);
-  /// Computes the efforts of one control period that hold a velocity in body axes, [m/s] and [rad/s]. Roll and pitch
-  /// are kept level unless a rate about them is wanted.
+  /// Computes the efforts of one control period for maintaining a velocity in body axes, [m/s] and [rad/s]. Roll and
+  /// pitch are kept level unless a rate about them is requested.
   Vector6d hold_velocity(const MotionEstimate& estimate, const Vector6d& velocity_body);
 
   const ControlModel& model() const { return model_; }
-  /// The share of the wanted force that the thrusters delivered in the last period.
+  /// The fraction of the requested force that the thrusters delivered in the last period.
   double force_share() const { return force_share_; }
   MotionMemory memory;
 

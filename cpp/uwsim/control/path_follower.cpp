@@ -41,7 +41,7 @@ Guidance PathFollower::guide(const Eigen::Vector3d& position_world_m) {
     const bool is_last = segment + 2 == points_m_.size();
     guidance.is_done = is_last && along_m >= length_m(segment);
     if (is_last || along_m < length_m(segment)) break;
-    integral_s = 0;  // belongs to another line
+    integral_s = 0;  // the old integral belongs to another segment
   }
   const double aim_m = across_m + integral_m_s_ * integral_s;
   guidance.course_rad = guidance.path_rad - std::atan(aim_m / lookahead_m_);

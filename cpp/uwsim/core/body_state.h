@@ -9,8 +9,8 @@ namespace uwsim {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Pose and velocity of a body. Six-vectors are (linear, angular) in the body frame at the body's origin: Fossen's
-/// nu = (u, v, w, p, q, r) with REP 103 axes (x forward, y left, z up).
+/// Pose and velocity of a body. Six-vectors are (linear, angular) in the body frame at the body's origin: Fossen's nu =
+/// (u, v, w, p, q, r) with REP 103 axes (x forward, y left, z up).
 struct BodyState {
   Pose world_from_body;
   Vector6d velocity_body = Vector6d::Zero();  ///< [m/s, rad/s]

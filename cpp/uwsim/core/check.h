@@ -7,14 +7,14 @@
 
 namespace uwsim {
 
-/// A value that breaks a rule; ValueError in Python. what() reads "<path> = <value> <unit>: <rule>", such as
+/// Thrown for a value that breaks a rule; ValueError in Python. what() reads "<path> = <value> <unit>: <rule>", such as
 /// "sonar.range_max_m = 900 m: must be in [0.1, 500] m".
 class InvalidValue : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// A file that cannot be read or written; OSError in Python.
+/// Thrown for a file that cannot be read or written; OSError in Python.
 class FileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -11,21 +11,21 @@ int fork_generation();
 [[noreturn]] void throw_in_use_at_fork();
 void pause_between_looks();
 
-/// A mutex for which a forked child does not wait in vain: a child has none of its parent's other threads, so that
-/// whatever one of them had locked at the fork stays locked, and the data it guards is half changed. Mutex: std::mutex
-/// or a recursive one.
+/// A mutex that does not deadlock in a forked child. A child has none of its parent's other threads, so a mutex that
+/// one of them had locked at the fork stays locked, and the data it guards is half changed. Mutex: std::mutex or a
+/// recursive one.
 template <typename Mutex>
 class ForkSafeMutex {
  public:
-  /// Throws std::runtime_error if another thread of the parent process held it at the fork.
+  /// Throws std::runtime_error if another thread of the parent process held the mutex at the fork.
   void lock() {
     if (!lock_unless_forked()) throw_in_use_at_fork();
   }
 
-  /// Returns false, without locking, if another thread of the parent process held it at the fork.
+  /// Returns false, without locking, if another thread of the parent process held the mutex at the fork.
   bool lock_unless_forked() {
     if (try_lock()) return true;
-    // a thread that has just taken the lock records so immediately
+    // A thread that has just taken the lock records so immediately
     for (int look = 0; generation_ != fork_generation(); ++look) {
       if (look == kLooks) return false;
       pause_between_looks();
@@ -48,7 +48,7 @@ class ForkSafeMutex {
   static constexpr int kLooks = 100;
 
   Mutex mutex_;
-  std::atomic<int> generation_ = fork_generation();  ///< of the process that last locked it
+  std::atomic<int> generation_ = fork_generation();  ///< of the process that last locked the mutex
 };
 
 }  // namespace uwsim

@@ -2,21 +2,21 @@
 
 #include "uwsim/core/double_lanes.h"
 
-// Sine, cosine and exponential of eight numbers at a time, within 2e-16 of the largest value, the same bits on every
-// instruction set. Taylor's series after the argument is reduced (Muller 2016, Elementary Functions, ch. 3 and 11).
+// Sine, cosine and exponential of eight values at a time, within 2e-16 of the largest value, with the same bits on
+// every instruction set. Taylor series after argument reduction (Muller 2016, Elementary Functions, ch. 3 and 11).
 namespace uwsim {
 namespace {
 
-/// The nearest whole number, for |x| < 2^51, and its lowest bits, as two's complement.
+/// The nearest integer, for |x| < 2^51, and its lowest bits, in two's complement.
 inline DoubleLanes nearest_whole(DoubleLanes x, IndexLanes& bits) {
-  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to whole numbers
+  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to integers
   const DoubleLanes shifted = x + kShift;
   std::memcpy(&bits, &shifted, sizeof bits);
   return shifted - kShift;
 }
 
-/// For |x| <= 1e6. Pi / 2 is taken in three parts, of which the first two have so few bits that their multiples are
-/// exact (Cody and Waite 1980).
+/// For |x| <= 1e6. Pi / 2 is split into three parts; the first two have so few bits that their multiples are exact
+/// (Cody and Waite 1980).
 inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosine) {
   constexpr double kHigh = 0x1.921fb544p+0, kMiddle = 0x1.0b4611a6p-34, kLow = 0x1.3198a2e037073p-69;
   IndexLanes quarter;
@@ -40,9 +40,9 @@ inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosin
   cosine = cosine_negative ? -cosine_size : cosine_size;
 }
 
-/// For x <= 0. Below -700 the result is that of -700, 1e-304.
+/// For x <= 0. Below -700, the result is that for -700, 1e-304.
 inline DoubleLanes exponential(DoubleLanes x) {
-  constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of the logarithm of 2
+  constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of ln 2
   x = x > -700.0 ? x : DoubleLanes{} - 700.0;
   IndexLanes power;
   const DoubleLanes doublings = nearest_whole(x * 0x1.71547652b82fep+0, power);

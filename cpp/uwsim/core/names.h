@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// The index of `name` in `names`. Throws InvalidValue that names `path` and lists the names if it is not there.
+/// Returns the index of `name` in `names`. If it is not there, throws InvalidValue naming `path` and listing the names.
 template <typename Names>
 std::size_t index_of(std::string_view path, std::string_view name, const Names& names) {
   const auto found = std::find(std::begin(names), std::end(names), name);

@@ -11,11 +11,11 @@
 
 namespace uwsim {
 
-/// The number of threads that this machine runs at once, at least 1.
+/// The number of threads that this machine can run concurrently, at least 1.
 inline int usable_threads() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
-/// Calls job(0), job(1), ... job(threads - 1), each on its own thread, job(0) on the calling one. Returns when all have
-/// ended; rethrows the first exception.
+/// Calls job(0), job(1), ... job(threads - 1), each on its own thread, with job(0) on the calling thread. Returns when
+/// all have finished; rethrows the first exception.
 template <typename Job>
 void on_threads(std::size_t threads, const Job& job) {
   std::mutex mutex;
@@ -35,7 +35,7 @@ void on_threads(std::size_t threads, const Job& job) {
       try {
         others.emplace_back(run, worker);
       } catch (const std::system_error&) {
-        run(worker);  // the system has no thread to spare
+        run(worker);  // the system cannot start another thread
       }
     }
     run(0);
@@ -44,17 +44,17 @@ void on_threads(std::size_t threads, const Job& job) {
 }
 
 /// For items of even cost: calls work(first, last) on contiguous ranges that cover [0, count), one range per thread, on
-/// up to `threads` threads, each with at least `least_items`. Items must be independent: the boundaries of the ranges
-/// must not affect a result.
+/// up to `threads` threads with at least `least_items` items each. Items must be independent: range boundaries must not
+/// affect a result.
 template <typename Work>
 void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t least_items = 4096) {
   const std::size_t parts = std::clamp<std::size_t>(count / least_items, 1, std::max(threads, 1));
   on_threads(parts, [&](std::size_t part) { work(part * count / parts, (part + 1) * count / parts); });
 }
 
-/// For items of uneven cost: each thread takes the next `batch` items whenever it has finished its previous ones. Calls
-/// work(first, last, worker); workers are numbered from 0, so that each can have scratch memory of its own. An
-/// exception stops the other threads after their current batch.
+/// For items of uneven cost: each thread takes the next `batch` items when it has finished its previous batch. Calls
+/// work(first, last, worker); workers are numbered from 0, so that each can have its own scratch memory. An exception
+/// stops the other threads after their current batch.
 template <typename Work>
 void parallel_batches(std::size_t count, std::size_t batch, int threads, Work&& work) {
   const std::size_t batches = (count + batch - 1) / batch;

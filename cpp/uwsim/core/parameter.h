@@ -16,11 +16,11 @@ inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 enum class ParameterType { kNumber, kWholeNumber, kFlag };
 
-/// A parameter of one kind of sensor or sonar: a row in the table of its file.
+/// A parameter of a kind of sensor or sonar: a row in the table of the kind's file.
 struct Parameter {
   std::string_view name;
   int width;          ///< number of values
-  double by_default;  ///< default of each value; kRequired: must be given
+  double by_default;  ///< default of each value; kRequired if there is none
   double low, high;   ///< limits of each value; a low of kAboveZero excludes 0
   std::string_view unit;
   std::string_view meaning;
@@ -29,16 +29,16 @@ struct Parameter {
 
 using ParameterValues = std::map<std::string, std::vector<double>, std::less<>>;
 
-/// Fills in the defaults. Throws InvalidValue, naming `path`.<name>, for an unknown or missing parameter, a wrong
-/// number of values, or a value out of range.
+/// Fills in the defaults. Throws InvalidValue naming `path`.<name> for an unknown or missing parameter, a wrong number
+/// of values, or a value out of range.
 void complete_parameters(ParameterValues& values, std::span<const Parameter> parameters, const std::string& path);
 
-/// A value of a completed set.
+/// Returns a parameter's value from a completed set.
 double number(const ParameterValues& values, std::string_view name);
 int whole_number(const ParameterValues& values, std::string_view name);
 bool flag(const ParameterValues& values, std::string_view name);
 
-/// "`path` = `name`: must be one of ...".
+/// Returns the error "`path` = `name`: must be one of ...".
 InvalidValue unknown_name(std::string_view name, std::span<const std::string_view> known, const std::string& path);
 
 /// Throws unknown_name unless one of the items has that name.
@@ -52,7 +52,7 @@ void require_known(std::string_view name, const Items& items, const std::string&
   throw unknown_name(name, known, path);
 }
 
-/// The kind of that name in a table of pointers to kinds. Throws unknown_name.
+/// Returns the kind with that name from a table of pointers to kinds. Throws unknown_name.
 template <typename Kinds>
 const auto& find_kind(const Kinds& kinds, std::string_view name, const std::string& path) {
   std::vector<std::string_view> known;

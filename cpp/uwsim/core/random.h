@@ -6,22 +6,22 @@
 
 namespace uwsim {
 
-/// Counter-based random numbers: a draw is a pure function of (seed, stream, tick, index). So a new sensor does not
-/// change another's noise, and repeating a reading at the same time gives the same sample. Philox4x32-10 (Salmon et al.
-/// 2011, "Parallel random numbers: as easy as 1, 2, 3").
+/// Counter-based random numbers: a draw is a pure function of (seed, stream, tick, index). Adding a sensor therefore
+/// does not change the noise of others, and repeating a reading at the same time returns the same sample. Philox4x32-10
+/// (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
 class RandomStream {
  public:
-  /// `name` keys the stream: see stream_name().
+  /// `name` keys the stream; see stream_name().
   RandomStream(std::uint64_t seed, std::string_view name);
 
   /// Uniform on the open interval (0, 1).
   double uniform(std::uint64_t tick, std::uint32_t index = 0) const;
   /// Standard normal (Box-Muller).
   double normal(std::uint64_t tick, std::uint32_t index = 0) const;
-  /// Two independent standard normals for the cost of one; the first is what normal() returns.
+  /// Two independent standard normal draws for the cost of one; the first is the one that normal() returns.
   std::array<double, 2> normals(std::uint64_t tick, std::uint32_t index = 0) const;
 
-  /// The Philox key, and the counter's word for the stream: needed by kernels that draw sixteen numbers at once.
+  /// The Philox key and the counter word of the stream, for kernels that draw sixteen numbers at once.
   std::uint64_t key() const { return key_; }
   std::uint32_t stream() const { return stream_; }
 

@@ -9,9 +9,9 @@ namespace uwsim {
 
 /// A correlated random process x(0), x(1), ... whose steps may be read in any order, each always with the same value:
 /// Levy's construction. The ends x(0) and x(2^40) are drawn first, then the midpoint of each interval given its two
-/// ends, down to the step in question. Each step is the midpoint of exactly one interval, so its number keys its draw.
-/// This is exact in distribution, not an approximation. The midpoints of the last descent are cached, so that reading
-/// steps in order costs two draws each. Steps beyond 2^40 (174 years of 5 ms) start again from 0.
+/// ends, down to the requested step. Each step is the midpoint of exactly one interval, so its number keys its draw.
+/// This is exact in distribution, not an approximation. The midpoints of the last descent are cached, so reading steps
+/// in order costs two draws each. Steps beyond 2^40 (174 years at 5 ms) start again from 0.
 class RandomPath {
  public:
   /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), correlation
@@ -30,7 +30,7 @@ class RandomPath {
   struct Level {
     double mean_weight = 0;      ///< a midpoint's mean is this times the sum of the ends
     double std = 0;              ///< standard deviation about it
-    std::uint64_t midpoint = 0;  ///< visited by the last descent; 0: there was none
+    std::uint64_t midpoint = 0;  ///< visited by the last descent; 0 if there was none
     double value = 0;            ///< x(midpoint)
   };
 

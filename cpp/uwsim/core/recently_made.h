@@ -8,20 +8,20 @@
 
 namespace uwsim {
 
-/// A cache of costly immutable objects, so that all users with the same needs share one. It finds objects that are
-/// still in use, and keeps the last one that is worth keeping for the next user. Thread-safe.
+/// A cache of costly immutable objects, so that all users with the same requirements share one. It finds objects that
+/// are still in use, and keeps the last one that is worth keeping for the next user. Thread-safe.
 template <typename Object>
 class RecentlyMade {
  public:
-  /// Returns the cached object that `is_wanted` accepts, else the result of `make`. Only one thread makes an object at
-  /// a time, so that two threads with the same needs wait for one result.
+  /// Returns the cached object that `is_wanted` accepts, or else the result of `make`. Only one thread creates an
+  /// object at a time, so that two threads with the same requirements share one result.
   template <typename IsWanted, typename Make>
   std::shared_ptr<const Object> find_or_make(bool is_worth_keeping, const IsWanted& is_wanted, const Make& make) {
     if (!mutex_.lock_unless_forked()) return make();  // the cache was being changed at the fork
     const std::scoped_lock lock(std::adopt_lock, mutex_);
     std::shared_ptr<const Object> object = find(is_wanted);
     if (!object) {
-      if (is_worth_keeping) last_ = nullptr;  // release the memory before making a new object
+      if (is_worth_keeping) last_ = nullptr;  // release the memory before creating a new object
       in_use_.push_back(object = make());
     }
     if (is_worth_keeping) last_ = object;

@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // tolerance of a quaternion's length; steps keep it within rounding
+constexpr double kUnitTolerance = 1e-6;  // tolerance of a quaternion's length; steps keep the length within rounding
 
 }  // namespace
 

@@ -13,12 +13,12 @@ namespace uwsim {
 
 /// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that either
 /// writes them to the archive or reads them back, so that the two cannot differ. Values are stored without gaps, in
-/// this machine's representation. Reading throws InvalidValue if the bytes end early or a value is not finite.
+/// this machine's representation. Reading throws InvalidValue if the bytes end prematurely or a value is not finite.
 class StateArchive {
  public:
-  /// An archive to save to.
+  /// Creates an archive for saving.
   StateArchive() = default;
-  /// An archive to restore from. `bytes` must outlive it.
+  /// Creates an archive for restoring. `bytes` must outlive it.
   explicit StateArchive(std::string_view bytes) : source_(bytes), restoring_(true) {}
 
   bool restoring() const { return restoring_; }
@@ -31,7 +31,8 @@ class StateArchive {
   void operator()(std::string& text);
   /// Reading throws unless the orientation is a unit quaternion.
   void operator()(BodyState& state);
-  /// The length of a list, then each item by exchange(item). Allocates no more memory than the archive's bytes justify.
+  /// Exchanges the length of a list, then each item by exchange(item). Allocates no more memory than the number of
+  /// bytes in the archive justifies.
   template <typename List, typename Exchange>
   void list(List& items, const Exchange& exchange) {
     std::uint64_t count = items.size();
@@ -40,10 +41,10 @@ class StateArchive {
     for (auto& item : items) exchange(item);
     while (items.size() < count) exchange(items.emplace_back());
   }
-  /// Writes `value`. Reading throws unless the archive holds the same value: "state.<what> = 3: must be 2".
+  /// Writes `value`. Reading throws unless the archive contains the same value: "state.<what> = 3: must be 2".
   void same(std::string_view what, std::uint64_t value);
   void same(std::string_view what, const std::string& value);
-  /// Throws if any bytes are left to read.
+  /// Throws if there are unread bytes left.
   void finish() const;
 
  private:

@@ -9,17 +9,17 @@
 
 namespace uwsim {
 
-/// Threads that go through the phases of a job together: none starts a phase before all have finished the previous one.
-/// For loops over independent items see parallel.h.
+/// Threads that go through the phases of a job together: no thread starts a phase before all have finished the previous
+/// one. For loops over independent items, see parallel.h.
 class ThreadTeam {
  public:
   explicit ThreadTeam(std::size_t threads)
       : threads_(threads), barrier_(static_cast<std::ptrdiff_t>(threads), EndOfPhase{this}) {}
 
-  /// Calls job(0), job(1), ... job(threads - 1), each on its own thread, the first on the calling one. If the system
-  /// starts fewer threads, only their jobs are called, but always job(0): let the threads take the items of a phase
-  /// from a shared counter, so that fewer of them still do all the work. An exception of a thread is rethrown here when
-  /// all have ended.
+  /// Calls job(0), job(1), ... job(threads - 1), each on its own thread, with job(0) on the calling thread. If the
+  /// system cannot start all threads, only the jobs of those that started are called, but always job(0); threads should
+  /// therefore take the items of a phase from a shared counter, so that fewer threads still do all the work. An
+  /// exception in a thread is rethrown here when all have finished.
   template <typename Job>
   void run(const Job& job) {
     const auto member = [&](std::size_t thread) {
@@ -33,7 +33,7 @@ class ThreadTeam {
         try {
           others.emplace_back(member, thread);
         } catch (const std::exception&) {
-          barrier_.arrive_and_drop();  // no more threads, or no memory for another
+          barrier_.arrive_and_drop();  // the system cannot start another thread, or is out of memory
         }
       }
       member(0);
@@ -41,8 +41,8 @@ class ThreadTeam {
     if (error_) std::rethrow_exception(error_);
   }
 
-  /// One phase; every thread of the job calls it. Returns when all threads have done their work: true, or false on all
-  /// threads if one threw, which must end the job.
+  /// Runs one phase; every thread of the job must call it. Returns when all threads have done their work: true, or
+  /// false on all threads if one threw, in which case the job must end.
   template <typename Work>
   bool phase(const Work& work) {
     keep_error(work);
@@ -70,7 +70,7 @@ class ThreadTeam {
   bool has_failed_ = false;  ///< written only between phases, while all threads wait
   std::barrier<EndOfPhase> barrier_;
   std::mutex mutex_;
-  std::exception_ptr error_;  ///< the first one
+  std::exception_ptr error_;  ///< the first exception
 };
 
 }  // namespace uwsim

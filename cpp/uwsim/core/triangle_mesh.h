@@ -22,22 +22,22 @@ struct TriangleMesh {
 struct SolidProperties {
   double volume_m3 = 0;
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
-  /// Inertia tensor about the centroid for a density of 1 kg/m^3 [m^5]; multiplied by the density, in kg m^2.
+  /// Inertia tensor about the centroid for a density of 1 kg/m^3 [m^5]; multiplied by the density, it is in kg m^2.
   Eigen::Matrix3d inertia_per_density_m5 = Eigen::Matrix3d::Zero();
 };
 
-/// Sums signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2); here in closed tetrahedron form).
+/// Sums over signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2); here in closed tetrahedron form).
 SolidProperties solid_properties(const TriangleMesh& mesh);
 
 /// The winding number of a surface about a point: the sum of its triangles' solid angles over 4 pi (van Oosterom and
-/// Strackee 1983, IEEE Trans. Biomed. Eng. 30(2)). 1 inside a closed mesh, 0 outside it; fractions for an open mesh.
+/// Strackee 1983, IEEE Trans. Biomed. Eng. 30(2)). 1 inside a closed mesh, 0 outside it; fractional for an open mesh.
 double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point_m);
 
 /// Throws InvalidValue unless the mesh has triangles, finite vertices and indices in range.
 void require_well_formed(const TriangleMesh& mesh, std::string_view path);
 
-/// Also throws InvalidValue unless every edge is shared by exactly two triangles that run along it in opposite
-/// directions, and the volume is positive: a closed surface that winds outward.
+/// Like require_well_formed, but also throws InvalidValue unless the surface is closed and winds outward: every edge is
+/// shared by exactly two triangles that run along it in opposite directions, and the volume is positive.
 void require_closed(const TriangleMesh& mesh, std::string_view path);
 
 }  // namespace uwsim

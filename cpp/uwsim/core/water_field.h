@@ -6,12 +6,12 @@
 
 namespace uwsim {
 
-/// Motion of the water at a place and time, in the world frame.
+/// Motion of the water at a position and time, in the world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< current and waves combined
-  /// acceleration of the water's particles; wave_load includes its force
+  /// Acceleration of the water's particles; wave_load includes its force
   Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  /// local acceleration; wave_load does not include its force
+  /// Local acceleration; wave_load does not include its force
   Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();
 };
 
@@ -26,46 +26,46 @@ struct DensityLayer {
   double at(double z_world_m) const { return density_kg_m3 + gradient_kg_m4 * (z_world_m - reference_m); }
 };
 
-/// The surface's height in the middle of an area, and conservative bounds over the whole area [m].
+/// The surface's height at the centre of an area, and conservative bounds over the whole area [m].
 struct SurfaceSpan {
   double low_m = 0;
   double high_m = 0;
   double middle_m = 0;
 };
 
-/// Force of the waves on a fully submerged volume [N / (kg/m3)] and moment about its centroid, per unit of density.
+/// Force of the waves on a fully submerged volume [N / (kg/m3)] and moment about its centroid, per unit density.
 struct WaveLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
 };
 
-/// The water as the force models need it: density, pressure, surface and motion at a place (world ENU, mean surface at
-/// z = 0) and a time. Every function is pure and allocates nothing.
+/// The interface between the water and the force models: density, pressure, surface and motion at a position (world
+/// ENU, mean surface at z = 0) and time. Every function is pure and allocates nothing.
 class WaterField {
  public:
   virtual ~WaterField() = default;
 
-  /// Whether the surface is flat at z = 0 and the density uniform, so that closed forms hold.
+  /// Whether the surface is flat at z = 0 and the density uniform, so that closed forms apply.
   virtual bool calm_and_even() const = 0;
   virtual double gravity() const = 0;                     ///< [m/s^2]
   virtual double density_at(double z_world_m) const = 0;  ///< of still water [kg/m^3]
   virtual DensityLayer density_layer_at(double z_world_m) const = 0;
-  /// Conservative bound on the surface's distance from z = 0 [m]; 0 where it is flat.
+  /// Conservative bound on the surface's distance from z = 0 [m]; 0 if the surface is flat.
   virtual double wave_bound_m() const = 0;
-  /// Bounds of the surface within `radius_m` of a point: everything below low_m is wet, everything above high_m dry.
+  /// Bounds of the surface within `radius_m` of a point: everything below low_m is wet, everything above high_m is dry.
   virtual SurfaceSpan surface_span_at(double x_world_m, double y_world_m, double radius_m, double time_s) const = 0;
   virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
   /// Pressure above atmospheric; 0 above the surface [Pa].
   virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
   /// Gauge pressure of still water under a surface at z = 0, as it acts on hulls, without the water's compression: the
-  /// integral of rho g from z up to 0; negative above [Pa].
+  /// integral of rho g from z up to 0; negative above the surface [Pa].
   virtual double still_pressure_at(double z_world_m) const = 0;
-  /// Pressure head of each point: the height of still water [m] that exerts the same pressure, so that the gauge
-  /// pressure is still_pressure_at(-head). Above the surface it is minus the height over the surface.
+  /// Pressure head of each point: the height of still water [m] that exerts the same pressure, such that the gauge
+  /// pressure is still_pressure_at(-head). Above the surface, it is minus the height above the surface.
   virtual void pressure_heads(std::span<const Eigen::Vector3d> points_world_m, double time_s,
                               std::span<double> heads_m) const = 0;
-  /// Load on a volume. `second_moment_m5` is the integral of d d^T over it, with d the arm from its centroid, world
-  /// frame.
+  /// Load on a volume. `second_moment_m5` is the integral of d d^T over the volume, where d is the arm from its
+  /// centroid, in the world frame.
   virtual WaveLoad wave_load(const Eigen::Vector3d& centroid_world_m, double volume_m3,
                              const Eigen::Matrix3d& second_moment_m5, double time_s) const = 0;
   virtual WaterFlow flow_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;

@@ -20,7 +20,7 @@ constexpr std::uint64_t kDoubtAgain_ns = 5'000'000'000;
 constexpr std::uint64_t kProbation_ns = 30'000'000'000, kSettling_ns = 3'000'000'000;
 constexpr double kImplausible = 4;  // standard deviations
 constexpr double kLostPosition_m = 2, kLostVelocity_m_s = 1, kLostAttitude_rad = 0.15;
-constexpr std::size_t kForgetFrom = 2048;  // number of events; they are discarded in blocks of this size
+constexpr std::size_t kForgetFrom = 2048;  // number of events; old ones are erased together
 
 }  // namespace
 

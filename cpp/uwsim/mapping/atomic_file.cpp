@@ -40,7 +40,7 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
-/// The file to replace. Symbolic links are resolved, so that a link stays a link.
+/// The file to replace. Symbolic links are resolved, so that a link remains a link.
 fs::path real_target(const std::string& path) {
   require_path(path);
   std::error_code error;
@@ -56,7 +56,7 @@ fs::path real_target(const std::string& path) {
   return target;
 }
 
-/// The process id keeps two programs apart; O_EXCL protects existing files.
+/// The process ID distinguishes the files of concurrent programs; O_EXCL protects existing files.
 std::pair<int, fs::path> create_beside(const fs::path& target, const std::string& path) {
   for (int attempt = 0;; ++attempt) {
     std::ostringstream name;
@@ -68,20 +68,20 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
   }
 }
 
-/// The temporary names of all files that are being written, and the process that writes each, since a fork inherits its
-/// parent's.
+/// The temporary names of all files being written, and the process that writes each: a fork inherits its parent's list.
 struct Unfinished {
   std::mutex mutex;
   std::map<std::string, pid_t> writers;
 };
 
-/// Never destroyed: threads may write until the process has ended.
+/// Never destroyed, since threads may write until the process ends.
 Unfinished& unfinished() {
   static auto* const all = new Unfinished;
   return *all;
 }
 
-/// A rename is only durable once its folder is flushed. On file systems that cannot do this, the attempt does no harm.
+/// A rename is only durable after its folder has been flushed. On file systems without support for this, the attempt
+/// does no harm.
 void flush_folder(const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -160,7 +160,7 @@ void AtomicFile::truncate(std::uint64_t size) {
 
 void AtomicFile::commit() {
   if (::fsync(fd_) != 0) fail(errno);
-  const bool is_closed = ::close(std::exchange(fd_, -1)) == 0;  // a late disk error may only appear here
+  const bool is_closed = ::close(std::exchange(fd_, -1)) == 0;  // some disk errors are reported only here
   if (!is_closed || ::rename(temporary_.c_str(), target_.c_str()) != 0) {
     const int error = errno;
     ::unlink(temporary_.c_str());

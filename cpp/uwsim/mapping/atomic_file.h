@@ -9,10 +9,10 @@ namespace uwsim {
 /// Returns the contents of a regular file. Throws FileError naming the path and the system's reason.
 std::string read_whole_file(const std::string& path);
 
-/// A file that replaces another only when it is complete. It is written under a temporary name beside the target;
-/// commit() flushes it to the disk and renames it. Thus an interruption leaves either the old file or the new one,
-/// never half of one, and without commit() nothing is left behind. A link is followed; a target that exists but is not
-/// a regular file (a folder, a device) is refused. Throws FileError with the path and the system's reason.
+/// A file that replaces another only when it is complete. It is written under a temporary name next to the target;
+/// commit() flushes it to disk and renames it. An interruption therefore leaves either the old file or the new one,
+/// never a partial file, and without commit() nothing is left behind. A symbolic link is followed; a target that exists
+/// but is not a regular file (a folder, a device) is refused. Throws FileError with the path and the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -23,7 +23,7 @@ class AtomicFile {
   void append(std::string_view bytes);
   /// Replaces previously appended bytes.
   void overwrite(std::uint64_t at, std::string_view bytes);
-  /// Removes the bytes from `size` on.
+  /// Removes all bytes after the first `size`.
   void truncate(std::uint64_t size);
   std::uint64_t size() const { return size_; }
 
@@ -37,11 +37,11 @@ class AtomicFile {
   std::uint64_t size_ = 0;
 };
 
-/// Removes the temporary files of all files being written, for a process that is about to end while other threads
-/// write.
+/// Removes the temporary files of all files being written, for a process that is about to end while other threads are
+/// writing.
 void remove_unfinished_files();
 
-/// Writes a file in one go through an AtomicFile.
+/// Writes a whole file through an AtomicFile.
 void write_file_atomically(const std::string& path, std::string_view bytes);
 
 }  // namespace uwsim

@@ -8,13 +8,13 @@
 
 namespace uwsim {
 
-/// An ostream that writes to an AtomicFile, for libraries that write to streams. Its FileError passes through the
+/// An ostream that writes to an AtomicFile, for libraries that write to streams. A FileError propagates through the
 /// library.
 class AtomicFileStream : private std::streambuf, public std::ostream {
  public:
   explicit AtomicFileStream(AtomicFile& file) : std::ostream(this), file_(file) {
     setp(bytes_.data(), bytes_.data() + bytes_.size());
-    exceptions(std::ios::badbit);  // makes the ostream rethrow what overflow() throws
+    exceptions(std::ios::badbit);  // makes the ostream rethrow exceptions from overflow()
   }
 
  private:

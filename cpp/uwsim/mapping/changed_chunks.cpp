@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-/// A larger cube has too many chunks to list: all chunks count as changed.
+/// A larger cube has too many chunks to list, so all chunks count as changed.
 constexpr int kListedLevelsMax = 10;
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace uwsim {
 /// The 64 x 64 x 64 voxels of a chunk. `code`: the Morton code of any of its voxels without the lowest 18 bits.
 KeyBox chunk_box(std::uint32_t code);
 
-/// Chunks in which voxels may have changed.
+/// Chunks that contain voxels that may have changed.
 struct ChangedChunks {
   bool all = false;
   std::set<std::uint32_t> codes;

@@ -48,7 +48,7 @@ std::vector<float> to_points(const Cloud& cloud) {
   return points_m;
 }
 
-/// The finite points, minus shift_m.
+/// The finite points, with shift_m subtracted.
 Cloud::Ptr to_finite_cloud(std::span<const float> points_m, const Eigen::Vector3d& shift_m = Eigen::Vector3d::Zero()) {
   require(points_m.size() % 3 == 0, "points_m.size", points_m.size(), "must be rows of x, y, z");
   auto cloud = pcl::make_shared<Cloud>();
@@ -72,8 +72,8 @@ void require_finite_points(std::span<const float> points_m, const char* name, st
           "must be at least " + std::to_string(least) + " points");
 }
 
-/// The mean of the finite points. PCL's float32 sums lose too many digits far from zero, so its fits are done relative
-/// to this point.
+/// The mean of the finite points. PCL's float32 sums lose too many digits far from the origin, so PCL's fits are done
+/// relative to this point.
 Eigen::Vector3d mean_m(std::span<const float> points_m) {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   int count = 0;
@@ -86,10 +86,10 @@ Eigen::Vector3d mean_m(std::span<const float> points_m) {
   return sum_m / std::max(count, 1);
 }
 
-/// PCL prints its failures to stderr; we throw exceptions instead.
+/// PCL prints failures to stderr; uwsim throws exceptions instead.
 void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
 
-/// Gives access to the reason why PCL's ICP stopped.
+/// Exposes the reason why PCL's ICP stopped.
 class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> {
  public:
   int iterations() const { return nr_iterations_; }
@@ -102,8 +102,8 @@ class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, doub
   }
 };
 
-/// Root mean square of the distances to the target's nearest points, and the share of the points that have one within
-/// reach.
+/// The root mean square of the distances to the nearest points of the target, and the fraction of the points with a
+/// target point within reach.
 std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
   pcl::search::KdTree<pcl::PointXYZ> tree;
   tree.setInputCloud(target);
@@ -198,8 +198,9 @@ std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
     high_m = high_m.max(point_m);
   }
   if (!(low_m <= high_m).all()) return {};
-  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;  // PCL's float32 sums lose little relative to it
-  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();   // plus two along each axis, for rounding
+  // PCL's float32 sums lose few digits relative to it
+  const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;
+  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();  // plus two along each axis, for rounding
   require(voxels < std::numeric_limits<std::int32_t>::max(), "voxel_m", voxel_m,
           "too small for the cloud's box, which must have fewer than 2^31 voxels");
   pcl::VoxelGrid<pcl::PointXYZ> grid;
@@ -287,7 +288,7 @@ Registration register_cloud(std::span<const float> source_m, std::span<const flo
   require_finite_points(target_m, "target_m", 3);
   silence_pcl();
   const Eigen::Vector3d mean = mean_m(target_m);
-  // The frame `mean`: the target's, with its origin at the mean.
+  // The frame `mean`: the target's frame, with its origin at the mean.
   Eigen::Matrix4d target_from_mean = Eigen::Matrix4d::Identity(), mean_from_target = target_from_mean;
   target_from_mean.topRightCorner<3, 1>() = mean;
   mean_from_target.topRightCorner<3, 1>() = -mean;

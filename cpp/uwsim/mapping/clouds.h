@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-/// Point clouds by PCL: from a LaserScan to points in the world, filters, a ground plane, and the registration of one
-/// cloud to another, all on pcl::PointCloud<pcl::PointXYZ>. Points are rows of x, y, z in metres; PCL stores them as
-/// float32, so coordinates far from zero lose digits (0.2 mm at 4 km). Filters discard non-finite points; fits refuse
-/// them. The same points in the same order give the same bytes.
+/// Point-cloud operations by PCL, on pcl::PointCloud<pcl::PointXYZ>: conversion of a LaserScan to points in the world,
+/// filters, a ground plane, and registration of one cloud to another. Points are rows of x, y, z in metres. PCL stores
+/// them as float32, so coordinates far from the origin lose digits (0.2 mm at 4 km). Filters discard non-finite points;
+/// fits refuse them. The same points in the same order produce the same bytes.
 namespace uwsim {
 
-/// sensor_msgs/LaserScan without its ranges. Beam i points at angle_min + i * angle_increment about +z, from +x towards
-/// +y.
+/// sensor_msgs/LaserScan without its ranges. Beam i points at angle_min + i * angle_increment about +z, counted from +x
+/// towards +y.
 struct ScanGeometry {
   double angle_min_rad;
   double angle_increment_rad;
@@ -20,32 +20,33 @@ struct ScanGeometry {
   double range_max_m;
 };
 
-/// The points of a scan in its own frame (base_scan: x forward, y left, z = 0), in the order of the beams. Ranges are
-/// used if range_min <= range < range_max, as in laser_geometry; infinity and NaN are discarded.
+/// Returns the points of a scan in its own frame (base_scan: x forward, y left, z = 0), in beam order. Ranges are used
+/// if range_min <= range < range_max, as in laser_geometry; infinity and NaN are discarded.
 std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeometry& geometry);
 
 /// target_from_source: a rigid transform. Returns as many points as it receives.
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source);
 
-/// The points whose distance to the frame's origin is in [min_m, max_m].
+/// Returns the points whose distance to the frame's origin is in [min_m, max_m].
 std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m);
 
-/// The points outside an axis-aligned box that includes its faces: removes the vehicle's own echoes from a cloud in the
-/// vehicle's frame.
+/// Returns the points outside an axis-aligned box, whose faces count as inside. Removes the vehicle's own echoes from a
+/// cloud in the vehicle's frame.
 std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vector3d& box_min_m,
                               const Eigen::Vector3d& box_max_m);
 
-/// pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m, whose corners are at multiples of voxel_m.
-/// The order of the cubes is x fastest, then y, then z. Throws InvalidValue if the cloud's box has 2^31 cubes or more.
+/// pcl::VoxelGrid: returns the centroid of the points in each cube with edge voxel_m and corners at multiples of
+/// voxel_m. Cubes are ordered with x varying fastest, then y, then z. Throws InvalidValue if the cloud's box has 2^31
+/// cubes or more.
 std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m);
 
-/// pcl::PassThrough: the points whose coordinate along `axis` (0 x, 1 y, 2 z) is in [min_m, max_m], in the original
-/// order.
+/// pcl::PassThrough: returns the points whose coordinate along `axis` (0 x, 1 y, 2 z) is in [min_m, max_m], in the
+/// original order.
 std::vector<float> pass_through(std::span<const float> points_m, int axis, double min_m, double max_m);
 
 /// pcl::StatisticalOutlierRemoval (Rusu et al. 2008): discards the points whose mean distance to their `neighbours`
-/// nearest ones exceeds its mean over the cloud by more than `deviations` standard deviations. Throws InvalidValue
-/// unless there are more points than neighbours, or no points.
+/// nearest points exceeds the mean of that distance over the cloud by more than `deviations` standard deviations.
+/// Throws InvalidValue unless the cloud is empty or has more points than neighbours.
 std::vector<float> remove_outliers(std::span<const float> points_m, int neighbours, double deviations);
 
 /// The plane normal . p + offset_m = 0; the normal has length 1 and points up. inliers: 1 or 0 for each point.
@@ -56,13 +57,13 @@ struct PlaneFit {
 };
 
 /// pcl::RandomSampleConsensus (Fischler and Bolles 1981) for the plane that has the most points within distance_m and
-/// is inclined by at most max_slope_rad, then least squares over these points. PCL's seed is fixed, so the same points
-/// give the same plane. Throws InvalidValue if there is none.
+/// is inclined by at most max_slope_rad, followed by a least-squares fit to these points. PCL's seed is fixed, so the
+/// same points produce the same plane. Throws InvalidValue if there is no such plane.
 PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double max_slope_rad);
 
-/// rms_m: root mean square of the distances from the source's points to the nearest ones of the target, over those
-/// within max_distance_m; overlap: the share of the points that are within it. converged: whether the steps became
-/// negligible before the iterations ran out.
+/// rms_m: root mean square of the distances from the source's points to the nearest points of the target, over those
+/// within max_distance_m. overlap: the fraction of points within that distance. converged: whether the steps became
+/// negligible before the iterations were exhausted.
 struct Registration {
   Eigen::Matrix4d target_from_source;
   double rms_m;
@@ -71,8 +72,8 @@ struct Registration {
   bool converged;
 };
 
-/// pcl::IterativeClosestPoint (Besl and McKay 1992), point to point, from a rigid guess, in double precision relative
-/// to the target's mean. Points farther than max_distance_m from the other cloud have no influence.
+/// pcl::IterativeClosestPoint (Besl and McKay 1992), point to point, starting from a rigid guess, in double precision
+/// relative to the target's mean. Points farther than max_distance_m from the other cloud are ignored.
 Registration register_cloud(std::span<const float> source_m, std::span<const float> target_m,
                             const Eigen::Matrix4d& guess, double max_distance_m, int max_iterations);
 

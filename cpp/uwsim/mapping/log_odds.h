@@ -1,21 +1,22 @@
 #pragma once
 
-/// The log-odds of a voxel: how scans change them and where they are clamped. This is OctoMap's rule (A. Hornung,
-/// K. M. Wurm, M. Bennewitz, C. Stachniss, W. Burgard, "OctoMap: an efficient probabilistic 3D mapping framework based
-/// on octrees", Autonomous Robots 34(3), 2013):
+/// The log-odds of a voxel: how scans change them and where they are clamped. This is OctoMap's rule (A. Hornung, K. M.
+/// Wurm, M. Bennewitz, C. Stachniss, W. Burgard, "OctoMap: an efficient probabilistic 3D mapping framework based on
+/// octrees", Autonomous Robots 34(3), 2013):
 ///
 ///   L = log(p / (1 - p)),  p = 1 / (1 + exp(-L))                       L: log-odds, p: probability of being occupied
 ///   L <- max(clamping_min, min(clamping_max, L + hit or miss))         an unknown voxel starts from L = 0
 ///
 /// A voxel that a hit or a miss would only push further past its limit keeps its value (OctoMap's updateNode).
 ///
-/// The vector kernels include this header, so its functions are `static`: none can be linked from another file. Their
-/// versions of clamped_sum() are in bricks/kernels/scan_kernels_avx2.cpp and scan_kernels_avx512.cpp, add_misses().
+/// The vector kernels include this header, so its functions are `static` to prevent linking them from another file. The
+/// kernels' versions of clamped_sum() are called add_misses() and are in bricks/kernels/scan_kernels_avx2.cpp and
+/// scan_kernels_avx512.cpp.
 namespace uwsim {
 
 /// An OccupancyModel (occupancy_model.h) in log-odds.
 struct OccupancyLogOdds {
-  float hit;   ///< added to a voxel that holds a point; at least 0
+  float hit;   ///< added to a voxel that contains a point; at least 0
   float miss;  ///< added to a voxel that a ray passes through; at most 0
   float clamping_min;
   float clamping_max;
@@ -25,7 +26,7 @@ static inline float log_odds_of(double probability) {
   return static_cast<float>(__builtin_log(probability / (1 - probability)));
 }
 
-/// A voxel is occupied at a probability of at least 0.5.
+/// A voxel is occupied if its probability is at least 0.5.
 static inline bool is_occupied(float log_odds) { return log_odds >= 0; }
 
 static inline float clamped(float log_odds, const OccupancyLogOdds& model) {

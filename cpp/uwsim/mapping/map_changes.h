@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// Which voxels became unknown, free or occupied since the last call. It stores the states that it has reported: 2 kB
-/// per chunk, and 128 bytes for each brick whose voxels differ.
+/// Tracks which voxels became unknown, free or occupied since the last call. It stores the states that it has reported,
+/// which takes 2 kB per chunk, and 128 bytes for each brick whose voxels differ.
 class MapChanges {
  public:
   struct Changed {
@@ -21,7 +21,7 @@ class MapChanges {
 
   /// Records which chunks may have changed.
   void note(const ChangedChunks& chunks);
-  /// Returns changed voxels in Morton order; on the first call, all known ones. Throws InvalidValue if there are more
+  /// Returns changed voxels in Morton order; on the first call, all known voxels. Throws InvalidValue if there are more
   /// than `most`; the next call then reports them.
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 

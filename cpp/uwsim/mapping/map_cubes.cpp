@@ -19,7 +19,7 @@ bool can_be_pruned(const std::vector<MapCube>& leaves) {
   for (std::size_t i = leaves.size() - 7; i < leaves.size(); ++i) {
     if (leaves[i].levels != first.levels || leaves[i].log_odds != first.log_odds) return false;
   }
-  // In Morton order the last eighth is in its place only if all are.
+  // In Morton order, the last eighth is in its position only if all are.
   return leaves.back().corner == child_corner(first.corner, 7, 1 << first.levels);
 }
 
@@ -53,7 +53,7 @@ void for_each_pruned_leaf(const MapEngine& engine, const CubeVisitor& visit) {
       waiting.resize(waiting.size() - 8);
       waiting.push_back({first.corner, first.levels + 1, first.log_odds});
     }
-    // At each level at most seven leaves can still wait for an eighth, and they are the last ones.
+    // At each level, at most seven leaves can still be waiting for an eighth, and they are the last ones.
     if (waiting.size() > 4096) visit_all_but(7 * kTreeDepth);
   });
   visit_all_but(0);

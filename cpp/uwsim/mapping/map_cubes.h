@@ -16,12 +16,12 @@ struct MapCube {
 
 using CubeVisitor = std::function<void(const MapCube&)>;
 
-/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves become one, up to an eighth of the root's
-/// cube.
+/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves are merged into one, up to an eighth of the
+/// root's cube.
 void for_each_pruned_leaf(const MapEngine& engine, const CubeVisitor& visit);
 
-/// The cubes with an edge of 2^levels voxels of which anything is known, in Morton order. Their log-odds are the
-/// maximum inside them, as in OctoMap's inner nodes.
+/// The cubes with an edge of 2^levels voxels that contain known voxels, in Morton order. Their log-odds are the maximum
+/// inside them, as in OctoMap's inner nodes.
 void for_each_cell(const MapEngine& engine, int levels, const CubeVisitor& visit);
 
 /// The known voxels of a box, in Morton order.

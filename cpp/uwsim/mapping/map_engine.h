@@ -20,8 +20,8 @@ namespace uwsim {
 
 class AtomicFile;
 
-/// One ping: rows of x, y, z in the world, of which non-finite points are skipped; and the start of its rays, in the
-/// tree's frame.
+/// One ping: rows of x, y, z in the world (non-finite points are skipped), and the start of its rays in the tree's
+/// frame.
 struct Scan {
   std::span<const float> points_world_m;
   Eigen::Vector3f origin_m;
@@ -36,10 +36,10 @@ struct TreeBytes {
 /// One bit for each voxel of a chunk, in Morton order.
 using OccupiedWords = std::array<std::uint64_t, 4096>;
 
-/// The data structure behind an OccupancyMap. Callers check the arguments, and call from one thread at a time.
+/// The data structure behind an OccupancyMap. Callers validate the arguments, and call from one thread at a time.
 class MapEngine {
  public:
-  /// leaf(key, levels, log_odds): a cube with an edge of 2^levels voxels; `key` is that of its lowest voxel.
+  /// leaf(key, levels, log_odds): a cube with an edge of 2^levels voxels; `key` is the key of its lowest voxel.
   using LeafVisitor = std::function<void(const VoxelKey&, int, float)>;
 
   virtual ~MapEngine() = default;
@@ -49,23 +49,24 @@ class MapEngine {
   /// Fills an empty map from a file that check_octree_file() accepted; `body` is the file without its header.
   virtual void load(MapFormat format, std::string_view body) = 0;
 
-  /// Adds log-odds to each voxel of an aligned cube with an edge of 2^levels voxels, as OctoMap's updateNodeLogOdds
-  /// does (log_odds.h). finish_adding() must follow the last call.
+  /// Adds log-odds to each voxel of an aligned cube with an edge of 2^levels voxels, like OctoMap's updateNodeLogOdds
+  /// (log_odds.h). finish_adding() must follow the last call.
   virtual void add(const VoxelKey& corner, int levels, float log_odds) = 0;
   virtual void finish_adding() = 0;
-  /// Applies to later scans: existing voxels keep their values.
+  /// Applies to later scans; existing voxels keep their values.
   virtual void set_model(const OccupancyModel& model) = 0;
 
-  /// The chunks that may have changed since the last call; all on the first call, after which changes are recorded.
+  /// Returns the chunks that may have changed since the last call; all on the first call, after which changes are
+  /// recorded.
   virtual ChangedChunks take_changed() = 0;
 
-  /// The chunks that may contain occupied voxels; `all` if there are too many to list.
+  /// Returns the chunks that may contain occupied voxels; `all` if there are too many to list.
   virtual ChangedChunks occupied_chunks() const = 0;
-  /// Sets the bits of a chunk's occupied voxels; all others must be zero beforehand.
+  /// Sets the bits of a chunk's occupied voxels; all bits must be zero beforehand.
   virtual void occupied_in(std::uint32_t chunk, OccupiedWords& words) const = 0;
 
   virtual std::optional<float> log_odds_at(const VoxelKey& key) const = 0;
-  /// In Morton order. How many equal voxels form one leaf depends on the engine.
+  /// In Morton order. The engine determines how many equal voxels form one leaf.
   virtual void for_each_leaf(const LeafVisitor& leaf) const = 0;
   virtual VoxelCounts count() const {
     VoxelCounts voxels;
@@ -76,16 +77,16 @@ class MapEngine {
   }
   /// The leaves that contain voxels of the box.
   virtual void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const = 0;
-  /// The tree of an .ot: all log-odds, pruned; an inner node holds the maximum of its children.
+  /// The tree of an .ot: all log-odds, pruned; the value of an inner node is the maximum of its children.
   virtual TreeBytes full_tree() const = 0;
-  /// The tree of a .bt: voxels are occupied or free, as OctoMap's writeBinary leaves them.
+  /// The tree of a .bt: voxels are occupied or free, as written by OctoMap's writeBinary.
   virtual TreeBytes binary_tree() const = 0;
-  /// Writes the file of either tree with its header.
+  /// Writes the file for either tree, including its header.
   virtual void write_tree(MapFormat format, AtomicFile& file) const = 0;
-  /// The nodes of the pruned tree.
+  /// The number of nodes in the pruned tree.
   virtual std::uint64_t nodes() const = 0;
   virtual std::size_t memory_bytes() const = 0;
-  /// How many parts of the map have been evicted from memory so far.
+  /// The number of times that a part of the map has been evicted from memory.
   virtual std::uint64_t evictions() const { return 0; }
 };
 

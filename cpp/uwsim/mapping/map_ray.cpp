@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNeverCrosses = std::numeric_limits<double>::max();  // the same value as in OctoMap
 
-/// A ray on its way from voxel to voxel, as OctoMap computes it.
+/// The state of a ray that walks from voxel to voxel, computed as in OctoMap.
 class MapRay {
  public:
   MapRay(double resolution_m, const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction)
@@ -31,7 +31,7 @@ class MapRay {
 
   const VoxelKey& key() const { return key_; }
 
-  /// Crosses the next face; returns false if that leaves the cube.
+  /// Crosses the next face; returns false if the ray leaves the cube.
   bool step() {
     const std::size_t axis = next_[0] < next_[1] ? (next_[0] < next_[2] ? 0 : 2) : (next_[1] < next_[2] ? 1 : 2);
     const int beyond = key_[axis] + step_[axis];
@@ -59,7 +59,7 @@ class MapRay {
   const Eigen::Vector3f origin_m_;
   VoxelKey key_;
   std::array<int, 3> step_;
-  /// along the ray: distance to the next face across each axis, and between two faces [m]
+  /// Distances along the ray: to the next face across each axis, and between two faces [m]
   std::array<double, 3> next_, stride_;
 };
 

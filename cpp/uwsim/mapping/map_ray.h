@@ -8,7 +8,7 @@
 namespace uwsim {
 
 enum class MapRayEnd : std::int8_t {
-  unknown = -1,  ///< in an unknown voxel that the ray was not allowed to pass
+  unknown = -1,  ///< in an unknown voxel that the ray was not allowed to enter
   free = 0,      ///< at its maximum range or at the cube's edge
   hit = 1,       ///< in an occupied voxel
 };
@@ -19,7 +19,7 @@ struct MapRayHit {
 };
 
 /// Follows a ray to the first occupied voxel, with the steps of octomap::OcTree::castRay, in float32. max_range_m:
-/// measured to a voxel's centre; 0 for no limit. The origin must lie in the cube, the direction must not be zero.
+/// measured to a voxel's centre; 0 for no limit. The origin must lie in the cube, and the direction must not be zero.
 MapRayHit cast_map_ray(const MapEngine& engine, double resolution_m, const Eigen::Vector3f& origin_m,
                        const Eigen::Vector3f& direction, bool ignore_unknown, double max_range_m);
 

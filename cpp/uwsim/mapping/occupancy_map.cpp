@@ -25,7 +25,7 @@ void for_each_voxel(const VoxelKey& corner, int levels, const Visit& visit) {
   for (int i = 0; i < 8; ++i) for_each_voxel(child_corner(corner, i, 1 << (levels - 1)), levels - 1, visit);
 }
 
-/// Refuses a map before it takes memory: a file with a few bytes per chunk may need a thousand times as much.
+/// Refuses a map before it uses memory: a file with a few bytes per chunk may need a thousand times its size.
 void require_memory_for(const OctreeFile& file, std::string_view name, const MapOptions& options) {
   if (options.memory_limit_bytes > 0) return;
   constexpr double kChunkBytes = 2'200, kFullBrickBytes = 2'240, kOctomapNodeBytes = 100;

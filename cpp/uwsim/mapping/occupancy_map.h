@@ -19,13 +19,13 @@ class OcTree;
 
 namespace uwsim {
 
-/// The data structure of a map. Both give the same bytes, .bt and .ot, after the same scans.
+/// The data structure of a map. Both produce the same bytes, .bt and .ot, from the same scans.
 enum class MapEngineKind {
-  octomap,  ///< Debian's octomap::OcTree and its insertPointCloud: the reference
-  bricks,   ///< ours, much faster: bricks/README.md
+  octomap,  ///< Debian's octomap::OcTree and its insertPointCloud; the reference
+  bricks,   ///< uwsim's own, much faster; see bricks/README.md
 };
 
-/// How points outside OctoMap's cube are treated, and all points of a scan whose origin is outside.
+/// How to treat points outside OctoMap's cube; if a scan's origin is outside, all its points count as outside.
 enum class OnOutside {
   refuse,  ///< throw InvalidValue and insert nothing
   count,   ///< discard and count them: MapStatistics::outside_points
@@ -34,10 +34,10 @@ enum class OnOutside {
 struct MapOptions {
   MapEngineKind engine = MapEngineKind::bricks;
   OccupancyModel model;
-  InstructionSet instruction_set = InstructionSet::best;  ///< of the bricks' kernels; does not affect the bytes
+  InstructionSet instruction_set = InstructionSet::best;  ///< for the kernels of `bricks`; does not affect the bytes
   OnOutside on_outside = OnOutside::refuse;
-  /// How much memory the voxels may take, excluding one batch of scans and the reserves. The least recently used parts
-  /// of the map are moved to a nameless file in `spill_folder` (empty: the system's), and come back when they are
+  /// The memory that the voxels may take, excluding one batch of scans and unused reserves. The least recently used
+  /// parts of the map are moved to an unnamed file in `spill_folder` (empty: the system's), and restored when they are
   /// needed. 0: no limit. Only for engine `bricks`.
   std::size_t memory_limit_bytes = 0;
   std::string spill_folder = {};
@@ -47,9 +47,9 @@ struct MapStatistics {
   std::uint64_t occupied_voxels;  ///< at the finest level: a pruned leaf counts as many voxels as it covers
   std::uint64_t free_voxels;
   std::size_t nodes;             ///< of the pruned tree
-  std::size_t memory_bytes;      ///< octomap: as it reports, without the allocator's overhead; bricks: everything
+  std::size_t memory_bytes;      ///< octomap: as it reports, excluding the allocator's overhead; bricks: everything
   std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
-  std::uint64_t evictions;       ///< how many parts of the map have been evicted from memory so far
+  std::uint64_t evictions;       ///< number of times that a part of the map has been evicted from memory
 };
 
 /// Cubes of a map, in columns.
@@ -62,23 +62,23 @@ struct MapCubes {
 /// A probabilistic occupancy map: OctoMap's octree (Hornung et al. 2013, Autonomous Robots 34(3)) with OctoMap's sensor
 /// model (log_odds.h).
 ///
-/// OctoMap's cube reaches 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m). `origin_world_m` moves that
-/// origin to the survey: the tree and its files hold world minus origin, and the caller must remember the origin.
-/// Points are rounded to float32 in the tree's frame.
+/// OctoMap's cube extends 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m). `origin_world_m` moves that
+/// origin to the survey area: the tree and its files store world minus origin, and the caller must keep track of the
+/// origin. Points are rounded to float32 in the tree's frame.
 ///
 /// The bytes of a map depend only on the scans and their order, not on queries or files written in between.
-/// Thread-safe: calls wait for each other.
+/// Thread-safe: concurrent calls are serialised.
 class OccupancyMap {
  public:
   /// resolution_m: edge of a voxel, in [0.001, 1000]. Throws InvalidValue.
   explicit OccupancyMap(double resolution_m, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                         const MapOptions& options = {});
-  /// Reads a .bt or .ot file; the first line identifies the format. A .bt only distinguishes occupied and free: its
-  /// voxels get the clamping limits. Throws FileError if the file cannot be read, InvalidValue if it is not a valid
-  /// map, or if the map may need more than half of this machine's memory and has no limit.
+  /// Reads a .bt or .ot file; the first line identifies the format. A .bt only distinguishes occupied and free, so its
+  /// voxels are set to the clamping limits. Throws FileError if the file cannot be read, InvalidValue if it is not a
+  /// valid map, or if the map has no memory limit and may need more than half of this machine's memory.
   static OccupancyMap read(const std::string& path, const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                            const MapOptions& options = {});
-  /// The same from memory; `name` stands for the path in messages.
+  /// Reads a map from memory; `name` replaces the path in messages.
   static OccupancyMap from_bytes(std::string_view bytes, std::string_view name,
                                  const Eigen::Vector3d& origin_world_m = Eigen::Vector3d::Zero(),
                                  const MapOptions& options = {});
@@ -90,20 +90,20 @@ class OccupancyMap {
   Eigen::Vector3d origin_world_m() const;
   MapEngineKind engine() const;
 
-  /// Inserts one ping as OctoMap's insertPointCloud does: a voxel that holds a point gets one hit, any other voxel
+  /// Inserts one ping like OctoMap's insertPointCloud: a voxel that contains a point gets one hit, any other voxel
   /// between the origin and a point gets one miss. A point beyond max_range_m (infinity: no limit; at least a
-  /// nanometre) gives misses up to that range and no hit. points_world_m: rows of x, y, z; non-finite points mean no
-  /// echo and are skipped. Throws InvalidValue, inserting nothing, if the origin is non-finite or the origin or a point
-  /// lies outside OctoMap's cube.
+  /// nanometre) causes misses up to that range and no hit. points_world_m: rows of x, y, z; non-finite points mean no
+  /// echo and are skipped. If the origin is non-finite, or the origin or a point lies outside OctoMap's cube, throws
+  /// InvalidValue without inserting anything.
   void insert_scan(std::span<const float> points_world_m, const Eigen::Vector3d& origin_world_m, double max_range_m);
 
-  /// Inserts several pings in order, which is faster than one by one. counts: points in each ping; points_world_m: the
-  /// points of all; origins_world_m: x, y, z of each. threads: for engine `bricks`; does not affect the bytes. Throws
-  /// like insert_scan(), and then inserts none.
+  /// Inserts several pings in order, which is faster than one at a time. counts: number of points in each ping;
+  /// points_world_m: the points of all pings; origins_world_m: x, y, z of each ping. threads: for engine `bricks`; does
+  /// not affect the bytes. Throws like insert_scan(), in which case no ping is inserted.
   void insert_scans(std::span<const float> points_world_m, std::span<const std::int64_t> counts,
                     std::span<const double> origins_world_m, double max_range_m, int threads);
 
-  /// Centres of the occupied voxels of the finest level, rows of x, y, z, in Morton order (z, y, x bits from the
+  /// Centres of the occupied voxels at the finest level, rows of x, y, z, in Morton order (z, y, x bits from the
   /// highest level down). Throws InvalidValue if there are more than 100 million.
   std::vector<double> occupied_voxels_world_m() const;
   std::vector<double> free_voxels_world_m() const;
@@ -113,18 +113,17 @@ class OccupancyMap {
 
   // Defined in occupancy_map_queries.cpp:
 
-  /// For each point: 1 occupied, 0 free, -1 unknown or outside the cube. Throws InvalidValue on non-finite points.
+  /// For each point: 1 occupied, 0 free, -1 unknown or outside the cube. Throws InvalidValue for non-finite points.
   std::vector<std::int8_t> state_at(std::span<const double> points_world_m) const;
   /// Log-odds of being occupied; NaN where state_at() is -1.
   std::vector<float> log_odds_at(std::span<const double> points_world_m) const;
 
   /// The leaves of the pruned tree, in Morton order.
   MapCubes leaves() const;
-  /// The cubes at a depth of the tree, 1 to 16 (the finest), of which anything is known, in Morton order. Their
-  /// log-odds are the maximum inside them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100
-  /// million.
+  /// The cubes at a depth of the tree, 1 to 16 (the finest), that contain known voxels, in Morton order. Their log-odds
+  /// are the maximum inside them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100 million.
   MapCubes cells(int depth) const;
-  /// The known voxels of the finest level whose centres lie in a box, faces included, in Morton order. Throws
+  /// The known voxels at the finest level whose centres lie in a box, including its faces, in Morton order. Throws
   /// InvalidValue if there are more than 100 million.
   MapCubes voxels_in(const Eigen::Vector3d& low_world_m, const Eigen::Vector3d& high_world_m) const;
 
@@ -132,9 +131,9 @@ class OccupancyMap {
     std::vector<std::int8_t> ends;              ///< 1 occupied, 0 maximum range or the cube's edge, -1 unknown
     std::vector<double> voxel_centres_world_m;  ///< centre of the last voxel that each ray reached
   };
-  /// Follows rays, given as rows of x, y, z, as octomap::OcTree::castRay does, in float32. max_range_m: measured to a
-  /// voxel's centre, infinity for no limit. Throws InvalidValue for an origin outside the cube and for a direction of
-  /// length zero.
+  /// Casts rays, given as rows of x, y, z, like octomap::OcTree::castRay, in float32. max_range_m: measured to a
+  /// voxel's centre; infinity for no limit. Throws InvalidValue for an origin outside the cube or a direction of length
+  /// zero.
   Casts cast_rays(std::span<const double> origins_world_m, std::span<const double> directions_world,
                   bool ignore_unknown, double max_range_m) const;
 
@@ -142,34 +141,35 @@ class OccupancyMap {
     std::vector<double> voxel_centres_world_m;
     std::vector<std::int8_t> states;  ///< 1 occupied, 0 free, -1 unknown
   };
-  /// The voxels whose state has changed since the last call, in Morton order; on the first call, all known ones. Throws
-  /// InvalidValue if there are more than 100 million; the next call then reports them.
+  /// Returns the voxels whose state has changed since the last call, in Morton order; on the first call, all known
+  /// voxels. Throws InvalidValue if there are more than 100 million; the next call then reports them.
   Changes changed_voxels();
 
   struct OccupancyChanges {
-    std::vector<std::int16_t> cells;     ///< rows of x, y, z: voxels from the origin
-    std::vector<std::uint8_t> occupied;  ///< 1: became occupied, 0: no longer occupied
+    std::vector<std::int16_t> cells;     ///< rows of x, y, z in voxels from the origin
+    std::vector<std::uint8_t> occupied;  ///< 1: became occupied, 0: is no longer occupied
   };
-  /// The voxels that became occupied, or stopped being so, since the last call, in Morton order; on the first call, all
-  /// occupied ones. Throws InvalidValue if there are more than 100 million; the next call then reports them.
+  /// Returns the voxels that became occupied, or are no longer occupied, since the last call, in Morton order; on the
+  /// first call, all occupied voxels. Throws InvalidValue if there are more than 100 million; the next call then
+  /// reports them.
   OccupancyChanges changed_occupancy();
 
-  /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, the sum is clamped to this map's
-  /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. Throws
-  /// InvalidValue, changing nothing, if it is not, or if the other map has a different resolution, is this map or
-  /// reaches outside the cube.
+  /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, and the sum is clamped to this map's
+  /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. If it is not, or
+  /// if the other map has a different resolution, is this map or extends outside the cube, throws InvalidValue without
+  /// changing anything.
   void merge(const OccupancyMap& other);
 
   OccupancyModel model() const;
-  /// Applies to later scans: a voxel keeps its value until a scan changes it. Throws InvalidValue.
+  /// Applies to later scans; a voxel keeps its value until a scan changes it. Throws InvalidValue.
   void set_model(const OccupancyModel& model);
 
-  /// The bytes of a file. The map does not change: writing a .bt during a survey does not reset the log-odds to the
-  /// clamping limits. A .bt is written by octomap::OcTree's writeBinary or, if the map is large or has a memory limit,
-  /// by us, with the same bytes.
+  /// Returns the bytes of a file. The map does not change: writing a .bt during a survey does not reset the log-odds to
+  /// the clamping limits. A .bt is written by octomap::OcTree's writeBinary or, if the map is large or has a memory
+  /// limit, by uwsim's own writer, with the same bytes.
   std::string to_bytes(MapFormat format) const;
-  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a memory limit, are written piece by piece
-  /// and take a few megabytes of memory. Throws FileError.
+  /// Writes a file atomically (AtomicFile). An .ot, and a .bt of a map with a memory limit, are written in pieces,
+  /// which takes a few megabytes of memory. Throws FileError.
   void write(const std::string& path, MapFormat format) const;
 
   /// A copy as OctoMap's own tree, with all log-odds.

@@ -14,7 +14,7 @@
 #include "uwsim/mapping/occupancy_map.h"
 #include "uwsim/mapping/occupied_changes.h"
 
-/// For the files that define OccupancyMap's members (occupancy_map*.cpp) only.
+/// Only for the files that define OccupancyMap's members (occupancy_map*.cpp).
 namespace uwsim {
 
 struct OccupancyMap::Impl {
@@ -27,10 +27,11 @@ struct OccupancyMap::Impl {
   static std::unique_ptr<MapEngine> make_engine(double resolution_m, const Eigen::Vector3d& origin_world_m,
                                                 const MapOptions& options);
 
-  /// Voxels from OctoMap's origin along an axis, as OctoMap computes it.
+  /// The number of voxels from OctoMap's origin along an axis, computed as in OctoMap.
   double cell(double tree_m) const { return std::floor(1.0 / resolution_m * tree_m); }
 
-  /// Whether it is within the cube, excluding the outermost voxels: a ray along the very edge could step over it.
+  /// Whether a coordinate is within the cube, excluding the outermost voxels, where a ray along the edge could step
+  /// outside.
   bool in_cube(float tree_m) const { return std::abs(cell(tree_m) + 0.5) < kHalfExtent - 1; }
 
   bool in_cube(const Eigen::Vector3f& tree_m) const {
@@ -46,26 +47,26 @@ struct OccupancyMap::Impl {
                     double max_range_m) const;
   void check_points(const Scan& scan, double max_range_m) const;
   struct Clipped {
-    std::vector<float> inside_world_m;  ///< the points inside the cube; left empty if `outside` is 0
+    std::vector<float> inside_world_m;  ///< the points inside the cube; empty if `outside` is 0
     std::uint64_t outside;              ///< the number of points outside: all of them if the scan's origin is outside
   };
   Clipped clip_to_cube(std::span<const float> points_world_m, const Eigen::Vector3d& scan_origin_world_m) const;
 
-  /// The key of the voxel that holds a point; none if it is outside the cube.
+  /// The key of the voxel that contains a point; nullopt if the point is outside the cube.
   std::optional<VoxelKey> key_at(const double* point_world_m) const;
   /// The centre, along one axis, of a cube with an edge of 2^levels voxels.
   double centre_world_m(const VoxelKey& corner, int levels, std::size_t axis) const {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];
   }
 
-  /// Notes in both lists of changes what has changed since either was read.
+  /// Records changes in both lists since either was last read.
   void note_changes() {
     const ChangedChunks latest = engine->take_changed();
     changes.note(latest);
     occupied_changes.note(latest);
   }
 
-  /// Calls visit(key) for each voxel that is occupied, or free, in Morton order.
+  /// Calls visit(key) for each voxel that is occupied (or free), in Morton order.
   template <typename Visit>
   void for_each_voxel_that_is(bool occupied, const Visit& visit) const;
   std::vector<double> voxels_world_m(bool occupied) const;

@@ -21,8 +21,8 @@ void require_points(std::span<const double> points, const char* path) {
   for (const double x : points) require(std::isfinite(x), path, x, "must be finite");
 }
 
-/// The direction unchanged, unless OctoMap could not compute its length: then normalised, so that its squares stay
-/// within a float's range.
+/// Returns the direction unchanged unless OctoMap could not compute its length; in that case, normalised, so that its
+/// squares stay within the range of a float.
 Eigen::Vector3f float_direction(const Eigen::Vector3d& direction) {
   const double length = direction.stableNorm();
   return (length > 1e18 || length < 1e-18 ? (direction / length).eval() : direction).cast<float>();
@@ -113,7 +113,7 @@ MapCubes OccupancyMap::voxels_in(const Eigen::Vector3d& low_world_m, const Eigen
     const double low = low_world_m[axis], high = high_world_m[axis], origin = impl_->origin_world_m[axis];
     require(!std::isnan(low) && !std::isnan(high) && low <= high, "box", low,
             "the low corner must not be above the high one, nor NaN");
-    // One extra voxel at either end, because of rounding: which centres lie in the box is tested below.
+    // One extra voxel at either end to allow for rounding; the test below decides which centres lie in the box.
     const auto key = [&](double at) {
       return std::clamp(impl_->cell(at - origin), -kHalfExtent - 1.0, kHalfExtent + 1.0);
     };

@@ -9,8 +9,9 @@
 
 namespace uwsim {
 
-/// Which voxels became occupied, or stopped being so, since the last call. Free water, which is most of what scans
-/// change, costs nothing: it stores 12 bytes for each 4 x 4 x 4 voxels that contain an occupied one.
+/// Tracks which voxels became occupied, or are no longer occupied, since the last call. Free water, which accounts for
+/// most changes by scans, costs nothing: only 12 bytes are stored for each 4 x 4 x 4 voxels that contain an occupied
+/// one.
 class OccupiedChanges {
  public:
   struct Changed {
@@ -20,7 +21,7 @@ class OccupiedChanges {
 
   /// Records which chunks may have changed.
   void note(const ChangedChunks& chunks);
-  /// Returns changed voxels in Morton order; on the first call, all occupied ones. Throws InvalidValue if there are
+  /// Returns changed voxels in Morton order; on the first call, all occupied voxels. Throws InvalidValue if there are
   /// more than `most`; the next call then reports them.
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 

@@ -11,7 +11,7 @@
 #include "uwsim/mapping/morton.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
-// The tree's code is Debian's, linked from its archives: if compiled here, it could produce a different tree.
+// The tree's code is Debian's, linked from its static libraries; compiled here, it might produce a different tree.
 extern template class octomap::OcTreeDataNode<float>;
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
 extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
@@ -21,7 +21,7 @@ namespace {
 
 using octomap::OcTreeNode;
 
-/// Access to protected members. OctoMap's own accessors and iterators are not in Debian's archives.
+/// Access to protected members. OctoMap's own accessors and iterators are not in Debian's static libraries.
 struct Children : OcTreeNode {
   static const OcTreeNode* at(const OcTreeNode& node, int child) {
     octomap::AbstractOcTreeNode** all = node.*(&Children::children);
@@ -41,8 +41,8 @@ struct Root : octomap::OcTree {
   static void detect_changes(octomap::OcTree& tree) { tree.*(&Root::use_change_detection) = true; }
 };
 
-/// Updates and prunes the inner nodes from the bottom up, to the state that insertions would have left. The root is not
-/// pruned: a .bt cannot express a root that is a leaf.
+/// Updates and prunes the inner nodes from the bottom up, to the state that insertions would have produced. The root is
+/// not pruned, since a .bt cannot express a root that is a leaf.
 void update_inner_nodes(octomap::OcTree& tree, OcTreeNode& node) {
   if (Children::none(node)) return;
   for (int child = 0; child < 8; ++child) {
@@ -63,7 +63,7 @@ void add_to_all(octomap::OcTree& tree, OcTreeNode& node, float log_odds) {
   }
 }
 
-/// Descends from a node 2^at wide to the cube of 2^levels voxels with this corner.
+/// Descends from a node with an edge of 2^at voxels to the cube of 2^levels voxels with this corner.
 void add_to_cube(octomap::OcTree& tree, OcTreeNode& node, bool is_new, int at, const VoxelKey& corner, int levels,
                  float log_odds) {
   if (at == levels) return add_to_all(tree, node, log_odds);
@@ -104,7 +104,7 @@ void set_model(octomap::OcTree& tree, const OccupancyModel& model) {
 
 TreeBytes binary_data(const octomap::OcTree& tree) {
   std::ostringstream body;
-  const QuietStderr quiet;  // writeBinaryData prints how many nodes it writes
+  const QuietStderr quiet;  // writeBinaryData prints the number of nodes
   tree.writeBinaryData(body);
   return {body.str(), tree.size()};
 }
@@ -126,7 +126,8 @@ class OctomapEngine : public MapEngine {
     for (const Scan& scan : scans) {
       tree_.insertPointCloud(cloud(scan), {scan.origin_m.x(), scan.origin_m.y(), scan.origin_m.z()}, max_range_m);
     }
-    // A cube whose voxels are all known and equal is pruned to a leaf at the root, which a .bt cannot express.
+    // If all voxels of the cube are known and equal, the tree is pruned to a single leaf at the root, which a .bt
+    // cannot express.
     if (OcTreeNode* root = Root::of(tree_); root && Children::none(*root)) tree_.expandNode(root);
   }
 
@@ -194,7 +195,7 @@ class OctomapEngine : public MapEngine {
 
   TreeBytes full_tree() const override { return full_data(tree_); }
 
-  /// Does what writeBinary does, but on a copy: the tree keeps its log-odds.
+  /// Does the same as writeBinary, but on a copy: the tree keeps its log-odds.
   TreeBytes binary_tree() const override { return Root::of(tree_) ? binary_data(*likely_copy()) : TreeBytes{}; }
 
   void write_tree(MapFormat format, AtomicFile& file) const override {
@@ -221,7 +222,7 @@ class OctomapEngine : public MapEngine {
   }
 
   /// The scan's points in the tree's frame. A point whose squared distance is 0 in float is moved to the origin,
-  /// because OctoMap's walk to it might not end.
+  /// because OctoMap's walk to it might not terminate.
   octomap::Pointcloud cloud(const Scan& scan) const {
     octomap::Pointcloud cloud;
     const std::span<const float> points = scan.points_world_m;

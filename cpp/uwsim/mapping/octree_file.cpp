@@ -74,12 +74,12 @@ OctreeFile parse_header(std::string_view bytes, std::string_view name) {
   return file;
 }
 
-/// Walks the bytes of a tree and counts its nodes. The recursion is never deeper than the tree may be.
+/// Walks the bytes of a tree and counts its nodes. Recursion is limited to the maximum depth of a tree.
 class TreeCheck {
  public:
   TreeCheck(std::string_view bytes, std::size_t at, std::string_view name) : bytes_(bytes), at_(at), name_(name) {}
 
-  /// Visits an inner node of a .bt, which is already counted. There must be a level below it, and another below its
+  /// Visits an inner node of a .bt that has already been counted. There must be a level below it, and another below its
   /// inner children.
   void binary_node(int depth) {
     const auto codes = take<std::uint16_t>();
@@ -91,7 +91,7 @@ class TreeCheck {
     }
   }
 
-  /// Visits a node of an .ot, which is already counted.
+  /// Visits a node of an .ot that has already been counted.
   void full_node(int depth) {
     if (!std::isfinite(take<float>())) refuse(name_, "damaged: a log-odds that is not finite");
     const auto flags = take<std::uint8_t>();

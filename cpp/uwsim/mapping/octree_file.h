@@ -10,9 +10,9 @@
 
 /// OctoMap's two file formats, without OctoMap: a few header lines, then the tree in preorder.
 ///   .bt  the most likely values: two bytes per inner node, two bits per child: 0 unknown, 1 free, 2 occupied, 3 inner.
-///   .ot  all log-odds: a float32 of log-odds and a byte of child flags per node, leaves included.
-/// OctoMap's own reader trusts a file: it recurses as deep as the file demands, and prints instead of throwing. So
-/// every file is checked here first.
+///   .ot  all log-odds: a float32 of log-odds and a byte of child flags per node, including leaves.
+/// OctoMap's own reader trusts the file: it recurses as deep as the file demands, and prints instead of throwing. Every
+/// file is therefore checked here first.
 namespace uwsim {
 
 enum class MapFormat { bt, ot };
@@ -25,12 +25,13 @@ struct OctreeFile {
   std::array<std::uint64_t, kTreeDepth + 1> inner_nodes{};  ///< by depth
 };
 
-/// Reads the header and walks the whole tree. Throws InvalidValue that names `name` unless the id is OcTree, the
-/// resolution passes require_resolution(), no node is below the 16th level, every inner node has children, every
-/// log-odds is finite, the number of nodes matches the header and the file ends where the tree does.
+/// Reads the header and walks the whole tree. Throws InvalidValue naming `name` unless the ID is OcTree, the resolution
+/// passes require_resolution(), no node is below the 16th level, every inner node has children, all log-odds are
+/// finite, the number of nodes matches the header, and the file ends where the tree does.
 OctreeFile check_octree_file(std::string_view bytes, std::string_view name);
 
-/// The header that OctoMap writes. The resolution has six digits, as in OctoMap, or more if six would change it.
+/// The header as OctoMap writes it. The resolution has six digits, as in OctoMap, or more if six would change its
+/// value.
 std::string octree_header(MapFormat format, std::uint64_t nodes, double resolution_m);
 
 /// Throws InvalidValue unless the edge of a voxel is in [0.001, 1000] m.

@@ -11,13 +11,13 @@
 namespace uwsim {
 namespace {
 
-thread_local int quiet = 0;  ///< number of QuietStderr objects of this thread
+thread_local int quiet = 0;  ///< number of QuietStderr objects in this thread
 
 ssize_t write_unless_quiet(void*, const char* text, size_t size) {
   return quiet > 0 ? static_cast<ssize_t>(size) : ::write(STDERR_FILENO, text, size);
 }
 
-/// Replaces stderr, which is a variable in glibc. Never closed: another thread may be about to print to it.
+/// Replaces stderr, which is a variable in glibc. Never closed, since another thread may be about to print to it.
 FILE* filter() {
   static FILE* const stream = [] {
     cookie_io_functions_t functions{};
@@ -30,7 +30,7 @@ FILE* filter() {
 }
 
 std::mutex swapping;
-int in_use = 0;  ///< number of QuietStderr objects of all threads
+int in_use = 0;  ///< number of QuietStderr objects in all threads
 FILE* original = nullptr;
 
 }  // namespace

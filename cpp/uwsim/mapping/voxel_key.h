@@ -6,13 +6,13 @@
 
 namespace uwsim {
 
-/// OctoMap's tree has 16 levels below its root: a voxel's key has 16 bits per axis.
+/// OctoMap's tree has 16 levels below its root, so a voxel's key has 16 bits per axis.
 inline constexpr int kTreeDepth = 16;
-/// Distance from the centre of OctoMap's cube, which is the tree's zero, to its faces, in voxels.
+/// Distance from the centre of OctoMap's cube, which is the tree's origin, to its faces, in voxels.
 inline constexpr int kHalfExtent = 1 << (kTreeDepth - 1);
 
-/// A voxel's position in OctoMap's cube: voxels from the cube's corner along each axis, 0 to 65,535. A larger cube of
-/// the octree, with an edge of 2^levels voxels, has the key of its lowest voxel.
+/// A voxel's position in OctoMap's cube: the number of voxels from the cube's corner along each axis, 0 to 65,535. A
+/// larger cube of the octree, with an edge of 2^levels voxels, has the key of its lowest voxel.
 using VoxelKey = std::array<int, 3>;
 
 /// The i-th eighth, in Morton order, of a cube whose half edge is `half` voxels.
@@ -28,7 +28,7 @@ struct VoxelCounts {
 struct KeyBox {
   VoxelKey low, high;
 
-  /// Whether a cube with an edge of 2^levels voxels has a voxel in the box.
+  /// Whether a cube with an edge of 2^levels voxels overlaps the box.
   bool meets(const VoxelKey& corner, int levels) const {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (corner[axis] > high[axis] || corner[axis] + (1 << levels) <= low[axis]) return false;

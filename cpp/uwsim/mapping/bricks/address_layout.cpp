@@ -10,7 +10,7 @@ AddressLayout::AddressLayout(const Key& origin, const std::uint16_t* const* end_
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::uint16_t* const keys = end_key[axis];
     const auto [lowest, highest] = std::minmax_element(keys, keys + count);
-    // Through rounding, a ray may step one voxel past its end.
+    // Rounding may take a ray one voxel past its end.
     const std::uint32_t first = std::min<std::uint32_t>(*lowest, origin[axis]) - 1;
     const std::uint32_t last = std::max<std::uint32_t>(*highest, origin[axis]) + 1;
     first_chunk[axis] = first >> 6;

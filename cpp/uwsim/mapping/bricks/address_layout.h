@@ -8,22 +8,22 @@
 
 namespace uwsim::bricks {
 
-/// Where the voxels of one scan lie in its bitmap. An address is, from its highest bit down:
+/// The layout of a scan's voxels in its bitmap. An address is, from its highest bit down:
 ///
 ///   | chunk z | chunk y | chunk x |  brick in chunk  |  word in brick  |  bit in word  |
-///   |  as many bits as the scan   |      9 bits      |     3 bits      |    6 bits     |
-///   |  has chunks along the axis  |      Morton order of the voxel in its chunk: z y x z y x ... (18 bits)
+///   |   as many bits as needed    |      9 bits      |     3 bits      |    6 bits     |
+///   |  for the scan's chunks      |      Morton order of the voxel in its chunk: z y x z y x ... (18 bits)
 ///
-/// Chunks are counted from the first that the scan reaches. A step to the next voxel along an axis adds one to the bits
-/// of that axis, axis_mask, and skips the others. Addresses of a scan that needs more than kTableBits do not fit the
-/// bitmap; they are the Morton codes of the voxels' keys (48 bits), and voxels are marked in a hash table.
+/// Chunks are numbered from the first one that the scan reaches. A step to the next voxel along an axis adds one to the
+/// bits of that axis, axis_mask, skipping the others. Addresses of a scan that needs more than kTableBits do not fit
+/// the bitmap; instead, they are the Morton codes of the voxels' keys (48 bits), and voxels are marked in a hash table.
 struct AddressLayout {
   static constexpr int kChunkBits = 18;
-  static constexpr int kTableBits = 32;  ///< two tables of 512 MB of address space; only what rays touch uses memory
+  static constexpr int kTableBits = 32;  ///< two tables of 512 MB of address space; only used pages take memory
 
   using Key = std::array<std::uint32_t, 3>;
 
-  /// For rays from `origin` to `count` ends, whose keys are given as three columns: end_key[axis][i].
+  /// For `count` rays from `origin`. The keys of their ends are given as three columns: end_key[axis][i].
   AddressLayout(const Key& origin, const std::uint16_t* const* end_key, std::size_t count);
 
   std::uint64_t address(const Key& key) const {
@@ -35,13 +35,13 @@ struct AddressLayout {
     }
     return address;
   }
-  /// The address of a chunk's first voxel; x, y, z count chunks from first_chunk.
+  /// The address of a chunk's first voxel; x, y, z are counted in chunks from first_chunk.
   std::size_t chunk_address(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return std::size_t{x} << shift[0] | std::size_t{y} << shift[1] | std::size_t{z} << shift[2];
   }
 
   Key first_chunk{};
-  Key chunks{};                ///< along each axis
+  Key chunks{};                ///< number of chunks along each axis
   std::array<int, 3> shift{};  ///< positions of the lowest bits of the chunk's x, y and z
   int bits = 0;                ///< number of bits of an address
   std::array<std::uint64_t, 3> axis_mask{};

@@ -11,10 +11,10 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr std::uint32_t kIndices = 1u << 31;
-/// Allocated before the first huge page, so that a small map takes little memory.
+/// Allocated before the first huge page, so that a small map uses little memory.
 constexpr std::size_t kSmallBytes = 256 << 10;
 
-/// Segments of destroyed arenas, up to this much address space: their pages are already present.
+/// Segments of destroyed arenas are kept, up to this much address space, because their pages are already present.
 constexpr std::size_t kKeptBytes = 64 << 20;
 struct KeptSegments {
   KeptSegments() { segments.reserve(kKeptBytes / kHugePage); }
@@ -24,7 +24,7 @@ struct KeptSegments {
   std::size_t bytes = 0;
 };
 
-/// Never destroyed: maps may outlive static objects.
+/// Never destroyed, since maps may outlive static objects.
 KeptSegments& kept_segments() {
   static KeptSegments& kept = *new KeptSegments;
   return kept;

@@ -8,12 +8,12 @@
 
 namespace uwsim::bricks {
 
-/// Elements of one size, identified by index; they never move, and new ones are uninitialised. Only one thread at a
-/// time may allocate; any number may look elements up. When an arena is destroyed, some of its memory is kept for the
-/// next one.
+/// Elements of one size, identified by index. They never move, and new ones are uninitialised. Only one thread at a
+/// time may allocate; any number of threads may look elements up. When an arena is destroyed, some of its memory is
+/// kept for the next one.
 class Arena {
  public:
-  /// Elements lie in segments of 2^segment_bits.
+  /// Segments contain 2^segment_bits elements each.
   Arena(std::size_t element_bytes, int segment_bits);
   ~Arena();
   Arena(const Arena&) = delete;

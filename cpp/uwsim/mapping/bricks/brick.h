@@ -6,15 +6,15 @@
 /// The smallest parts of the map's storage. They are plain structs, used by the kernels of every instruction set.
 namespace uwsim::bricks {
 
-/// Means "no brick" or "no block" where an index is expected.
+/// The index that means "no brick" or "no block".
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
 /// 8 x 8 x 8 voxels in Morton order. Word w covers the 4 x 4 x 4 voxels 64 w to 64 w + 63, whose log-odds are in one
-/// block. A word needs no block while every known voxel in it is exactly at clamping_min, as most of the water in a
-/// survey is.
+/// block. A word needs no block while all of its known voxels are exactly at clamping_min, which is true of most of the
+/// water in a survey.
 struct alignas(64) Brick {
   std::uint64_t known[8];
-  std::uint64_t at_min[8];  ///< known and at or below clamping_min: a miss does not change these voxels
+  std::uint64_t at_min[8];  ///< known and at or below clamping_min: unaffected by misses
   std::uint32_t block[8];   ///< kNone, or the index of a block of 64 log-odds; 0 where a voxel is unknown
 };
 

@@ -9,8 +9,8 @@
 
 namespace uwsim::bricks {
 
-/// One thread's supply of free bricks and blocks from a store. It takes them from the store in batches, so that threads
-/// rarely wait for each other, and returns them when it is destroyed.
+/// One thread's supply of free bricks and blocks from a store. They are taken from the store in batches, so that
+/// threads rarely wait for each other, and are returned on destruction.
 class BrickAllocator {
  public:
   explicit BrickAllocator(BrickStore& store) : store_(store) {}
@@ -18,13 +18,13 @@ class BrickAllocator {
   BrickAllocator(const BrickAllocator&) = delete;
   BrickAllocator& operator=(const BrickAllocator&) = delete;
 
-  /// A pool with at least `at_least` free blocks, and room for as many to be returned.
+  /// A pool with at least `at_least` free blocks, and room for returning as many.
   BlockPool& blocks(std::size_t at_least);
   /// The brick of a slot, for writing; created if the slot is kNone or uniform.
   Brick& writable(std::uint32_t& slot);
   /// The block of a word, for writing. In a new block, known voxels are `known_log_odds` and unknown ones 0.
   float* writable_block(Brick& brick, int word, float known_log_odds);
-  /// Frees the brick of a slot and makes the slot uniform, if all its voxels are known and at clamping_min.
+  /// If all voxels of a slot's brick are known and at clamping_min, frees the brick and makes the slot uniform.
   void compact(std::uint32_t& slot);
 
  private:

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// The largest map that OctoMap writes: meanwhile, each of its nodes takes about 90 bytes.
+/// The largest map that is written through OctoMap; during writing, each of its nodes takes about 90 bytes.
 constexpr std::uint64_t kMostOctomapNodes = 30'000'000;
 
 class BrickEngine : public MapEngine {
@@ -112,8 +112,8 @@ class BrickEngine : public MapEngine {
   std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
-  /// Whether octomap::OcTree writes the .bt. We write it ourselves if the map has a memory limit or if that tree would
-  /// take gigabytes. The bytes are the same.
+  /// Whether octomap::OcTree writes the .bt. This engine writes it directly if the map has a memory limit or if
+  /// OctoMap's tree would take gigabytes. The bytes are the same.
   bool is_written_by_octomap(const TreeBytes& tree) const {
     return !store_.is_limited() && tree.nodes <= kMostOctomapNodes;
   }

@@ -12,10 +12,10 @@ class AtomicFile;
 }
 
 /// A store of bricks viewed as OctoMap's octree: lists leaves, and writes and reads OctoMap's files. Inner nodes and
-/// pruning exist only while a function here runs.
+/// pruned leaves are computed on the fly and never stored.
 namespace uwsim::bricks {
 
-// brick_octree_leaves.cpp
+// Defined in brick_octree_leaves.cpp:
 
 /// In Morton order.
 void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
@@ -23,34 +23,34 @@ void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
 /// The leaves that contain voxels of the box.
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
 
-/// The numbers of voxels; none if counting would have to walk over large leaves.
+/// The numbers of voxels; nullopt if counting would have to iterate over large leaves.
 std::optional<VoxelCounts> count_voxels(const BrickStore& store);
 
 /// Sets the bits of a chunk's occupied voxels, in Morton order.
 void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& words);
 
-// brick_octree_write.cpp
+// Defined in brick_octree_write.cpp:
 
 /// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, and an inner
 /// node holds the maximum of its children.
 TreeBytes full_tree(const BrickStore& store);
 std::uint64_t count_nodes(const BrickStore& store);
 
-/// The same tree after OctoMap's toMaxLikelihood and prune. That prune goes up level by level and stops at the first
-/// level where it prunes nothing, even if there is something to prune above; this does the same.
+/// The same tree after OctoMap's toMaxLikelihood and prune. OctoMap's prune proceeds level by level upwards and stops
+/// at the first level where it prunes nothing, even if nodes above could be pruned; this shape reproduces that.
 struct LikelyShape {
   int pruned_levels;
   std::uint64_t nodes;
 };
 LikelyShape likely_shape(const BrickStore& store);
-/// The tree of that shape as a .bt: the bytes that octomap::OcTree writes for it.
+/// The tree in that shape as a .bt, identical to what octomap::OcTree writes.
 TreeBytes binary_tree(const BrickStore& store);
 
-/// Write the whole file, chunk by chunk: the memory needed does not depend on the map.
+/// Write the whole file chunk by chunk, so that the memory needed does not depend on the size of the map.
 void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);
 void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file);
 
-// brick_octree_read.cpp
+// Defined in brick_octree_read.cpp:
 
 /// Fills an empty store from the tree of a file that check_octree_file() accepted.
 void load_tree(BrickStore& store, MapFormat format, std::string_view body);

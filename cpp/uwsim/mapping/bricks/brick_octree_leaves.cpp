@@ -7,7 +7,7 @@
 namespace uwsim::bricks {
 namespace {
 
-/// The occupied voxels among the 64 of a word.
+/// A mask of the occupied voxels in a word of 64.
 std::uint64_t occupied_bits(const BrickStore& store, const Brick& brick, std::size_t word) {
   if (brick.block[word] == kNone) return is_occupied(store.model().clamping_min) ? brick.known[word] : 0;
   const float* const block = store.block(brick.block[word]);
@@ -34,7 +34,7 @@ class LeafLister {
   const MapEngine::LeafVisitor& visit_;
 };
 
-/// Lists leaves, skipping the cubes that do not intersect a box.
+/// Lists leaves, skipping cubes that do not intersect a box.
 class BoxLister {
  public:
   BoxLister(const KeyBox& box, const MapEngine::LeafVisitor& visit) : box_(box), visit_(visit) {}

@@ -8,7 +8,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Reads the nodes of a tree in preorder. levels: of the node's cube of 2^levels voxels; code: of its lowest voxel.
+/// Reads the nodes of a tree in preorder. levels: the node's cube has an edge of 2^levels voxels; code: of its lowest
+/// voxel.
 class OctreeReader {
  public:
   OctreeReader(BrickStore& store, std::string_view body) : store_(store), allocator_(store), body_(body) {}

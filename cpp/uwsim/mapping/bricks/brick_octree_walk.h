@@ -13,7 +13,7 @@ namespace uwsim::bricks {
 /// Walks a store as an octree, from the root to the leaves, in Morton order. The visitor has three functions, which
 /// return the same type:
 ///   visitor.leaf(levels, code, log_odds)   a cube of 2^levels voxels that are known and equal
-///   visitor.unknown()                      a cube of which nothing is known
+///   visitor.unknown()                      a cube without known voxels
 ///   visitor.inner(levels, code, child)     any other cube; child(i) walks its i-th eighth. Children must be visited in
 ///                                          order, and some may be skipped
 /// `code` is the Morton code of a cube's lowest voxel.
@@ -30,7 +30,7 @@ class OctreeWalk {
   Result run() { return walk_chunks(kTreeDepth, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
-  /// Whether the voxels of a cube are certain to be equal; not every such cube is detected. levels: 1 or 2.
+  /// Returns true only if the voxels of a cube are equal; not every such cube is detected. levels: 1 or 2.
   bool are_equal(const Brick& brick, int first, int levels) const {
     const std::uint32_t block = brick.block[first >> 6];
     if (block == kNone) return true;  // all at clamping_min
@@ -44,8 +44,8 @@ class OctreeWalk {
   using Chunks = std::span<const BrickStore::ChunkRef>;
   using Leaves = std::span<const BrickStore::LargeLeaf>;
 
-  /// A cube of one chunk or more. `chunks`, `leaves`: those inside it. `cover`: the large leaf that it lies in, or
-  /// null.
+  /// A cube of one or more chunks. `chunks`, `leaves`: those inside the cube. `cover`: the large leaf that contains it,
+  /// or null.
   Result walk_chunks(int levels, std::uint32_t code, Chunks chunks, Leaves leaves, const BrickStore::LargeLeaf* cover) {
     if (leaves.size() == 1 && leaves[0].levels == levels) {
       cover = &leaves[0];
@@ -75,7 +75,7 @@ class OctreeWalk {
     });
   }
 
-  /// A cube of one brick or more. `first`: its first slot.
+  /// A cube of one or more bricks. `first`: its first slot.
   Result walk_bricks(int levels, std::uint64_t code, const BrickStore::Chunk& chunk, std::size_t first) {
     if (levels == 3) {
       const std::uint32_t slot = chunk.bricks[first];
@@ -89,7 +89,7 @@ class OctreeWalk {
     });
   }
 
-  /// A cube of one voxel or more. `first`: its first voxel.
+  /// A cube of one or more voxels. `first`: its first voxel.
   Result walk_voxels(int levels, std::uint64_t code, const Brick& brick, int first) {
     if (levels == 0) {
       if (!(brick.known[first >> 6] >> (first & 63) & 1)) return visitor_.unknown();

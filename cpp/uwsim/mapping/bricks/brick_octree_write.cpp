@@ -10,15 +10,15 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Writes nodes in preorder in one of OctoMap's formats (octree_file.h), or only counts them. A node comes before its
-/// children, but its bytes depend on them: they are overwritten when the children are done, or, if these are equal, the
-/// children are removed again.
+/// Writes nodes in preorder in one of OctoMap's formats (octree_file.h), or only counts them. A node precedes its
+/// children, but its bytes depend on them: they are overwritten when the children are complete, or, if all children are
+/// equal, the children are removed again.
 class OctreeWriter {
  public:
   struct Node {
     bool exists = false;
     bool is_leaf = false;
-    bool is_inserted_leaf = false;  ///< it was a leaf before values became the most likely ones
+    bool is_inserted_leaf = false;  ///< whether it was a leaf before values were replaced by the most likely ones
     float log_odds = 0;
     float written = 0;  ///< log_odds, or the most likely value
   };
@@ -26,7 +26,7 @@ class OctreeWriter {
 
   /// Writes all log-odds, as an .ot. buffer: null to count only.
   explicit OctreeWriter(OctreeBuffer* buffer) : buffer_(buffer) {}
-  /// Writes the most likely values, which make more leaves equal. These are pruned up to `pruned_levels` above the
+  /// Writes the most likely values, which makes more leaves equal. These are pruned up to `pruned_levels` above the
   /// voxels.
   OctreeWriter(OctreeBuffer* buffer, MapFormat format, const OccupancyLogOdds& model, int pruned_levels)
       : buffer_(buffer),
@@ -77,7 +77,7 @@ class OctreeWriter {
   }
 
   std::uint64_t nodes = 0;
-  Counts newly_equal{};  ///< by level: inner nodes whose children are equal only as most likely values
+  Counts newly_equal{};  ///< by level: inner nodes whose children are equal only in their most likely values
 
  private:
   float likely(float log_odds) const {
@@ -122,7 +122,7 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   return writer;
 }
 
-/// The shape, found by a writer that has pruned all levels.
+/// Derives the shape from a writer that has pruned all levels.
 LikelyShape shape_by(const OctreeWriter& all) {
   const auto newly_equal = [&](int levels) { return all.newly_equal[static_cast<std::size_t>(levels)]; };
   LikelyShape shape{0, all.nodes};
@@ -148,7 +148,7 @@ TreeBytes full_tree(const BrickStore& store) {
 std::uint64_t count_nodes(const BrickStore& store) { return write(store, OctreeWriter(nullptr)).nodes; }
 
 TreeBytes binary_tree(const BrickStore& store) {
-  OctreeBuffer guess;  // usually OctoMap prunes everything that can be pruned
+  OctreeBuffer guess;  // OctoMap usually prunes everything that can be pruned
   const OctreeWriter all = write(store, OctreeWriter(&guess, MapFormat::bt, store.model(), kTreeDepth));
   const LikelyShape shape = shape_by(all);
   if (shape.nodes == all.nodes) return {guess.release(), shape.nodes};

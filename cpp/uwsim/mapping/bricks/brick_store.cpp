@@ -123,8 +123,8 @@ void BrickStore::set_model(const OccupancyLogOdds& model) {
   }
 }
 
-/// Adapts a chunk to a new clamping_min. old_slot: the new slot for uniform bricks at the old value; known_slot: the
-/// slot that uniform bricks at the new value had so far, or kNone.
+/// Adapts a chunk to a new clamping_min. old_slot: the new slot of uniform bricks at the old value; known_slot: the
+/// previous slot of uniform bricks at the new value, or kNone.
 void BrickStore::move_clamping_min(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_min) {
   BrickAllocator allocator(*this);
   for (std::uint32_t& slot : chunk.bricks) {

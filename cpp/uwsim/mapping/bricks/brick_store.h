@@ -21,28 +21,28 @@ namespace uwsim::bricks {
 struct ChunkSpill;
 
 /// The voxels of a map: chunks of 8 x 8 x 8 bricks of 8 x 8 x 8 voxels, found in a hash table. A brick whose voxels are
-/// all known and equal, and a file's leaf that is larger than a chunk, are stored as one value. README.md shows the
-/// levels.
+/// all known and equal is stored as a single value, as is a leaf from a file that is larger than a chunk. README.md
+/// shows the levels.
 class BrickStore {
  public:
-  /// 512 slots in Morton order. A slot is kNone (all voxels unknown), or kUniform + the index of a value (all known and
+  /// 512 slots in Morton order. A slot is kNone (all voxels unknown), kUniform + the index of a value (all known and
   /// equal), or the index of a brick.
   struct Chunk {
     std::array<std::uint32_t, 512> bricks;
     std::uint64_t last_use = 0;  ///< value of ChunkSpill::clock at its last use
-    bool is_saved = false;       ///< whether the spill file holds the chunk in its present state
+    bool is_saved = false;       ///< whether the spill file contains the chunk in its present state
   };
   static constexpr std::uint32_t kUniform = 0x80000000;
   static constexpr std::uint32_t kUniformAtMin = kUniform;  ///< the first value is always clamping_min
 
-  /// A chunk's code, which is the Morton code of its first voxel without the lowest 18 bits, and the chunk; null if it
-  /// is only in the spill file.
+  /// A chunk's code, which is the Morton code of its first voxel without the lowest 18 bits, and the chunk; null if the
+  /// chunk is only in the spill file.
   using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
 
   /// A cube of 2^levels voxels that are all known and equal.
   struct LargeLeaf {
-    std::uint32_t code;  ///< of its first chunk
-    int levels;          ///< more than a chunk's 6
+    std::uint32_t code;  ///< of the leaf's first chunk
+    int levels;          ///< greater than a chunk's 6
     float log_odds;
   };
 
@@ -50,22 +50,22 @@ class BrickStore {
   ~BrickStore();
 
   const OccupancyLogOdds& model() const { return model_; }
-  /// Applies to later scans: existing voxels keep their values.
+  /// Applies to later scans; existing voxels keep their values.
   void set_model(const OccupancyLogOdds& model);
 
-  // Memory, defined in chunk_spill.cpp.
+  // Memory; defined in chunk_spill.cpp:
 
-  /// Keeps the memory of the chunks near `bytes`: the least recently used go to a file in `folder` (empty: the
-  /// system's) and come back when they are needed. Throws FileError.
+  /// Keeps the memory of the chunks near `bytes`: the least recently used chunks are moved to a file in `folder`
+  /// (empty: the system's) and restored when they are needed. Throws FileError.
   void limit_memory(std::size_t bytes, const std::string& folder);
   bool is_limited() const { return spill_ != nullptr; }
-  /// Evicts chunks if there are too many: pointers from find_chunk() and writable_chunk() become invalid. Chunks stay
-  /// in memory if the file cannot be written.
+  /// Evicts chunks if there are too many, which invalidates pointers from find_chunk() and writable_chunk(). Chunks
+  /// stay in memory if the file cannot be written.
   void evict_excess();
   /// Like evict_excess(), but throws FileError if the file cannot be written and there are too many chunks.
   void evict_excess_or_throw();
   std::uint64_t evictions() const;
-  /// A chunk for reading, loaded from the spill file for the lifetime of this object if it is not in memory.
+  /// A chunk for reading. If it is not in memory, it is loaded from the spill file for the lifetime of this object.
   class LoadedChunk {
    public:
     LoadedChunk(const BrickStore& store, const ChunkRef& chunk);
@@ -80,37 +80,38 @@ class BrickStore {
     const Chunk* chunk_;
     const bool is_temporary_;
   };
-  /// The memory of the map, including its reserves.
+  /// The memory of the map, including unused reserves.
   std::size_t memory_bytes() const;
 
-  // Chunks.
+  // Chunks:
 
-  /// Null if the map has no such chunk. The pointer is valid until the next call.
+  /// Returns null if the map has no such chunk. The pointer is valid until the next call.
   const Chunk* find_chunk(std::uint32_t code) const;
-  /// A chunk for writing; created if there is none, filled from the large leaf over it if there is one. For one thread
-  /// at a time.
+  /// Returns a chunk for writing; if there is none, it is created and filled from the large leaf that covers it, if
+  /// any. Not thread-safe.
   Chunk& writable_chunk(std::uint32_t code);
   /// In Morton order.
   std::vector<ChunkRef> sorted_chunks() const;
   std::vector<ChunkRef> sorted_chunks(const KeyBox& box) const;
-  /// Chunks that may have changed since the last call; `all` on the first call, after which changes are recorded.
+  /// Returns the chunks that may have changed since the last call; `all` on the first call, after which changes are
+  /// recorded.
   ChangedChunks take_changed();
   ChangedChunks& changed() { return changed_; }
 
-  /// Sorted by code, none inside another. Where there is a chunk inside a large leaf, the chunk counts.
+  /// Sorted by code; leaves do not overlap. If a chunk lies inside a large leaf, the chunk takes precedence.
   const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
   void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
   void set_large_leaves(std::vector<LargeLeaf> leaves) { large_leaves_ = std::move(leaves); }
-  /// Null if there is none.
+  /// Returns null if there is none.
   const LargeLeaf* large_leaf_over(std::uint32_t code) const;
 
-  // Bricks.
+  // Bricks:
 
   Brick& brick(std::uint32_t index) const { return *reinterpret_cast<Brick*>(bricks_.at(index)); }
   const float* block(std::uint32_t index) const { return reinterpret_cast<const float*>(blocks_.at(index)); }
   /// The log-odds of a uniform slot.
   float uniform(std::uint32_t slot) const { return uniform_values_[slot & ~kUniform]; }
-  /// The slot of a uniform brick. For one thread at a time.
+  /// The slot of a uniform brick. Not thread-safe.
   std::uint32_t uniform_slot(float log_odds);
 
  private:
@@ -137,7 +138,7 @@ class BrickStore {
   std::unique_ptr<ChunkSpill> spill_;  ///< null: no memory limit
 };
 
-/// Log-odds of a voxel of a brick, unless it is unknown; `index` in Morton order.
+/// Log-odds of a known voxel of a brick; `index` in Morton order.
 inline float log_odds_of(const BrickStore& store, const Brick& brick, int index) {
   const std::uint32_t block = brick.block[index >> 6];
   return block == kNone ? store.model().clamping_min : store.block(block)[index & 63];

@@ -7,12 +7,12 @@
 #include "uwsim/mapping/bricks/brick_allocator.h"
 #include "uwsim/mapping/bricks/brick_store.h"
 
-/// The members of BrickStore that limit its memory: whole chunks are evicted to the spill file, the least recently used
+/// The members of BrickStore that limit its memory: whole chunks are evicted to the spill file, least recently used
 /// first, and restored when they are needed.
 namespace uwsim::bricks {
 namespace {
 
-/// Memory that a chunk takes in the hash table in addition to its own.
+/// Additional memory of a chunk in the hash table.
 constexpr std::size_t kHashBytes = 64;
 
 void put(std::vector<std::byte>& out, const void* from, std::size_t bytes) {
@@ -39,14 +39,14 @@ std::size_t BrickStore::memory_bytes() const {
          blocks_.memory_bytes();
 }
 
-/// The memory that counts against the limit: the chunks with their bricks and blocks, without the reserves.
+/// The memory that counts against the limit: chunks with their bricks and blocks, without unused reserves.
 std::size_t BrickStore::used_bytes() const {
   return (bricks_.allocated() - spare_bricks_.size()) * sizeof(Brick) +
          (blocks_.allocated() - spare_blocks_.size()) * 64 * sizeof(float) +
          chunks_.size() * (sizeof(Chunk) + kHashBytes);
 }
 
-/// The chunk's slots, then for each of its bricks: known, at_min, one byte that marks which blocks it has, and these
+/// The chunk's slots, followed for each of its bricks by known, at_min, one byte that marks its blocks, and these
 /// blocks.
 std::vector<std::byte> BrickStore::packed(const Chunk& chunk) const {
   std::vector<std::byte> out;
@@ -130,7 +130,8 @@ void BrickStore::evict_excess() {
   oldest.reserve(chunks_.size());
   for (const auto& [code, chunk] : chunks_) oldest.emplace_back(chunk->last_use, code);
   std::sort(oldest.begin(), oldest.end());
-  const std::size_t enough = spill_->limit_bytes - spill_->limit_bytes / 4;  // so that not every call has to evict
+  // leaves a margin, so that not every call has to evict
+  const std::size_t enough = spill_->limit_bytes - spill_->limit_bytes / 4;
   try {
     for (const auto& [last_use, code] : oldest) {
       if (used_bytes() <= enough) break;
@@ -150,7 +151,7 @@ void BrickStore::evict_excess_or_throw() {
 }
 
 BrickStore::LoadedChunk::LoadedChunk(const BrickStore& store, const ChunkRef& chunk)
-    // A chunk that is loaded and dropped again leaves the store unchanged.
+    // Loading a chunk and dropping it again leaves the store unchanged.
     : store_(const_cast<BrickStore&>(store)), code_(chunk.first), chunk_(chunk.second), is_temporary_(!chunk_) {
   if (is_temporary_) chunk_ = store_.restore(code_);
 }

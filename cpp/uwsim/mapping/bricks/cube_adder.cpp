@@ -26,7 +26,7 @@ void CubeAdder::add(std::uint64_t code, int levels, float log_odds) {
   add_to_brick(into.bricks[brick], code & 511, std::size_t{1} << (3 * levels), log_odds);
 }
 
-/// The chunk for writing; created if there is none. Successive cubes are often in the same chunk.
+/// The chunk for writing; created if necessary. Successive cubes are often in the same chunk.
 BrickStore::Chunk& CubeAdder::chunk(std::uint32_t code) {
   if (code != code_) {
     store_.evict_excess();
@@ -65,7 +65,7 @@ void CubeAdder::add_to_brick(std::uint32_t& slot, std::size_t first, std::size_t
   }
 }
 
-/// Adds to a cube that is larger than a chunk. If the map knows nothing of it, it stays one large leaf.
+/// Adds to a cube that is larger than a chunk. If the whole cube is unknown, it becomes one large leaf.
 void CubeAdder::add_large(std::uint32_t code, int levels, float log_odds) {
   split_large_leaf_over(code, levels);
   all_chunks_.clear();
@@ -130,7 +130,7 @@ void CubeAdder::add_to_large_leaves(std::uint32_t code, int levels, float log_od
   fill(fill, code, levels);
   leaves.insert(leaves.end(), new_leaves.begin(), new_leaves.end());
   sort_by_code(leaves);
-  // A new chunk starts out like the leaf over it, and here there is none.
+  // A new chunk is filled from the leaf that covers it, and here there is none.
   for (const std::uint32_t made : new_chunks) add_to_chunk(chunk(made), 0, 512, log_odds);
   store_.set_large_leaves(std::move(leaves));
 }

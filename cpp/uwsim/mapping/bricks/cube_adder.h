@@ -9,8 +9,8 @@
 
 namespace uwsim::bricks {
 
-/// Adds log-odds to cubes of voxels by the rule of log_odds.h, which is how maps are merged. Nothing else may change
-/// the store in the meantime.
+/// Adds log-odds to cubes of voxels by the rule of log_odds.h, for merging maps. The store must not be changed by other
+/// means in the meantime.
 class CubeAdder {
  public:
   /// Throws FileError if there are too many chunks in memory and they cannot be evicted.
@@ -30,9 +30,9 @@ class CubeAdder {
 
   BrickStore& store_;
   BrickAllocator allocator_;
-  std::uint32_t code_ = kNone;  ///< of chunk_, the last one used
+  std::uint32_t code_ = kNone;  ///< of chunk_, the most recently used
   BrickStore::Chunk* chunk_ = nullptr;
-  std::vector<std::uint32_t> all_chunks_;  ///< codes of all chunks in order, while a large cube is added
+  std::vector<std::uint32_t> all_chunks_;  ///< sorted codes of all chunks, while a large cube is being added
 };
 
 }  // namespace uwsim::bricks

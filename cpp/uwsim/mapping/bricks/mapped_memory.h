@@ -6,18 +6,18 @@ namespace uwsim {
 
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-/// Zeroed memory straight from the operating system. A page takes up memory only once it is written to.
+/// Zeroed memory directly from the operating system. A page uses memory only once it has been written to.
 class MappedMemory {
  public:
   MappedMemory() = default;
-  /// Memory of at least one huge page is aligned so that the first huge page begins `before_huge` bytes after its
-  /// start. Throws std::bad_alloc.
+  /// If the memory spans at least one huge page, it is aligned so that the first huge page begins `before_huge` bytes
+  /// after its start. Throws std::bad_alloc.
   explicit MappedMemory(std::size_t bytes, std::size_t before_huge = 0);
   ~MappedMemory();
   MappedMemory(MappedMemory&& other) noexcept;
   MappedMemory& operator=(MappedMemory&& other) noexcept;
 
-  /// Asks the system for huge pages where possible.
+  /// Requests huge pages from the system where possible.
   void request_huge_pages();
   /// Commits the pages of a range now, so that writing to them causes no page faults. This is a hint: failures are
   /// ignored.
@@ -32,7 +32,7 @@ class MappedMemory {
  private:
   void* data_ = nullptr;
   std::size_t bytes_ = 0;
-  void* mapping_ = nullptr;  ///< contains data_; larger, so that data_ can be aligned
+  void* mapping_ = nullptr;  ///< contains data_; larger, to allow for alignment
   std::size_t mapping_bytes_ = 0;
 };
 

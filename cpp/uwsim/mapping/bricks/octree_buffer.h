@@ -10,8 +10,9 @@
 
 namespace uwsim {
 
-/// The bytes of an octree while it is being written: appended, overwritten in place, removed from the end. With a file,
-/// which may already have content, older bytes go there and only the last few megabytes stay in memory.
+/// The bytes of an octree while it is being written: they can be appended, overwritten in place, and removed from the
+/// end. If there is a file, which may already have content, older bytes are written to it, and only the last few
+/// megabytes stay in memory.
 class OctreeBuffer {
  public:
   explicit OctreeBuffer(AtomicFile* file = nullptr) : file_(file), start_(file ? file->size() : 0) {}
@@ -23,7 +24,7 @@ class OctreeBuffer {
     bytes_.append(bytes, count);
   }
 
-  /// Overwrites bytes that were appended in one call, so that all are in memory or all in the file.
+  /// Overwrites bytes that were appended in one call, so that all of them are either in memory or in the file.
   void overwrite(std::uint64_t at, const char* bytes, std::size_t count) {
     if (at >= in_file_) {
       std::memcpy(bytes_.data() + (at - in_file_), bytes, count);
@@ -39,14 +40,14 @@ class OctreeBuffer {
     file_->truncate(start_ + size);
   }
 
-  /// Writes what is still in memory to the file.
+  /// Writes the bytes that are still in memory to the file.
   void flush() {
     file_->append(bytes_);
     in_file_ += bytes_.size();
     bytes_.clear();
   }
 
-  /// Returns all bytes and clears the buffer. Only without a file.
+  /// Returns all bytes and clears the buffer. Only valid without a file.
   std::string release() { return std::exchange(bytes_, {}); }
 
  private:

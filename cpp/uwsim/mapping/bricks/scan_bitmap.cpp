@@ -10,7 +10,7 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr std::size_t kKeptBitmaps = 4;
-/// Larger tables are not kept. The limit is address space, of which rays touch only a small part.
+/// Larger tables are not kept. The limit applies to address space, of which rays touch only a small part.
 constexpr std::size_t kKeptBitmapBytes = std::size_t{32} << 20;
 
 struct KeptBitmaps {
@@ -20,7 +20,7 @@ struct KeptBitmaps {
   std::vector<ScanBitmap> bitmaps;
 };
 
-/// Never destroyed: maps may outlive static objects.
+/// Never destroyed, since maps may outlive static objects.
 KeptBitmaps& kept_bitmaps() {
   static KeptBitmaps& kept = *new KeptBitmaps;
   return kept;

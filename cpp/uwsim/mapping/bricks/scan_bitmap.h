@@ -8,8 +8,8 @@
 namespace uwsim::bricks {
 
 /// One scan's marks: a bit for each voxel of the box around the scan, by its address (address_layout.h). All bits are
-/// zero between scans. Rays touch few of its pages. When a bitmap is destroyed, its memory is kept for later ones, up
-/// to a few bitmaps, because those pages are already present.
+/// zero between scans. Rays touch only a few of its pages. When a bitmap is destroyed, its memory is kept for later
+/// ones, up to a few bitmaps, because those pages are already present.
 class ScanBitmap {
  public:
   ScanBitmap() = default;
@@ -17,14 +17,14 @@ class ScanBitmap {
   ScanBitmap(ScanBitmap&& other) noexcept;
   ScanBitmap& operator=(ScanBitmap&& other) noexcept;
 
-  /// Makes it large enough for addresses of this many bits. Until end() is called, the bitmap counts as not zero.
+  /// Enlarges the bitmap for addresses of this many bits. Until end() is called, the bitmap counts as not zero.
   void begin(int address_bits);
-  /// To be called when the bitmap has been zeroed.
+  /// Must be called when the bitmap has been zeroed.
   void end() { is_in_use_ = false; }
 
-  /// voxels that rays passed through, one bit each
+  /// Voxels that rays passed through, one bit each
   std::uint64_t* missed() const { return missed_.as<std::uint64_t>(); }
-  std::uint64_t* hit() const { return hit_.as<std::uint64_t>(); }        ///< voxels that hold points, one bit each
+  std::uint64_t* hit() const { return hit_.as<std::uint64_t>(); }        ///< voxels that contain points, one bit each
   std::uint8_t* touched() const { return touched_.as<std::uint8_t>(); }  ///< one byte per brick: 1 missed, 2 hit
 
  private:

@@ -7,11 +7,11 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Mask bytes of a batch per thread: a core's own cache holds twice as much, leaving room for the bricks that they
+/// Mask bytes of a batch per thread: half the size of a core's own cache, leaving room for the bricks that the masks
 /// change.
 constexpr std::size_t kMaskBytesTogether = 768 << 10;
 constexpr std::size_t kMostTogether = 64;
-/// Scans per thread: with fewer, each batch would fetch the same bricks from memory again.
+/// Minimum number of scans per thread; with fewer, each batch would fetch the same bricks from memory again.
 constexpr std::size_t kFewestTogether = 6;
 
 }  // namespace
@@ -24,7 +24,7 @@ struct ScanInserter::Scratch {
 
 ScanInserter::ScanInserter(BrickStore& store, const Kernels& kernels) : store_(store), kernels_(kernels) {}
 
-/// In each phase the threads trace one batch and update the chunks of the previous one. The updates come last, because
+/// In each phase, the threads trace one batch and update the chunks of the previous one. The updates come last because
 /// they are many and small, so that no thread waits for long.
 void ScanInserter::insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads) {
   const std::size_t team_size = std::min(count, static_cast<std::size_t>(threads));

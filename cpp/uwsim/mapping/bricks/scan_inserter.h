@@ -12,8 +12,8 @@
 namespace uwsim::bricks {
 
 /// Inserts scans into a store. Scans are traced in parallel, in batches. The traces of a batch are then grouped by
-/// chunk, and chunks are updated in parallel, each with its scans in order. So the result depends on neither the number
-/// of threads nor the batches.
+/// chunk, and chunks are updated in parallel, each with its scans in order. The result depends on neither the number of
+/// threads nor the batches.
 class ScanInserter {
  public:
   ScanInserter(BrickStore& store, const Kernels& kernels);
@@ -22,8 +22,8 @@ class ScanInserter {
   void insert(std::size_t count, const std::function<ScanInput(std::size_t)>& scan, int threads);
 
  private:
-  /// Scans that are traced together. Their traces are in traces_, from index `traces` on; those of the previous batch
-  /// are in the other half of traces_.
+  /// Scans that are traced together. Their traces start at index `traces` in traces_; those of the previous batch are
+  /// in the other half of traces_.
   struct Batch {
     std::size_t first = 0, count = 0;
     std::size_t traces = 0;
@@ -55,7 +55,7 @@ class ScanInserter {
   Batch batch_;
   std::vector<Part> parts_;
   std::vector<Group> groups_;
-  std::size_t mask_bytes_a_scan_ = 0;  ///< of the last batch; determines the size of the next one
+  std::size_t mask_bytes_a_scan_ = 0;  ///< in the last batch; determines the size of the next one
 };
 
 }  // namespace uwsim::bricks

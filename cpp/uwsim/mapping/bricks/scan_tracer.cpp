@@ -23,7 +23,7 @@ void ScanTrace::clear() {
 
 void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
   trace.clear();
-  wide_.clear();  // may be left over from a scan that ran out of memory
+  wide_.clear();  // may be nonempty after a scan that ran out of memory
   if (scan.count == 0) return;
   reserve(scan.count);
   kernels_.start_rays(scan, rays_);
@@ -80,7 +80,7 @@ void ScanTracer::reserve_slabs(std::size_t rays) {
   }
 }
 
-/// Finds the rays that are walked by slabs, and sorts them by heading and then, in 16 classes, by number of slabs.
+/// Finds the rays that can be walked by slabs, and sorts them by heading and then, in 16 classes, by number of slabs.
 /// Neighbouring rays, many of which mark the same voxels, stay together.
 void ScanTracer::set_up_slabs(std::size_t count, const Key& origin) {
   constexpr std::size_t kClasses = 16, kBuckets = 4 * kClasses;
@@ -117,7 +117,7 @@ void ScanTracer::find_addresses(std::size_t count, const AddressLayout& layout) 
   }
 }
 
-/// Sorts the rays to walk by number of steps, so that rays that are walked side by side end together.
+/// Sorts the rays to walk by number of steps, so that rays that are walked together end together.
 void ScanTracer::sort_walks(std::size_t count) {
   constexpr std::size_t kBuckets = 1024;
   std::array<std::uint32_t, kBuckets + 1> starts{};

@@ -11,7 +11,7 @@
 
 namespace uwsim::bricks {
 
-/// The voxels that one scan misses and hits, sorted by chunks and bricks.
+/// The voxels that one scan misses and hits, sorted by chunk and brick.
 struct ScanTrace {
   struct Chunk {
     /// Morton code of the chunk's key, which is a voxel's key without the six lowest bits of each axis
@@ -27,9 +27,9 @@ struct ScanTrace {
   void clear();
 };
 
-/// Follows the rays of a scan: every voxel that a ray passes through is missed, every voxel that holds a point is hit,
-/// and none is both. Voxels are marked in a bitmap of the box around the scan, or in a hash table if the box is too
-/// large for that. Each thread needs its own tracer.
+/// Traces the rays of a scan: every voxel that contains a point is hit, and every other voxel that a ray passes through
+/// is missed. Voxels are marked in a bitmap of the box around the scan, or in a hash table if the box is too large for
+/// a bitmap. Each thread needs its own tracer.
 class ScanTracer {
  public:
   explicit ScanTracer(const Kernels& kernels) : kernels_(kernels) {}
@@ -51,7 +51,7 @@ class ScanTracer {
   void collect_wide(ScanTrace& trace);
 
   const Kernels& kernels_;
-  std::size_t capacity_ = 0;  ///< number of rays that there is room for
+  std::size_t capacity_ = 0;  ///< number of rays for which there is room
   std::vector<double> columns_;
   std::vector<std::uint16_t> keys_;
   std::vector<std::uint8_t> bytes_;

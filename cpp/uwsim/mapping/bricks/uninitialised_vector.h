@@ -7,7 +7,7 @@
 namespace uwsim {
 
 /// A vector whose new elements are uninitialised: growing it does not write to memory that may never be used. For
-/// trivial types.
+/// trivial types only.
 template <typename T>
 class UninitialisedVector {
  public:
@@ -16,7 +16,7 @@ class UninitialisedVector {
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
 
-  /// Makes room for `more` elements after the last one, and returns where they go.
+  /// Makes room for `more` elements after the last one, and returns a pointer to them.
   T* reserve(std::size_t more) {
     if (size_ + more > capacity_) {
       const std::size_t capacity = std::max(size_ + more, capacity_ + capacity_ / 2);

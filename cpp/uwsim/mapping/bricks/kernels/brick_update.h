@@ -2,13 +2,13 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// From entries and masks to log-odds: the update rule of log_odds.h for the voxels of bricks. Compiled into each
-/// scan_kernels_*.cpp with internal linkage; only they include this file.
+/// Converts entries and masks to log-odds: the update rule of log_odds.h for the voxels of bricks. Compiled into each
+/// scan_kernels_*.cpp with internal linkage; only they may include this file.
 namespace uwsim::bricks {
 namespace {
 
-/// The block of a word that is about to change; created if the word has none. Ops::fill(block, bits, value): sets
-/// `value` where there are bits, else 0.
+/// Returns the block of a word that is about to change; creates it if the word has none. Ops::fill(block, bits, value):
+/// sets voxels to `value` where `bits` is set, else to 0.
 template <typename Ops>
 inline float* block_of(Brick& brick, int word, const UpdateInput& in) {
   if (brick.block[word] == kNone) {
@@ -33,8 +33,8 @@ inline void add_hits(Brick& brick, int word, std::uint64_t hits, const UpdateInp
   brick.known[word] |= hits;
 }
 
-/// Ops::add_misses(block, todo, model): clamped_sum() with the miss for the voxels of `todo`; returns one bit for each
-/// of them that is now at or below clamping_min.
+/// Ops::add_misses(block, todo, model): applies clamped_sum() with a miss to the voxels of `todo`; returns a mask of
+/// those that are now at or below clamping_min.
 /// Ops::all_equal(block, bits, value): whether all voxels of `bits` have this value.
 template <typename Ops>
 inline void update_bricks(const UpdateInput& in) {
@@ -50,7 +50,7 @@ inline void update_bricks(const UpdateInput& in) {
     for (unsigned words = entry.missed_words; words != 0; words &= words - 1) {
       const int word = __builtin_ctz(words);
       const std::uint64_t missed = mask[at++];
-      // A miss of 0 (a probability of 0.5) changes unknown voxels only.
+      // A miss of 0 (a probability of 0.5) changes only unknown voxels.
       const std::uint64_t todo = missed & ~(in.model.miss < 0 ? brick.at_min[word] : brick.known[word]);
       if (todo == 0) continue;
       float* const block = block_of<Ops>(brick, word, in);

@@ -2,7 +2,7 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// Only the files named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// Only the files named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
@@ -16,15 +16,15 @@ class MarkBuffer {
   explicit MarkBuffer(const WalkInput& walk)
       : table_(reinterpret_cast<HalfWord*>(walk.table)), touched_(walk.touched) {}
 
-  /// Appends the selected ones of sixteen marks after the first `count`; returns the new number of marks.
+  /// Appends the selected marks of sixteen after the first `count`; returns the new number of marks.
   std::size_t append(std::size_t count, __mmask16 which, __m512i half, __m512i mask) {
     _mm512_storeu_si512(halves_ + count, _mm512_maskz_compress_epi32(which, half));
     _mm512_storeu_si512(masks_ + count, _mm512_maskz_compress_epi32(which, mask));
     return count + static_cast<std::size_t>(__builtin_popcount(which));
   }
 
-  /// Writes the first `count` marks. Successive marks often fall into one word, and each would have to wait for the
-  /// previous one; so the buffer is written from eight places in turn.
+  /// Writes the first `count` marks. Successive marks often fall into the same word, and each would have to wait for
+  /// the previous one, so the buffer is written from eight positions in turn.
   void write(std::size_t count) {
     constexpr std::size_t kPlaces = 8;
     const std::size_t stride = count / kPlaces;

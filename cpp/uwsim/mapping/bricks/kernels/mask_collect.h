@@ -2,8 +2,8 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// From marked voxels of one chunk to entries and masks. Compiled into each scan_kernels_*.cpp with internal linkage;
-/// only they include this file.
+/// Converts marked voxels of one chunk to entries and masks. Compiled into each scan_kernels_*.cpp with internal
+/// linkage; only they may include this file.
 namespace uwsim::bricks {
 namespace {
 
@@ -23,10 +23,10 @@ struct ScalarWords {
   }
 };
 
-/// Ops::touched(bytes): one bit for each of 64 bytes that is not zero.
+/// Ops::touched(bytes): returns a mask of the nonzero ones among 64 bytes.
 /// Ops::zero_touched(bytes): zeroes 64 bytes.
-/// Ops::move_nonzero(words, out): copies the nonzero ones of eight words, zeroes all eight, returns one bit for each
-/// word copied; up to eight words after them are overwritten.
+/// Ops::move_nonzero(words, out): copies the nonzero ones of eight words, zeroes all eight, and returns a mask of the
+/// words copied; up to eight words after them are overwritten.
 template <typename Ops>
 inline Collected collect_chunk(const CollectInput& in) {
   Collected n{0, 0};

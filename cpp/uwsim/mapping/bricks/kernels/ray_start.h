@@ -2,9 +2,9 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// Points to rays, one at a time: OctoMap's arithmetic, operation by operation and with its types
+/// Converts points to rays, one at a time, using OctoMap's arithmetic, operation by operation and with its types
 /// (OccupancyOcTreeBase::computeUpdate, then OcTreeBaseImpl::computeRayKeys). Compiled into each scan_kernels_*.cpp
-/// with internal linkage; only they include this file.
+/// with internal linkage; only they may include this file.
 namespace uwsim::bricks {
 namespace {
 
@@ -17,14 +17,15 @@ struct RayEnd {
   float length_m;
 };
 
-/// The ray from `origin_m` to a point, or to max_range_m along the line to a more distant point.
+/// The ray from `origin_m` to a point or, if the point is farther than max_range_m, to that range along the same line.
 inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], double max_range_m, RayEnd& ray) {
   const float dx = point_m[0] - origin_m[0], dy = point_m[1] - origin_m[1], dz = point_m[2] - origin_m[2];
   const float square = dx * dx + dy * dy + dz * dz;
   const double distance = __builtin_sqrt(static_cast<double>(square));
   const float delta[3] = {dx, dy, dz};
   if (max_range_m < 0 || distance <= max_range_m) {
-    // A distance whose square is 0 in float counts as 0: OctoMap's own walk to such a point might not end.
+    // A distance whose square is 0 in float is treated as 0, because OctoMap's own walk to such a point might not
+    // terminate.
     for (int axis = 0; axis < 3; ++axis) ray.end_m[axis] = square == 0 ? origin_m[axis] : point_m[axis];
     ray.length_m = static_cast<float>(distance);
     for (int axis = 0; axis < 3; ++axis) ray.direction[axis] = delta[axis] / ray.length_m;
@@ -39,7 +40,7 @@ inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], doubl
   return kTruncated;
 }
 
-/// Kernels::start_rays of the portable and the AVX2 form.
+/// Kernels::start_rays in the portable and the AVX2 version.
 [[maybe_unused]] inline void start_rays(const ScanInput& scan, const Rays& rays) {
   const double factor = 1.0 / scan.resolution_m, resolution = scan.resolution_m;
   int origin_key[3];

@@ -3,7 +3,7 @@
 #include "uwsim/mapping/bricks/kernels/ray_start.h"
 
 /// ray_start.h for eight rays at a time: the same operations in the same order. Only the files named
-/// scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
@@ -52,7 +52,7 @@ class EightStarts {
     return _mm512_sqrt_pd(_mm512_cvtps_pd(square));
   }
 
-  /// Points in the tree's frame, and the vectors from the origin to them. Returns which points are finite.
+  /// Computes points in the tree's frame, and the vectors from the origin to them. Returns a mask of the finite points.
   __mmask8 load(__m256 (&delta)[3], __m256 (&point)[3]) const {
     const __m256i rows = _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21);
     __mmask8 finite = lanes_;
@@ -67,8 +67,8 @@ class EightStarts {
     return finite;
   }
 
-  /// end_of_ray(): turns the points in `end` into the ends of the rays and the vectors in `delta` into directions.
-  /// Returns which rays are truncated.
+  /// Does the work of end_of_ray(): replaces the points in `end` by the ends of the rays and the vectors in `delta` by
+  /// directions. Returns a mask of the truncated rays.
   __mmask8 find_ends(__m256 (&delta)[3], __m256 (&end)[3]) const {
     __m256 square, unused;
     const __m512d distance = length(delta, square);
@@ -92,7 +92,7 @@ class EightStarts {
     return truncated;
   }
 
-  /// Returns the key of the end along the axis.
+  /// Returns the key of the ray's end along the axis.
   __m256i start_axis(int axis, __mmask8 finite, __m256 direction_m, __m256 end) const {
     const __m512d scaled = _mm512_mul_pd(_mm512_set1_pd(1.0 / scan_.resolution_m), _mm512_cvtps_pd(end));
     const __m512d floor = _mm512_roundscale_pd(scaled, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);

@@ -2,15 +2,16 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// From rays to marked voxels, one ray at a time. At each step a ray crosses the nearest face; on a tie z comes before
-/// y before x, as in OctoMap. Compiled into each scan_kernels_*.cpp with internal linkage; only they include this file.
+/// Converts rays to marked voxels, one ray at a time. At each step a ray crosses the nearest face; on a tie, z comes
+/// before y before x, as in OctoMap. Compiled into each scan_kernels_*.cpp with internal linkage; only they may include
+/// this file.
 namespace uwsim::bricks {
 namespace {
 
-/// The number of steps, counting the start as one, that a ray of `steps` steps takes before it can have ended. Reaching
-/// the end's voxel takes `steps` steps. Rounding moves a crossing by less than a millionth of the ray's length, which
-/// is less than one voxel, so only the last three steps, one along each axis, may come in a different order than in
-/// exact geometry.
+/// The number of steps, including the start, that a ray of `steps` steps takes before it can possibly have ended.
+/// Reaching the end's voxel takes `steps` steps. Rounding moves a crossing by less than a millionth of the ray's
+/// length, which is less than one voxel, so only the last three steps, one along each axis, may come in a different
+/// order than in exact geometry.
 inline std::uint32_t untested_steps(std::uint32_t steps) { return steps > 4 ? steps - 3 : 1; }
 
 /// The bits to flip in the addresses of a ray so that each of its steps adds one.
@@ -19,8 +20,8 @@ inline std::uint64_t mirror_of(const WalkInput& walk, std::uint32_t negative) {
          (negative & 4 ? walk.axis_mask[2] : 0);
 }
 
-/// Marks the voxels from the origin's to the one before the end's. The bits of one word are collected before they are
-/// written.
+/// Marks the voxels from the origin's up to the one before the end's. The bits of one word are collected before they
+/// are written.
 inline void walk_one(const WalkInput& walk, std::uint32_t ray) {
   const Rays& rays = *walk.rays;
   double tx = rays.next[0][ray], ty = rays.next[1][ray], tz = rays.next[2][ray];

@@ -2,7 +2,7 @@
 
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
 
-/// ray_walk.h for eight rays at a time. Only scan_kernels_avx2.cpp may include it, after <immintrin.h>.
+/// ray_walk.h for eight rays at a time. Only scan_kernels_avx2.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
@@ -13,7 +13,7 @@ __m256i narrowed(__m256d low, __m256d high) {
   return _mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xd8);
 }
 
-/// Where four rays cross their next faces, in double.
+/// The next face crossings of four rays, in double precision.
 struct FourCrossings {
   __m256d tx, ty, tz, dx, dy, dz;
 
@@ -45,7 +45,7 @@ struct FourCrossings {
     return {along_x, along_y};
   }
 
-  /// Which rays cross their next face beyond their length.
+  /// A mask of the rays that cross their next face beyond their length.
   __m256d past(__m256d length) const {
     return _mm256_cmp_pd(_mm256_min_pd(_mm256_min_pd(tx, ty), tz), length, _CMP_GT_OQ);
   }

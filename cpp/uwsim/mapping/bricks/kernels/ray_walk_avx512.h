@@ -4,11 +4,12 @@
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
 #include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
 
-/// ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include this file, after
+/// <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
-/// Where eight rays cross their next faces, in double.
+/// The next face crossings of eight rays, in double precision.
 struct EightCrossings {
   __m512d tx, ty, tz, dx, dy, dz, length;
 
@@ -39,7 +40,7 @@ struct EightCrossings {
     return {along_x, along_y};
   }
 
-  /// Which rays cross their next face beyond their length.
+  /// A mask of the rays that cross their next face beyond their length.
   __mmask8 past() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
 };
 
@@ -74,7 +75,7 @@ struct SixteenRays {
     address = add_one(address, axis);
   }
 
-  /// Marks the voxels that all rays are in now.
+  /// Marks the voxel that each ray is in now.
   std::size_t mark(MarkBuffer& buffer, std::size_t count) {
     const __m512i real = _mm512_xor_si512(address, mirror);
     const __m512i next = _mm512_srli_epi32(real, 5);
@@ -125,7 +126,7 @@ std::size_t walk_to_the_end(SixteenRays rays, __m512i axis_x, __m512i axis_y, __
   return rays.append(buffer, count, 0xffff);
 }
 
-/// Two times sixteen rays: while one half waits for the result of a comparison, the other proceeds.
+/// Walks two groups of sixteen rays: while one group waits for the result of a comparison, the other proceeds.
 void walk_thirty_two(const WalkInput& in, const std::uint32_t* rays, MarkBuffer& buffer) {
   const __m512i axis_x = all_lanes(static_cast<std::uint32_t>(in.axis_mask[0])),
                 axis_y = all_lanes(static_cast<std::uint32_t>(in.axis_mask[1])),

@@ -7,11 +7,12 @@
 #include "uwsim/mapping/bricks/brick.h"
 #include "uwsim/mapping/log_odds.h"
 
-/// The inner loops of the brick engine, in three forms with the same results: portable, AVX2 and AVX-512
-/// (scan_kernels_*.cpp). Plain structs and raw pointers only: files that are compiled for newer processors must not
-/// emit code that other files could link (tests/cpp/mapping/scan_kernels_stay_apart.sh checks this).
+/// The inner loops of the brick engine, in three versions with the same results: portable, AVX2 and AVX-512
+/// (scan_kernels_*.cpp). This header uses only plain structs and raw pointers, because files that are compiled for
+/// newer processors must not emit code that other files could link (tests/cpp/mapping/scan_kernels_stay_apart.sh checks
+/// this).
 ///
-/// A scan goes through them in the order of Kernels' members; bricks/README.md shows the whole path.
+/// A scan passes through the members of Kernels in order; bricks/README.md shows the whole process.
 namespace uwsim {
 namespace bricks {
 
@@ -25,20 +26,20 @@ struct ScanInput {
 };
 
 enum RayKind : std::uint8_t {
-  kSkipped = 0,    ///< the point is non-finite
-  kHit = 1,        ///< the ray ends in its point's voxel, which is hit
-  kTruncated = 2,  ///< the point lies beyond max_range_m: the ray ends there without a hit
+  kSkipped = 0,    ///< the point is not finite
+  kHit = 1,        ///< the ray ends in the voxel of its point, which is hit
+  kTruncated = 2,  ///< the point is beyond max_range_m: the ray ends at that range, without a hit
 };
 
-/// One ray for each point of a scan, in columns. If a ray does not move along an axis, next and stride are the largest
+/// One ray per point of a scan, in columns. If a ray does not move along an axis, next and stride are the largest
 /// double.
 struct Rays {
-  double* next[3];            ///< distance along the ray to the first face that it crosses along this axis [m]
+  double* next[3];            ///< distance along the ray to the first face across this axis [m]
   double* stride[3];          ///< distance between two successive crossings [m]
   double* length;             ///< [m]
   std::uint16_t* end_key[3];  ///< key of the voxel where the ray ends; the origin's for skipped rays
-  std::uint32_t* steps;       ///< faces between the first voxel and the last; 0: the ray stays in one voxel
-  std::uint8_t* negative;     ///< bit `axis` is set if the ray runs down that axis
+  std::uint32_t* steps;       ///< faces between the first voxel and the last; 0 if the ray stays in one voxel
+  std::uint8_t* negative;     ///< bit `axis` is set if the ray runs in the negative direction of that axis
   std::uint8_t* kind;         ///< RayKind
 };
 
@@ -47,13 +48,13 @@ struct Rays {
 /// flipped), so that every step adds one.
 struct WalkInput {
   const Rays* rays;
-  /// rays to walk, sorted by number of steps; padded to a multiple of 32 by repeating the last
+  /// Rays to walk, sorted by number of steps; padded to a multiple of 32 by repeating the last one
   const std::uint32_t* order;
   std::size_t count;                 ///< number of rays, excluding the padding
   const std::uint64_t* end_address;  ///< end of each ray, mirrored
   std::uint64_t origin_address;      ///< not mirrored
   std::uint64_t axis_mask[3];
-  /// Where traversed voxels are marked: one bit per voxel, and one byte per brick that has any.
+  /// Marks of the traversed voxels: one bit per voxel, and one byte per brick that contains any.
   std::uint64_t* table;
   std::uint8_t* touched;
   /// Called instead if `table` is null, with the bits of one word of 64 voxels.
@@ -62,11 +63,11 @@ struct WalkInput {
 };
 
 /// Parameters of the rays that can be walked slab by slab, in columns; slab_setup_avx512.h explains them. Main axis a:
-/// x or y, whichever the ray runs along more; middle axis b: the other; minor axis: z.
+/// whichever of x and y the ray runs along more; middle axis b: the other; minor axis: z.
 struct SlabRays {
   std::uint8_t* heading;                              ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
-  std::uint32_t *slabs, *flags;                       ///< faces across a that the ray crosses; SlabFlag
-  std::uint32_t *slope, *fraction;                    ///< faces across b that it crosses: per slab, so far
+  std::uint32_t *slabs, *flags;                       ///< number of faces across a that the ray crosses; SlabFlag
+  std::uint32_t *slope, *fraction;                    ///< number of faces across b that it crosses: per slab, so far
   std::uint32_t *minor_slab, *minor_fraction;         ///< slab in which the ray crosses the next face across z
   std::uint32_t *minor_slabs, *minor_slabs_fraction;  ///< number of slabs from that crossing to the next
   std::uint32_t *minor_middle, *minor_middles;  ///< position along b at that crossing, modulo 2; change until the next
@@ -85,15 +86,15 @@ struct SlabKernels {
 };
 
 /// The effect of one scan on one brick: which of its eight words contain missed and hit voxels. Their masks, one bit
-/// per voxel, follow one another in a list separate from the entries: first those of the missed words, then those of
-/// the hit ones.
+/// per voxel, are stored consecutively in a list separate from the entries: first those of the missed words, then those
+/// of the hit words.
 struct TraceEntry {
   std::uint16_t brick;  ///< within its chunk, in Morton order
   std::uint8_t missed_words;
   std::uint8_t hit_words;
 };
 
-/// One chunk's part of the tables: 512 bricks of 8 words. Collecting also zeroes it.
+/// One chunk's part of the tables: 512 bricks of 8 words. Collecting also zeroes this part.
 struct CollectInput {
   std::uint64_t* missed;  ///< voxels that rays passed through
   std::uint64_t* hit;     ///< voxels that hold points
@@ -108,20 +109,20 @@ struct Collected {
 
 struct UpdateInput {
   OccupancyLogOdds model;
-  Brick* const* bricks;  ///< one per entry; null: the entry changes nothing
+  Brick* const* bricks;  ///< one per entry; null if the entry changes nothing
   const TraceEntry* entries;
   std::size_t count;
   const std::uint64_t* masks;
-  std::uint8_t* freed_block;  ///< one per entry: set to 1 if the brick returned a block
+  std::uint8_t* freed_block;  ///< one per entry; set to 1 if the brick returned a block
   BlockPool* blocks;          ///< with at least 8 free blocks per entry
 };
 
 struct Kernels {
-  void (*start_rays)(const ScanInput& scan, const Rays& rays);  ///< from points to rays
-  void (*walk)(const WalkInput& walk);                          ///< from rays to marked voxels
-  Collected (*collect)(const CollectInput& chunk);              ///< from marked voxels to entries and masks
-  void (*update)(const UpdateInput& update);                    ///< from entries and masks to log-odds
-  const SlabKernels* slabs;                                     ///< a faster walk for most rays; null: there is none
+  void (*start_rays)(const ScanInput& scan, const Rays& rays);  ///< converts points to rays
+  void (*walk)(const WalkInput& walk);                          ///< converts rays to marked voxels
+  Collected (*collect)(const CollectInput& chunk);              ///< converts marked voxels to entries and masks
+  void (*update)(const UpdateInput& update);                    ///< converts entries and masks to log-odds
+  const SlabKernels* slabs;                                     ///< a faster walk for most rays; null if there is none
 };
 
 extern const SlabKernels kAvx512SlabKernels;
@@ -129,7 +130,7 @@ extern const Kernels kPortableKernels, kAvx2Kernels, kAvx512Kernels;
 
 }  // namespace bricks
 
-/// Throws InvalidValue if this processor lacks the set.
+/// Throws InvalidValue if this processor does not support the set.
 const bricks::Kernels& kernels_for(InstructionSet set);
 
 }  // namespace uwsim

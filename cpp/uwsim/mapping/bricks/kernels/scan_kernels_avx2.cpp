@@ -19,7 +19,7 @@ struct Avx2 : ScalarWords {
     return ~(static_cast<std::uint64_t>(untouched(1)) << 32 | untouched(0));
   }
 
-  /// clamped_sum() of log_odds.h for eight voxels at a time.
+  /// Applies clamped_sum() of log_odds.h to eight voxels at a time.
   static std::uint64_t add_misses(float* block, std::uint64_t todo, const OccupancyLogOdds& model) {
     const __m256 miss = _mm256_set1_ps(model.miss), clamping_min = _mm256_set1_ps(model.clamping_min),
                  clamping_max = _mm256_set1_ps(model.clamping_max);
@@ -54,7 +54,7 @@ struct Avx2 : ScalarWords {
   }
 
  private:
-  /// The lowest eight bits as a mask of eight lanes.
+  /// Expands the lowest eight bits to a mask of eight lanes.
   static __m256i lanes_of(std::uint64_t bits) {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(static_cast<int>(bits)), bit), bit);

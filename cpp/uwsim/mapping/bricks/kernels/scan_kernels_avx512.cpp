@@ -24,7 +24,7 @@ struct Avx512 {
     return which;
   }
 
-  /// clamped_sum() of log_odds.h for sixteen voxels at a time.
+  /// Applies clamped_sum() of log_odds.h to sixteen voxels at a time.
   static std::uint64_t add_misses(float* block, std::uint64_t todo, const OccupancyLogOdds& model) {
     const __m512 miss = _mm512_set1_ps(model.miss), clamping_min = _mm512_set1_ps(model.clamping_min),
                  clamping_max = _mm512_set1_ps(model.clamping_max);

@@ -7,8 +7,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Sixteen rays of one heading, walked slab by slab (slab_setup_avx512.h). Tile addresses are mirrored, so that every
-/// step adds one; the bits of tile masks are those of the real voxels.
+/// Sixteen rays with the same heading, walked slab by slab (slab_setup_avx512.h). Tile addresses are mirrored, so that
+/// every step adds one; the bits of tile masks are those of the actual voxels.
 class SixteenSlabRays {
  public:
   SixteenSlabRays(const SlabInput& in, const WalkInput& walk, const SlabHeading& heading, const std::uint32_t* rays,
@@ -50,8 +50,8 @@ class SixteenSlabRays {
     before_ = _mm512_load_si512(before);
   }
 
-  /// Marks the voxels of the rays. Returns false if the course of one of them is uncertain; the marks written so far
-  /// are then correct but incomplete.
+  /// Marks the voxels of the rays. Returns false if the path of one of them is uncertain; the marks written so far are
+  /// then correct but incomplete.
   bool walk(TileMarks& marks, MarkBuffer& buffer) {
     marks.clear();
     const int longest = _mm512_reduce_max_epi32(slabs_);
@@ -74,21 +74,21 @@ class SixteenSlabRays {
   }
 
  private:
-  /// Proceeds to the next slab; returns which rays cross a face across b in it.
+  /// Proceeds to the next slab; returns a mask of the rays that cross a face across b in it.
   __mmask16 next_slab() {
     fraction_ = _mm512_add_epi32(fraction_, slope_);
     least_fraction_ = _mm512_min_epu32(least_fraction_, fraction_);
     return _mm512_cmplt_epu32_mask(fraction_, slope_);
   }
 
-  /// Marks the voxels of one slab: one, or two where the ray crosses a face across b.
+  /// Marks the voxels of one slab: one voxel, or two if the ray crosses a face across b.
   void mark_slab(__m512i& mask, __mmask16 crossing) {
     const __m512i next = _mm512_mask_rolv_epi32(bit_, crossing, bit_, step_b_);
     mask = _mm512_ternarylogic_epi32(mask, bit_, next, 0xfe);  // mask | bit_ | next
     bit_ = heading_.down ? _mm512_ror_epi32(next, 1) : _mm512_rol_epi32(next, 1);
   }
 
-  /// Called when four slabs, from slab `first` on, are marked in `mask`: adds their marks to the tiles at the right
+  /// Called when four slabs, starting with `first`, are marked in `mask`: adds their marks to the tiles at the right
   /// level of z and proceeds to the next tile.
   void finish_tile(int first, __m512i mask, TileMarks& marks) {
     bit_ = heading_.down ? _mm512_rol_epi32(bit_, 4) : _mm512_ror_epi32(bit_, 4);
@@ -121,8 +121,8 @@ class SixteenSlabRays {
   __m512i real(__m512i tile) const { return _mm512_ternarylogic_epi32(tile, mirror_, tile_bits_, 0x28); }
 
   /// Splits the marks of rays that cross a face across z in slab `at` of the tile into those before and those after the
-  /// crossing. The voxel where the ray crosses is in both. Its slab may hold one more voxel, before or after it along
-  /// b.
+  /// crossing. The voxel where the ray crosses belongs to both. Its slab may contain one more voxel, before or after it
+  /// along b.
   void split(__m512i mask, __m512i at, __mmask16 climbs, __m512i& before, __m512i& after) const {
     const __m512i until = _mm512_permutexvar_epi32(at, before_);
     const __m512i through = _mm512_permutexvar_epi32(_mm512_add_epi32(at, all_lanes(1)), before_);
@@ -147,7 +147,7 @@ class SixteenSlabRays {
     minor_slab_ = _mm512_mask_add_epi32(minor_slab_, carry, minor_slab_, all_lanes(1));
   }
 
-  /// Whether no two crossings so far were within the tolerance of each other.
+  /// Whether all crossings so far were farther apart than the tolerance.
   bool is_certain() const {
     const __m512i twice = _mm512_slli_epi32(tolerance_of(slabs_), 1);
     const __mmask16 doubts = _mm512_cmplt_epu32_mask(least_fraction_, twice) |
@@ -155,7 +155,7 @@ class SixteenSlabRays {
     return !(doubts & lanes_);
   }
 
-  /// Marks the voxels in the slab of the end, up to the one before the end's.
+  /// Marks the voxels in the last slab, up to the one before the end's.
   void mark_last_slab(MarkBuffer& buffer) const {
     const auto flagged = [&](SlabFlag flag) { return _mm512_mask_test_epi32_mask(lanes_, flags_, all_lanes(flag)); };
     const __mmask16 b = flagged(kMiddleInLastSlab), z = flagged(kMinorInLastSlab),
@@ -178,12 +178,12 @@ class SixteenSlabRays {
 
   const SlabHeading& heading_;
   const __mmask16 lanes_;
-  __mmask16 down_b_;          ///< rays that run in the negative direction of b
+  __mmask16 down_b_;          ///< mask of rays that run in the negative direction of b
   __m512i mirror_, end_;      ///< as in WalkInput
-  __m512i tile_, tile_bits_;  ///< the tile that the ray is in, mirrored; the bits of an address that select a tile
-  __m512i bit_, step_b_;      ///< the voxel that the ray is in; how far its bit is rotated on crossing a face across b
+  __m512i tile_, tile_bits_;  ///< the tile that each ray is in, mirrored; the bits of an address that select a tile
+  __m512i bit_, step_b_;      ///< the voxel that each ray is in; how far its bit is rotated on crossing a face across b
   __m512i before_;            ///< [n]: bits of the first n slabs of a tile
-  __m512i slabs_, flags_, slope_, fraction_;  ///< as in SlabRays, followed by the next ones
+  __m512i slabs_, flags_, slope_, fraction_;  ///< as in SlabRays, then advanced
   __m512i minor_slab_, minor_fraction_, minor_slabs_, minor_slabs_fraction_, minor_middle_, minor_middles_;
   __m512i least_fraction_ = _mm512_set1_epi32(-1), least_middle_ = _mm512_set1_epi32(-1);  ///< smallest so far
 };

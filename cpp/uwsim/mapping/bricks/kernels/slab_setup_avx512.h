@@ -2,40 +2,39 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// A faster walk for most rays of a survey: those that run mostly along x or y, and little along z. Main axis a: x or
-/// y, whichever the ray runs along more; middle axis b: the other; minor axis: z. A slab is the part of a ray between
-/// two faces across a. In one slab such a ray crosses at most one face across b, and in four slabs at most one across
-/// z.
+/// A faster walk for most rays of a survey, which run mostly along x or y and little along z. Main axis a: whichever of
+/// x and y the ray runs along more; middle axis b: the other; minor axis: z. A slab is the part of a ray between two
+/// faces across a. In one slab, such a ray crosses at most one face across b, and in four slabs, at most one across z.
 ///
-/// The crossings are computed in fixed point, with 2^32 units to a voxel and to a slab. OctoMap adds up t + k d in
-/// doubles, whose error of less than k 2^-53 t is negligible here. The fixed-point numbers are off by at most one unit
-/// per step. So two crossings that are more than tolerance_of(slabs) units apart come in the same order as in OctoMap.
+/// The crossings are computed in fixed point, with 2^32 units per voxel and per slab. OctoMap sums t + k d in doubles,
+/// with an error of less than k 2^-53 t, which is negligible here. The fixed-point numbers are off by at most one unit
+/// per step, so two crossings that are more than tolerance_of(slabs) units apart come in the same order as in OctoMap.
 /// Rays with two crossings closer than that are walked as OctoMap walks (ray_walk.h).
 ///
 /// This file selects the rays and computes their parameters; scan_kernels_slabs_avx512.cpp walks them. Only the files
-/// named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
 constexpr double kUnits = 4294967296.0;
-constexpr double kNever = 1e300;  // longer than any ray: the stride along an axis that the ray does not move along
+constexpr double kNever = 1e300;  // longer than any ray: the stride along an axis along which the ray does not move
 constexpr double kMostSlabs = 16384, kFewestSlabs = 8;
-/// Faces across z per slab: in four slabs at most one is crossed.
+/// Maximum number of faces across z per slab, such that at most one is crossed in four slabs.
 constexpr double kSteepest = 0.2499;
 constexpr std::uint32_t kNoSlab = 0x40000000;
 
 enum SlabFlag : std::uint32_t {
   kMiddleInFirstSlab = 1,  ///< a face across b is crossed in the first slab
-  kMiddleInLastSlab = 2,   ///< the same in the last one
+  kMiddleInLastSlab = 2,   ///< a face across b is crossed in the last slab
   kMinorInLastSlab = 4,    ///< a face across z is crossed in the last slab
   kMiddleBeforeMinor = 8,  ///< the last face across b is crossed before the last one across z
 };
 
-/// In units; for numbers to which up to `slabs` steps have been added.
+/// In units; applies to numbers to which up to `slabs` steps have been added.
 __m512d tolerance_of(__m512d slabs) { return _mm512_add_pd(_mm512_add_pd(slabs, slabs), _mm512_set1_pd(64)); }
 __m512i tolerance_of(__m512i slabs) { return _mm512_add_epi32(_mm512_slli_epi32(slabs, 1), _mm512_set1_epi32(64)); }
 
-/// Eight rays. d, t and n are the stride, the first crossing and the number of crossings along an axis.
+/// Sets up eight rays. d, t and n are the stride, the first crossing and the number of crossings along an axis.
 class EightSlabSetups {
  public:
   EightSlabSetups(const SlabInput& in, std::size_t first)
@@ -89,8 +88,8 @@ class EightSlabSetups {
     return _mm512_cvtepi32_pd(_mm256_abs_epi32(_mm256_sub_epi32(end, origin)));
   }
 
-  /// The fraction of `x` [voxels, slabs] in units. A ray of `asked` whose fraction is within the tolerance of a whole
-  /// number is unsuitable.
+  /// The fractional part of `x` [voxels, slabs] in units. A ray of `asked` whose fraction is within the tolerance of an
+  /// integer is marked unsuitable.
   __m512d certain_fraction(__m512d x, __mmask8 asked) {
     const __m512d fraction = units(_mm512_sub_pd(x, floor(x)));
     const __m512d most = _mm512_sub_pd(_mm512_set1_pd(kUnits), _mm512_add_pd(tolerance_, tolerance_));
@@ -100,8 +99,8 @@ class EightSlabSetups {
     return fraction;
   }
 
-  /// A suitable ray reaches the end's voxel and ends there: its last crossings are at most at its length, its next ones
-  /// beyond it, and the order of the last ones along the three axes is certain.
+  /// A suitable ray reaches the end's voxel and ends there: its last crossings are at or before its length, its next
+  /// ones are beyond it, and the order of the last crossings along the three axes is certain.
   void check_end() {
     const __m512d one = _mm512_set1_pd(1), none = _mm512_set1_pd(-kNever);
     const auto last = [&](__m512d t, __m512d d, __m512d n) {
@@ -128,7 +127,8 @@ class EightSlabSetups {
     flags_ = _mm256_mask_or_epi32(flags_, lanes, flags_, _mm256_set1_epi32(static_cast<int>(which)));
   }
 
-  /// Faces across b: how many are crossed up to the end of the first slab, and how many more in each slab.
+  /// Sets up faces across b: the number crossed up to the end of the first slab, and the number crossed in each further
+  /// slab.
   void set_up_middle() {
     const __mmask8 moves = _mm512_cmp_pd_mask(db_, _mm512_set1_pd(kNever), _CMP_LT_OQ);
     const __m512d slope = _mm512_maskz_div_pd(moves, da_, db_);
@@ -143,8 +143,8 @@ class EightSlabSetups {
     store(&SlabRays::fraction, _mm512_cvttpd_epu32(_mm512_add_pd(fraction, tolerance_)));
   }
 
-  /// Faces across z: the slab in which the ray crosses the first one, the slabs from one to the next, and the ray's
-  /// position along b at each.
+  /// Sets up faces across z: the slab in which the ray crosses the first one, the number of slabs from one to the next,
+  /// and the ray's position along b at each.
   void set_up_minor() {
     const __m512d one = _mm512_set1_pd(1), two = _mm512_set1_pd(2), zero = _mm512_setzero_pd();
     suited_ &= _mm512_cmp_pd_mask(_mm512_div_pd(da_, dz_), _mm512_set1_pd(kSteepest), _CMP_LT_OQ);

@@ -3,18 +3,19 @@
 #include "uwsim/mapping/bricks/kernels/mark_buffer_avx512.h"
 #include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
 
-/// Marks of the slab walk. Only the files named scan_kernels_*avx512.cpp may include it, after <immintrin.h>.
+/// Marks of the slab walk. Only the files named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
-/// Rays of one main axis a and direction along it. A tile is 4 x 4 voxels of one level in z, aligned to its size.
+/// The main axis a of a group of rays, and their direction along it. A tile is 4 x 4 voxels at one level in z, aligned
+/// to its size.
 struct SlabHeading {
   std::uint32_t mask_a, mask_b, mask_z;  ///< bits of an address that hold the coordinate along the axis
-  std::uint32_t tile_a, tile_b;          ///< the same without the two lowest bits of the coordinate
+  std::uint32_t tile_a, tile_b;          ///< the same without the two lowest bits of each coordinate
   std::uint32_t origin;                  ///< address of the origin
   int a, b;                              ///< 0 for x, 1 for y
   bool down;                             ///< the rays run in the negative direction of the main axis
-  int passed_slabs;                      ///< slabs of the origin's tile that come before the origin
+  int passed_slabs;                      ///< number of slabs in the origin's tile before the origin
   int at_a, at_b;                        ///< position of the origin within its tile
 
   SlabHeading(const WalkInput& in, unsigned heading) {
@@ -34,7 +35,7 @@ struct SlabHeading {
   }
 };
 
-/// Marked tiles that wait until their rays are known to be certain: the address of a tile, and bits b2 b1 b0 a1 a0 for
+/// Marked tiles waiting until their rays are known to be certain: the address of a tile, and bits b2 b1 b0 a1 a0 for
 /// the voxels of this tile and of the next one along b.
 class TileMarks {
  public:
@@ -43,7 +44,7 @@ class TileMarks {
   std::size_t count() const { return count_; }
   void clear() { count_ = 0; }
 
-  /// Neighbouring rays that mark the same tile are merged: a run of up to eight ends up in its first lane.
+  /// Merges neighbouring rays that mark the same tile: a run of up to eight ends up in its first lane.
   void add(__m512i tile, __m512i mask) {
     merge<1>(tile, mask);
     merge<2>(tile, mask);
@@ -56,7 +57,7 @@ class TileMarks {
     count_ += static_cast<std::size_t>(__builtin_popcount(which));
   }
 
-  /// Writes all of them to the table, as half words in Morton order.
+  /// Writes all marks to the table, as half words in Morton order.
   void write(const SlabHeading& heading, MarkBuffer& buffer) {
     std::size_t halves = 0;
     for (std::size_t i = 0; i < count_; i += 16) {
@@ -77,8 +78,8 @@ class TileMarks {
     mask = _mm512_mask_or_epi32(mask, same, mask, _mm512_alignr_epi32(mask, mask, kBy));
   }
 
-  /// Reorders the bits b1 b0 a1 a0 of one tile to Morton's y1 x1 0 y0 x0, and shifts them to the tile's lowest bit of
-  /// z.
+  /// Reorders the bits b1 b0 a1 a0 of one tile to Morton order, y1 x1 0 y0 x0, and shifts them to the tile's lowest bit
+  /// of z.
   static std::size_t append_halves(const SlabHeading& heading, MarkBuffer& buffer, std::size_t count, __mmask16 lanes,
                                    __m512i tile, __m512i mask) {
     mask = swapped<2>(mask, 0x0c0c);
@@ -90,7 +91,7 @@ class TileMarks {
     return buffer.append(count, which, _mm512_srli_epi32(tile, 5), mask);
   }
 
-  /// Exchanges the bits of `low` with those kBy above them.
+  /// Exchanges the bits of `low` with the bits kBy above them.
   template <int kBy>
   static __m512i swapped(__m512i bits, int low) {
     const __m512i apart = _mm512_xor_si512(bits, _mm512_srli_epi32(bits, kBy));

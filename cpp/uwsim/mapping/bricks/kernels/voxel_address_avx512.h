@@ -3,7 +3,7 @@
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
 /// Arithmetic on sixteen voxel addresses (address_layout.h). Only the files named scan_kernels_*avx512.cpp may include
-/// it, after <immintrin.h>.
+/// this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
