@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// Number of lanes that are set.
+/// The number of lanes that are set.
 inline std::uint64_t count(const camera::BlockMask& mask) {
   return static_cast<std::uint64_t>(std::count(std::begin(mask.at), std::end(mask.at), -1));
 }

@@ -7,17 +7,17 @@
 
 namespace uwsim {
 
-/// How light is turned into bytes.
+/// The conversion of light to bytes.
 struct ImageSensor {
-  double exposure = 1;      ///< the exposure if it is fixed, else a factor on the automatic one
-  double full_well = 8000;  ///< electrons at full scale and base gain: assumed, typical of a small sensor
-  double read_noise = 6;    ///< electrons: assumed
-  double vignetting = 0.5;  ///< share of the cos^4 law: assumed, for lenses that correct part of it
-  /// largest deflection of a ray by turbulence; unset: derived from the water's turbulence
+  double exposure = 1;      ///< the fixed exposure, or, with automatic exposure, a factor applied to it
+  double full_well = 8000;  ///< electrons at full scale and base gain; assumed, typical of a small sensor
+  double read_noise = 6;    ///< electrons; assumed
+  double vignetting = 0.5;  ///< fraction of the cos^4 law; assumed, for lenses that correct part of it
+  /// Largest deflection of a ray by turbulence; if unset, derived from the water's turbulence
   std::optional<double> wobble_rad;
 };
 
-/// A camera: lens and sensor. Its frame is x ahead, y left, z up, like a body's; the optical frame looks along its x.
+/// A camera: lens and sensor. Its frame is x ahead, y left, z up, like that of a body; the optical axis is its x axis.
 class Camera {
  public:
   /// `name` keys its noise, such as "rov/front". Throws InvalidValue.

@@ -21,7 +21,7 @@
 
 namespace uwsim {
 
-/// The kind of object that a label stands for: the classes of labelled pictures.
+/// The kind of object that a label denotes: the classes of labelled pictures.
 enum class SurfaceClass : std::uint8_t { kNothing, kTerrain, kStructure, kPipeline, kGate, kStation, kVehicle };
 inline constexpr std::array<std::string_view, 7> kSurfaceClassNames = {"nothing", "terrain", "structure", "pipeline",
                                                                        "gate",    "station", "vehicle"};
@@ -32,34 +32,35 @@ struct SurfaceAppearance {
   std::shared_ptr<const Texture> texture;
 };
 
-/// The scene that cameras look at: the world, as physics and rays see it, with materials and textures, and the
-/// vehicles' hulls. Labels: World::label_names, then the vehicles.
+/// The scene that cameras view: the world, as used for physics and rays, with materials and textures, and the vehicles'
+/// hulls. Labels: World::label_names, followed by the vehicles.
 class CameraScene {
  public:
   CameraScene(const World& world, std::shared_ptr<const RayScene> rays, std::uint64_t seed);
 
-  /// Sets the material, class and texture of a solid, by default steel, structure and none. Throws InvalidValue for an
-  /// unknown label.
+  /// Sets the material, class and texture of a solid; the defaults are steel, structure and no texture. Throws
+  /// InvalidValue for an unknown label.
   void set_appearance(Label label, const SurfaceAppearance& appearance);
-  /// Sets the material of the terrain under water, where it is steep, and above water.
+  /// Sets the material of the terrain: under water, where it is steep, and above water.
   void set_ground(const camera::Material& bed, const camera::Material& steep, const camera::Material& land);
-  /// Returns the vehicle's index. `hull_body_m`: as for Craft.
+  /// Adds a vehicle and returns its index. `hull_body_m`: as for Craft.
   std::size_t add_vehicle(std::string name, const TriangleMesh& hull_body_m, const SurfaceAppearance& appearance);
 
   const World& world() const { return world_; }
   std::uint64_t seed() const { return seed_; }
   std::size_t vehicles() const { return vehicle_names_.size(); }
-  /// The world's rays, plus the vehicles at these poses except the `hidden` one. Without poses there are no vehicles.
+  /// Returns the world's rays, plus the vehicles at these poses except the `hidden` one. Without poses, there are no
+  /// vehicles.
   RayScene rays_among(std::span<const Pose> world_from_vehicles, std::optional<std::size_t> hidden) const;
   std::vector<std::string> label_names() const;
   std::vector<std::uint8_t> classes_by_label() const;
-  /// Bed, steep and dry ground, then one for each label from 2 on.
+  /// The bed, steep ground and dry ground, followed by one material for each label from 2 on.
   const std::vector<camera::Material>& materials() const { return materials_; }
   static int material_of(std::uint32_t label) { return label <= kTerrain ? 0 : static_cast<int>(label) + 1; }
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
 
-  /// The ripples of a wind at one time. The last result is cached, since several cameras look at the same time.
+  /// The ripples of a wind at one time. The last result is cached, since several cameras need the same time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
                                                    double index, int threads) const;
 

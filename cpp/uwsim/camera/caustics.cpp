@@ -52,7 +52,8 @@ int floor_int(float x) {
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
 }
 
-/// Where the rays of one row reach a level: shares of their light for the four cells around each.
+/// For each ray of one row: where it reaches a given level, and how its light is shared among the four surrounding
+/// cells.
 struct Landings {
   std::array<std::array<int, kRays>, 4> cell;
   std::array<std::array<float, kRays>, 4> share;
@@ -75,7 +76,7 @@ struct Landings {
   }
 };
 
-/// One pass of the filter (w, 1 - 2 w, w) along each axis, wrapping round at the tile's edges.
+/// One pass of the filter (w, 1 - 2 w, w) along each axis, with wrap-around at the tile's edges.
 void blur(Grid& light, float w) {
   Grid other(light.size());
   const auto mixed = [w](float before, float here, float after) { return (1 - 2 * w) * here + w * (before + after); };
@@ -98,7 +99,7 @@ Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
   Grid light(kCells * kCells, 0.0f);
   const auto reach = static_cast<float>(depth_m * bend / kCell_m);
   std::array<Landings, 2> both;
-  // Alternate between rows far apart, so that an addition rarely waits for the previous one to the same cell.
+  // Alternate between distant rows, so that an addition rarely waits for the previous one to the same cell.
   for (int row = 0; row < kRays / 2; ++row) {
     for (int half = 0; half < 2; ++half) both[half].fill(rays, row + half * (kRays / 2), reach);
     for (int k = 0; k < kRays; ++k) {
@@ -107,7 +108,7 @@ Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
       }
     }
   }
-  // A disc of radius r has the variance r^2 / 4 along each axis; a pass has 2 w cells^2.
+  // A disc of radius r has variance r^2 / 4 along each axis; a pass has 2 w cells^2.
   const double sigma = 0.5 * kSunRadius_rad * depth_m / kCell_m;
   double variance = std::max(sigma * sigma, 0.15);  // the minimum hides the lattice of rays
   for (; variance > 0; variance -= 0.5) blur(light, static_cast<float>(0.5 * std::min(variance, 0.5)));

@@ -9,10 +9,10 @@ namespace uwsim {
 namespace {
 
 constexpr double kMiddleGrey = 0.18;
-// Gain of the fixed exposure, at which white in full sun (radiance 1 / pi) comes out at 0.8.
+// Gain of the fixed exposure, at which white in full sun (radiance 1 / pi) is rendered as 0.8.
 constexpr double kSunnyGain = 0.8 * 3.14159265358979;
 constexpr double kLeastGain = 0.25 * kSunnyGain, kMostGain = 2e4 * kSunnyGain;
-// Gain of the longest shutter time; beyond it the signal is amplified, with its noise.
+// Gain of the longest shutter time; beyond it, the signal is amplified together with its noise.
 constexpr double kLongestShutterGain = 30 * kSunnyGain;
 
 }  // namespace

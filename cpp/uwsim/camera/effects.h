@@ -6,22 +6,22 @@
 
 namespace uwsim {
 
-/// The effects in a picture, each of which can be switched off; with all off, it is the plain, dry scene under the open
-/// sky.
+/// The effects in a picture, each of which can be switched off. With all effects off, the picture shows the plain, dry
+/// scene under the open sky.
 enum class Effect : std::uint8_t {
   kAttenuation,  ///< beam attenuation between scene and camera, and between lamps and scene
-  kBackscatter,  ///< light of the sky, the sun and lamps that water scatters into the camera (veiling light)
+  kBackscatter,  ///< light from sky, sun and lamps that water scatters into the camera (veiling light)
   kSunlight,     ///< daylight attenuated with depth (Kd) and refracted at the surface
-  kSurface,      ///< the water's surface seen by the camera: refraction, reflection
+  kSurface,      ///< the water's surface as seen by the camera: refraction, reflection
   kShadows,
   kLamps,
   kCaustics,   ///< sunlight on surfaces, focused by ripples
   kShafts,     ///< sunlight in the water, focused by ripples and shadowed
-  kParticles,  ///< single particles near the camera
+  kParticles,  ///< individual particles near the camera
   kWobble,     ///< rays bent by turbulence
   kDistortion,
   kVignetting,
-  kExposure,  ///< automatic exposure; without it, fixed at 1
+  kExposure,  ///< automatic exposure; if off, fixed at 1
   kNoise,     ///< photon and read noise
 };
 

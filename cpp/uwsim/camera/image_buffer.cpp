@@ -17,7 +17,7 @@ struct KeptBlocks {
   std::size_t bytes = 0;
 };
 
-/// Never destroyed: arrays may be freed after static objects when the process ends.
+/// Never destroyed, because arrays may be freed after static objects when the process ends.
 KeptBlocks& kept() {
   static KeptBlocks& one = *new KeptBlocks;
   return one;

@@ -8,12 +8,12 @@
 
 namespace uwsim {
 
-/// Memory for images. Some released memory is kept for the next picture, since the operating system clears every page
-/// that it hands out. Throws std::bad_alloc.
+/// Memory for images. Some released memory is kept for the next picture, because the operating system clears every page
+/// that it provides. Throws std::bad_alloc.
 void* acquire_buffer(std::size_t bytes);
 void release_buffer(void* memory, std::size_t bytes) noexcept;
 
-/// Leaves new elements uninitialised, since every pixel is written anyway.
+/// An allocator that leaves new elements uninitialised, since every pixel is written anyway.
 template <typename T>
 struct ImageBufferAllocator {
   using value_type = T;

@@ -7,13 +7,13 @@ namespace uwsim {
 
 /// A spot lamp: uniform within the inner angle, dark beyond the outer angle, smooth in between.
 struct SpotLamp {
-  Pose world_from_lamp;  ///< it shines along x
+  Pose world_from_lamp;  ///< the lamp shines along x
   double flux_lm = 10'000;
   double half_angle_rad = 0.6;   ///< the outer angle
-  double soft_share = 0.4;       ///< share of the half angle over which the light falls off
+  double soft_share = 0.4;       ///< fraction of the half angle over which the light falls off
   Bands colour = Bands::Ones();  ///< relative to the white of daylight
 
-  /// Throws InvalidValue that names the field.
+  /// Throws InvalidValue naming the field.
   void check() const;
 };
 

@@ -48,7 +48,7 @@ void Lens::check() const {
   for (const double k : {k1, k2, p1, p2, k3}) {
     require(std::isfinite(k) && std::abs(k) <= 100, "camera.distortion", k, "must be in [-100, 100]");
   }
-  // unproject() must converge along the border, where distortion is strongest, and on rings within.
+  // unproject() must converge along the border, where distortion is strongest, and on rings inside it.
   for (const double part : {0.25, 0.5, 0.75, 1.0}) {
     for (int k = 0; k < 64; ++k) {
       const double s = k % 16 / 8.0 - 1;

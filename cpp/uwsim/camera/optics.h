@@ -5,25 +5,26 @@
 
 namespace uwsim {
 
-/// Everything that determines the light at a place: its water, the sun, the wind that ruffles the surface, and
+/// Everything that determines the light in an area: its water, the sun, the wind that ruffles the surface, and
 /// particles.
 struct Optics {
   WaterOptics water;
   Sun sun;
   double wind_m_s = 3;
   double wind_towards_rad = 0;
-  double particles_per_m3 = 60;  ///< those large enough to be seen individually: assumed
-  double turbulence_k = 2;       ///< standard deviation of the temperature in turbulent eddies: assumed, strong mixing
+  double particles_per_m3 = 60;  ///< large enough to be visible individually; assumed
+  double turbulence_k = 2;       ///< standard deviation of temperature in turbulent eddies; assumed, strong mixing
 
-  /// Throws InvalidValue that names the field. The sun and the wind are checked where they are used.
+  /// Throws InvalidValue naming the field. The sun and the wind are checked where they are used.
   void check() const;
 };
 
-/// The standard deviation of the angle by which turbulence displaces what a camera sees, along one axis of the picture:
-/// sqrt(2 sqrt(pi) / 3 L / l) dn/dT T' (geometrical optics with a Gaussian correlation of the index, Chernov 1960,
-/// "Wave Propagation in a Random Medium", ch. 2; a third for rays from a point, Tatarskii 1971). |dn/dT| = 1e-4 per K
-/// (Quan and Fry 1995, Appl. Opt. 34:3477, in 10 to 20 degrees C). The eddies measure l = 5 cm, and every ray bends as
-/// if over a path of L = 5 m: assumed. Valid for small displacements that focus weakly, up to a few mrad.
+/// The standard deviation of the angle by which turbulence displaces the scene, along one axis of the picture: sqrt(2
+/// sqrt(pi) / 3 L / l) dn/dT T' (geometrical optics with a Gaussian correlation of the index, Chernov 1960, "Wave
+/// Propagation in a Random Medium", ch. 2; the factor of a third applies to rays from a point, Tatarskii 1971). |dn/dT|
+/// = 1e-4 per K (Quan and Fry 1995, Appl. Opt. 34:3477, at 10 to 20 degrees C). It is assumed that eddies measure l = 5
+/// cm and that every ray bends as over a path of L = 5 m. Valid for small displacements that focus weakly, up to a few
+/// mrad.
 double turbulence_bend_rad(double turbulence_k);
 
 }  // namespace uwsim

@@ -8,8 +8,8 @@
 namespace uwsim {
 
 /// Calls work(row, worker) for each row on up to `threads` threads, which take rows one at a time. Each call must write
-/// to its own row only, so that the result does not depend on which thread handles which row. An exception is rethrown
-/// in the calling thread.
+/// only to its own row, so that the result does not depend on which thread processes which row. An exception is
+/// rethrown in the calling thread.
 template <typename Work>
 void for_rows(int rows, int threads, Work&& work) {
   parallel_batches(

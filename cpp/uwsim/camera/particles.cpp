@@ -12,7 +12,7 @@ constexpr double kParticleCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
 constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
-constexpr double kGeneration_s = 4;         // particles are seen for two of these, brightest halfway
+constexpr double kGeneration_s = 4;         // particles are visible for two of these, brightest halfway
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
   x += 0x9e3779b97f4a7c15ull;
@@ -22,7 +22,7 @@ std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 201
 }
 double unit_of(std::uint64_t bits, int part) { return static_cast<double>((bits >> (16 * part)) & 0xffff) / 65536; }
 
-/// Radiance of a particle: daylight from all around and each lamp, attenuated on its path to the eye.
+/// Radiance of a particle: daylight from all directions and the light of each lamp, attenuated on its path to the eye.
 std::array<float, 3> light_on(const Eigen::Vector3f& at, const camera::View& view) {
   std::array<float, 3> light;
   const float depth = std::max(0.0f, view.surface_z - (at.z() + view.camera_z)), range = at.norm();
@@ -110,7 +110,7 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
           pixel.y() < lens.height + radius)) {
       continue;
     }
-    // Distant particles fade, so that none appears suddenly.
+    // Distant particles fade out, so that none appears suddenly.
     const double fade = std::clamp(3 * (1 - at.norm() / kReach_m), 0.0, 1.0);
     const auto share = static_cast<float>(3 * generation.strength * fade * sharp * sharp / (radius * radius));
     const std::array<float, 3> light = light_on(at.cast<float>(), view);

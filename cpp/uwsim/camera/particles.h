@@ -12,9 +12,9 @@
 namespace uwsim {
 
 /// A particle that drifts in the water near the camera. Each cell of a lattice that moves with the flow at the camera
-/// holds at most one, placed by a hash of seed and cell, lit by daylight and lamps, out of focus when near. Every four
-/// seconds a new generation fades in and the previous one fades out, so that a picture depends on its time alone, in
-/// any flow. Sizes, brightness and that interval are assumed.
+/// contains at most one particle, placed by a hash of seed and cell, lit by daylight and lamps, and out of focus when
+/// near. Every four seconds, a new generation fades in and the previous one fades out, so that a picture depends only
+/// on its time, in any flow. Sizes, brightness and the interval are assumed.
 struct Particle {
   float u, v;      ///< pixel
   float depth_m;   ///< along the optical axis
@@ -22,7 +22,7 @@ struct Particle {
   float light[3];  ///< radiance at the centre of its image
 };
 
-/// The particles that the camera can see; none if it is in air.
+/// The particles that the camera can see; none if the camera is in air.
 std::vector<Particle> visible_particles(const CameraScene& scene, const Camera& camera, const Optics& optics,
                                         const PictureRequest& request, const camera::View& view);
 

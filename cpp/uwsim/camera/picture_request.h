@@ -17,15 +17,15 @@ namespace uwsim {
 struct PictureRequest {
   Pose world_from_camera;
   double time_s = 0;
-  std::uint64_t tick = 0;  ///< key of the noise
+  std::uint64_t tick = 0;  ///< keys the noise
   Effects effects = Effects::all();
-  std::vector<SpotLamp> lamps;                ///< those that are switched on
+  std::vector<SpotLamp> lamps;                ///< lamps that are switched on
   std::vector<Pose> world_from_vehicles;      ///< of all CameraScene::vehicles, or empty
-  std::optional<std::size_t> hidden_vehicle;  ///< the one that carries the camera and is not visible to it
+  std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
   bool geometry_only = false, keep_radiance = false;
   bool measure = false;                      ///< fill RenderCost::seconds
   RayRecord* record = nullptr;               ///< if set, only one thread may be used
-  const camera::Kernels* kernels = nullptr;  ///< null: the fastest that this CPU can run; all give the same bits
+  const camera::Kernels* kernels = nullptr;  ///< if null, the fastest that this CPU supports; all produce the same bits
   int threads = 1;
 };
 

@@ -9,9 +9,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kTextureRepeat_m = 256;  // a whole number of ripple tiles: 40 of 6.4 m
-// Share of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees and
-// still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
+constexpr double kTextureRepeat_m = 256;  // an integer number of ripple tiles: 40 of 6.4 m
+// Fraction of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees
+// and still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
 constexpr double kSunlight_lx = 1e5;  // irradiance 1 in daylight.h
 
@@ -75,7 +75,7 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   view.pixel_rad = static_cast<float>(1 / lens.fx);
 }
 
-/// Rays bend in water only; those from above it bend at the surface, by waves and ripples.
+/// Rays bend only in water; rays from above bend at the surface, due to waves and ripples.
 void PreparedView::set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request) {
   const bool bends = request.effects.has(Effect::kWobble) && anchor_world_m.z() < view.surface_z;
   // The waves of kernels/primary_rays.h have a standard deviation of sqrt(5 / 8) along each axis.
@@ -135,7 +135,8 @@ void PreparedView::set_lamps(const PictureRequest& request) {
     const double inner = lamp.half_angle_rad * (1 - lamp.soft_share);
     light.cos_outer = static_cast<float>(std::cos(lamp.half_angle_rad));
     light.cos_inner = static_cast<float>(std::cos(inner));
-    // A smoothstep over the cosine emits as much light as a uniform cone out to the mean of the soft edge's cosines.
+    // A smoothstep over the cosine emits as much light as a uniform cone that ends at the mean of the soft edge's
+    // cosines.
     const double steradians = 2 * std::numbers::pi * (1 - 0.5 * (light.cos_outer + light.cos_inner));
     assign(light.intensity, Bands(lamp.colour * (lamp.flux_lm / steradians / kSunlight_lx)));
     lamps_.push_back(light);

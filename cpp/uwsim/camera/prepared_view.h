@@ -12,7 +12,7 @@
 
 namespace uwsim {
 
-/// The constants of one picture in the form that the kernels need, with the memory that they point to.
+/// The constants of one picture in the form that the kernels require, and the memory that they point to.
 class PreparedView {
  public:
   PreparedView(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request);

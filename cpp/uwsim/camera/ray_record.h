@@ -8,7 +8,7 @@
 
 namespace uwsim {
 
-/// The packets of rays that a picture casts through the world, in order, for benchmarks against Embree alone.
+/// The ray packets cast to render a picture, in order, for benchmarking against plain Embree.
 struct RayRecord {
   struct Packet {
     std::int32_t kind;  ///< 0 cast, 1 occluded; + 2 if coherent

@@ -6,8 +6,8 @@
 
 namespace uwsim {
 
-/// Snell's law: the direction of a ray along unit `direction` after a surface of unit `normal` (towards the side that
-/// the ray comes from), from refractive index n_from into n_to. None if it is totally reflected.
+/// Snell's law: the direction of a ray along unit `direction` after crossing a surface with unit `normal` (towards the
+/// side that the ray comes from), from refractive index n_from into n_to. Returns nullopt for total reflection.
 inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal,
                                                 double n_from, double n_to) {
   const double ratio = n_from / n_to, cosine = -direction.dot(normal);
@@ -16,7 +16,7 @@ inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction
   return ratio * direction + (ratio * cosine - std::sqrt(1 - sine2)) * normal;
 }
 
-/// Fresnel's reflectance for unpolarised light, by the cosine of the angle of incidence; 1 beyond the critical angle
+/// Fresnel reflectance of unpolarised light, by the cosine of the angle of incidence; 1 beyond the critical angle
 /// (Hecht, "Optics", ch. 4).
 inline double fresnel_reflectance(double cosine, double n_from, double n_to) {
   const double sine2 = (n_from / n_to) * (n_from / n_to) * (1 - cosine * cosine);

@@ -7,7 +7,7 @@
 
 namespace uwsim {
 
-/// The parts of rendering whose time is measured.
+/// The parts of rendering that are timed separately.
 enum RenderTask {
   kPrepare,
   kPrimaryRays,
@@ -34,7 +34,7 @@ inline constexpr std::array<const char*, 11> kRenderTaskNames = {"ripples and wa
                                                                  "particles",
                                                                  "development"};
 
-/// The rays cast for a picture and, if measured, the seconds of each task, summed over threads.
+/// The number of rays cast for a picture and, if measured, the seconds spent on each task, summed over threads.
 struct RenderCost {
   std::uint64_t primary_rays = 0, onward_rays = 0, sun_rays = 0, lamp_rays = 0, shaft_rays = 0;
   std::array<double, kRenderTaskNames.size()> seconds{};  ///< by RenderTask

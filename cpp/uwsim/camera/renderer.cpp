@@ -128,7 +128,7 @@ class Rendering {
     shade_segment(block, hits, false, cost, timer);
   }
 
-  /// Adds the light that water, sky, daylight and lamps contribute along and at the end of one segment of each path.
+  /// Adds the light from water, sky, daylight and lamps along one segment of each path and at its end.
   void shade_segment(Block& block, const HitPacket& hits, bool first, RenderCost& cost, TaskTimer& timer) {
     kernels_.apply_water(view_, block);
     kernels_.add_sky(view_, block);
@@ -152,7 +152,7 @@ class Rendering {
     }
   }
 
-  /// Adds the light under test where no shadow ray is blocked.
+  /// Adds the light under test where the shadow ray is not blocked.
   void add_unless_shadowed(Block& block, std::uint64_t& rays) const {
     BlockMask blocked{};
     if (on(Effect::kShadows) && any(block.needs_shadow_ray)) {
@@ -180,7 +180,7 @@ class Rendering {
     }
   }
 
-  /// Turns radiance into bytes. Particles come last: they need the whole picture's depth.
+  /// Converts radiance to bytes. Particles come last because they need the depth of the whole picture.
   void develop() {
     picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_, picture_.depth_m.size());
     picture_.rgb.resize(3 * picture_.depth_m.size());
@@ -218,7 +218,7 @@ class Rendering {
   const Optics& optics_;
   const PictureRequest& request_;
   int threads_;
-  std::vector<RenderCost> costs_;  // one for each worker
+  std::vector<RenderCost> costs_;  // one per worker
   TaskTimer timer_;
   PreparedView prepared_;
   camera::View& view_;
@@ -230,7 +230,7 @@ class Rendering {
   camera::RadiancePlanes radiance_{};
   std::vector<float> shafts_;
   std::vector<Particle> particles_;
-  // one for each row of blocks, so that their sum does not depend on the number of threads
+  // One per row of blocks, so that their sum does not depend on the number of threads
   std::vector<double> root_luminance_;
 };
 

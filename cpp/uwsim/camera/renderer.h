@@ -9,13 +9,13 @@
 
 namespace uwsim {
 
-/// Renders what a camera sees. Model, per band (Akkaynak and Treibitz 2018, "A revised underwater image formation
-/// model", CVPR, in its single-scattering form): L = L_surface exp(-c r) + backscatter, with the backscatter of
-/// daylight by Kd (kernels/scattering.h) and that of lamps by a separate integral (kernels/lamps.h). Surfaces are
-/// Lambertian. Valid where light is scattered once on its way to the camera: blur by forward scattering is left out,
-/// and so is light that surfaces reflect onto each other. Water and its effects end at the edge of the world's surface;
-/// a path is followed through the water's surface once. The bytes do not depend on the number of threads. Throws
-/// InvalidValue if the camera is below the ground; inside another solid it sees the inside of that solid.
+/// Renders a camera's view. The model, per band, is that of Akkaynak and Treibitz 2018 ("A revised underwater image
+/// formation model", CVPR) in its single-scattering form: L = L_surface exp(-c r) + backscatter, with the backscatter
+/// of daylight by Kd (kernels/scattering.h) and that of lamps by a separate integral (kernels/lamps.h). Surfaces are
+/// Lambertian. Valid where light is scattered once on its way to the camera; blur by forward scattering and light
+/// reflected between surfaces are not modelled. Water and its effects end at the edge of the world's surface; a path is
+/// followed through the water's surface once. The bytes do not depend on the number of threads. Throws InvalidValue if
+/// the camera is below the ground; inside another solid, it sees the inside of that solid.
 Picture render(const CameraScene& scene, const Camera& camera, const Optics& optics, const PictureRequest& request,
                RenderCost* cost = nullptr);
 

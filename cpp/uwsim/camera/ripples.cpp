@@ -32,8 +32,8 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
       const double k = kTau / kTile_m * std::sqrt(square);
       const double along = std::cos(std::atan2(j, i) - wind_towards_rad);
       const auto index = static_cast<std::uint32_t>(i * 64 + j + 32);
-      // The slope variance of a wave is proportional to 1 / k^2 in the plane of wave vectors: equal in each octave.
-      // Some waves run against the wind.
+      // The slope variance of a wave is proportional to 1 / k^2 in the plane of wave vectors, which is equal variance
+      // in each octave. Some waves run against the wind.
       const double slope =
           std::sqrt((along * along + 0.05) / square) * std::sqrt(-2 * std::log(random.uniform(0, index)));
       const double omega = std::sqrt(kGravity_m_s2 * k + kTension_m3_s2 * k * k * k);
@@ -55,7 +55,7 @@ void Ripples::fill_slopes(double time_s, int threads, std::vector<float>& slopes
   slopes.assign(2 * kCells * kCells, 0.0f);
   std::array<Phasor, kCells> phasors;
   for (int x = 0; x < kCells; ++x) phasors[x] = std::polar(1.0, kTau * x / kCells);
-  // Row i holds the phasors of i waves per tile.
+  // Row i contains the phasors of i waves per tile.
   std::array<std::array<float, kCells>, kMostWaves + 1> cosine, sine;
   for (int i = 0; i <= kMostWaves; ++i) {
     for (int x = 0; x < kCells; ++x) {

@@ -61,7 +61,7 @@ class ShaftCaster {
   }
 
  private:
-  /// Shared by a group of values: the ends of rays, and which of their sample points are in shadow.
+  /// Data shared by a group of values: the ends of rays, and which of their sample points are in shadow.
   struct Shadows {
     camera::BlockFloats distance;
     std::array<camera::BlockMask, kSamples> blocked;
@@ -96,7 +96,7 @@ class ShaftCaster {
     timer.add(kShaftRays);
   }
 
-  /// Computes the block of values at (left, top), which is (x, y) in its group.
+  /// Computes the block of values at (left, top), which is at (x, y) in its group.
   void sample(int left, int top, int x, int y, const Shadows& shadows) {
     Block block;
     std::array<std::size_t, kBlockPixels> shared;

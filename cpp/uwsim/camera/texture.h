@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// A mesh's image, 8-bit sRGB, rows from the top, and the coordinates of each triangle's corners on it: in [0, 1] from
-/// the lower left, repeating.
+/// A mesh's image, 8-bit sRGB, rows from the top, and the texture coordinates of each triangle's corners: in [0, 1]
+/// from the lower left, repeating.
 struct Texture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;

@@ -16,7 +16,7 @@ using camera::Block;
 using camera::BlockMask;
 
 constexpr float kFarthest_m = 1e5f;
-constexpr float kShadowStart_m = 1e-3f;  // keeps a shadow ray from hitting its own surface
+constexpr float kShadowStart_m = 1e-3f;  // prevents a shadow ray from hitting its own surface
 constexpr double kRefineTo_m = 1e5;
 
 /// Copies sixteen 32-bit values as one wide move.
@@ -83,7 +83,7 @@ void Tracer::refine(const HitPacket& hits, Block& block) const {
     const Eigen::Vector3d direction(block.direction.x.at[k], block.direction.y.at[k], block.direction.z.at[k]);
     const Eigen::Vector3d from(block.origin.x.at[k], block.origin.y.at[k], block.origin.z.at[k]);
     const double along = normal.dot(direction);
-    // Closer to tangency the plane determines the distance less accurately than Embree does.
+    // Closer to tangency, the plane determines the distance less accurately than Embree does.
     if (std::abs(along) < kGrazingSine * normal.norm()) continue;
     block.distance.at[k] = static_cast<float>(std::max(0.0, normal.dot(a - from) / along));
   }
@@ -113,7 +113,7 @@ void Tracer::occluded(const Block& block, BlockMask& blocked, RayOrder order) co
   rays.near_m.fill(kShadowStart_m);
   copy(rays.far_m, block.light_distance);
   // Start off the surface, on the eye's side. Inactive lanes, whose distance may be infinite, must be finite as well:
-  // without AVX-512 Embree splits packets of sixteen, and Debian's build ends the process if they are not.
+  // without AVX-512, Embree splits packets of sixteen, and Debian's build aborts the process if they are not.
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const float lift = 1e-3f + 2e-5f * std::min(block.distance.at[k], kFarthest_m);
     rays.origin_x[k] += lift * block.normal.x.at[k];

@@ -10,10 +10,11 @@ class Tracer {
  public:
   Tracer(const CameraScene& scene, const Eigen::Vector3d& anchor_world_m, const PictureRequest& request);
 
-  /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. `hits` holds u and v.
+  /// Sets distance, normal, label and primitive of active lanes; inactive lanes hit nothing. u and v are stored in
+  /// `hits`.
   void cast(camera::Block& block, HitPacket& hits, RayOrder order) const;
   /// Recomputes distances to solids and vehicles in double where they are not exact yet: on the plane of the solid's
-  /// triangle that was hit, or by another cast for vehicles and for round shapes. Terrain is refined by the kernels
+  /// triangle that was hit, or, for vehicles and round shapes, by another cast. Terrain is refined by the kernels
   /// (kernels/hits.h).
   void refine(const HitPacket& hits, camera::Block& block) const;
   /// Marks the lanes that need a shadow ray and whose light is blocked.

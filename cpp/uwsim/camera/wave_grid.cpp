@@ -13,7 +13,7 @@ constexpr int kSide = WaveGrid::kSide;
 using Phasor = std::complex<double>;
 using Row = std::array<double, kSide>;
 
-/// A wave along a row of nodes: its phasor at the row's first node, rotated by these.
+/// A wave along a row of nodes: its phasor at the row's first node, and the rotations to apply to it.
 struct WaveTrain {
   WaveComponent wave;
   double kx, ky;

@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// The world's waves, which also move vehicles, around a place at one time: heights and slopes on a grid. As the place
-/// moves, the grid moves by whole cells.
+/// The world's waves, which also move vehicles, around a position at one time: heights and slopes on a grid. As the
+/// position moves, the grid moves by whole cells.
 class WaveGrid {
  public:
   static constexpr int kSide = 128;

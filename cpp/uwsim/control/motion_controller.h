@@ -38,8 +38,7 @@ struct MotionTarget {
   double roll_rad = 0;
   double pitch_rad = 0;
   double heading_rad = 0;
-  bool across_first = false;  ///< beyond the thrusters' limits, force across the vehicle takes priority over force
-                              ///< along
+  bool across_first = false;  ///< beyond the limits, force across the vehicle takes priority over force along it
 };
 
 /// The state carried from one control period to the next.

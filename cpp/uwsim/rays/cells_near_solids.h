@@ -9,25 +9,25 @@ namespace uwsim {
 
 class TileSurfaces;
 
-/// A triangle or round shape, identified by the tile's numbering of surfaces.
+/// A triangle or round shape, identified by the tile's surface numbers.
 struct TileMember {
   std::uint32_t geometry, primitive;
 };
 
-/// The terrain cells of a tile that solids come close to, each with those solids' triangles and shapes: there, either
-/// may be hit first within float's error.
+/// The terrain cells of a tile that are close to solids, each with those solids' triangles and shapes. In these cells,
+/// either may be hit first, within float's error.
 class CellsNearSolids {
  public:
   CellsNearSolids() = default;
-  /// `near`: pairs of a cell and what is near it, sorted by cell, for a block of `cells`.
+  /// `near`: pairs of a cell and a nearby triangle or shape, sorted by cell, for a block of `cells`.
   CellsNearSolids(std::size_t cells, std::span<const std::pair<std::uint32_t, TileMember>> found);
 
   std::size_t size() const { return near_.size(); }
   /// Whether a cell of the block is in the list.
   bool contains(std::uint32_t cell) const { return contains_[cell] != 0; }
-  /// The number within the block of the k-th of them.
+  /// The number, within the block, of the k-th cell in the list.
   std::uint32_t cell(std::uint32_t k) const { return near_[k].cell; }
-  /// The solids near the k-th of them.
+  /// The solids near the k-th cell in the list.
   std::span<const TileMember> solids(std::uint32_t k) const {
     return std::span(members_).subspan(near_[k].first, near_[k].count);
   }

@@ -40,7 +40,7 @@ void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, c
   }
 }
 
-/// Moves hits on the raised terrain on to the plane of the true triangle, unless the ray grazes it.
+/// Moves hits on the raised terrain to the plane of the true triangle, unless the ray grazes it.
 void lower_terrain(const RTCHit16& hit, double raise_m, RTCRay16& ray) {
   constexpr auto kLeastSine = static_cast<float>(kGrazingSine);
   const auto raise = static_cast<float>(raise_m);
@@ -53,7 +53,7 @@ void lower_terrain(const RTCHit16& hit, double raise_m, RTCRay16& ray) {
   }
 }
 
-/// Turns quads and coordinates on them into triangles and barycentric coordinates on these.
+/// Replaces quads, and the coordinates on them, by triangles and barycentric coordinates.
 void number_triangles(RTCHit16& hit) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     if (!TileSurfaces::is_terrain(hit.geomID[k])) continue;

@@ -7,9 +7,9 @@
 
 namespace uwsim {
 
-// Rays for pictures: cast in float, and not recomputed in double. ray_scene.h states how much they may err.
+// Rays for pictures, which are cast in float and not recomputed in double. ray_scene.h states their error bounds.
 
-/// The hits of a packet on round shapes, in double, and their numbers within the tile.
+/// The hits of a packet on round shapes, in double, with their numbers within the tile.
 struct RoundAnswer {
   LazyExactRays rays;
   ExactHits hits;
@@ -18,9 +18,9 @@ struct RoundAnswer {
   RoundAnswer(const Eigen::Vector3d& anchor_world_m, const RayPacket& packet) : rays(anchor_world_m, packet) {}
 };
 
-/// Embree's own answer to a packet of rays that start `starts_m` along their direction (0 if null); distances are
-/// measured from the rays' origins. If not null, `round` is filled where Embree queried a round shape; only for rays
-/// that start at 0.
+/// Returns Embree's own answer to a packet of rays that start `starts_m` along their direction (0 if null); distances
+/// are measured from the rays' origins. If `round` is not null, it is filled where Embree queried a round shape; this
+/// is only supported for rays that start at 0.
 void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,
                 const RayPacket& rays, const double* starts_m, RoundAnswer* round, HitPacket& hits, RayOrder order);
 void occluded_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,

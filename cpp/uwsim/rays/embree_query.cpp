@@ -43,7 +43,7 @@ struct Neighbourhood {
   std::uint32_t geometry;
   bool round;
   Corners corners;          // of a triangle
-  Eigen::AlignedBox3d box;  // with the margin
+  Eigen::AlignedBox3d box;  // including the margin
   bool crowded;
 };
 
@@ -52,12 +52,14 @@ bool comes_near(const Neighbourhood& own, const TileMember& other) {
   if (own.round || own.surfaces->is_round(other.geometry)) return true;
   const Corners corners = own.surfaces->corners(other.geometry, other.primitive);
   if (other.geometry == own.geometry) {
-    // The triangle itself, or a neighbour: hits near shared edges are searched among all triangles around them anyway.
+    // Skip the triangle itself and its neighbours: hits near shared edges are searched among all adjacent triangles
+    // anyway.
     for (const Eigen::Vector3d& corner : corners) {
       if (std::ranges::find(own.corners, corner) != own.corners.end()) return false;
     }
   }
-  // Boxes of slanted triangles overlap even if the triangles are far apart; whatever widening reaches stays crowded.
+  // The boxes of slanted triangles overlap even if the triangles are far apart. Only triangles within reach of the
+  // widening count as crowded.
   return closer_than(own.corners, corners, own.surfaces->tolerances().widening_m);
 }
 
@@ -79,7 +81,7 @@ struct NearestTriangle {
   double distance_m;
 };
 
-/// Slightly larger than the distance, so that float rounding hides no nearer triangle.
+/// Slightly larger than the distance, so that float rounding does not hide a nearer triangle.
 float search_radius(const TileSurfaces& surfaces, double distance_m) {
   return static_cast<float>(distance_m * (1 + kFartherSearch) + surfaces.tolerances().search_margin_m);
 }

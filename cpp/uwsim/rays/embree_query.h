@@ -10,7 +10,7 @@ struct RTCSceneTy;
 
 namespace uwsim {
 
-// Embree's tree as an index of what lies near a point; everything found is computed in double.
+// Embree's tree as an index of the surfaces near a point; all results are computed in double.
 
 struct LabelledHit {
   TileHit hit;
@@ -23,11 +23,11 @@ std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces
                                             double from_m, double to_m);
 
 /// For each triangle of a solid's mesh: whether a surface other than its neighbours is so close that either may be hit
-/// first within float's error. For each round shape: whether a mesh is that close.
+/// first, within float's error. For each round shape: whether a mesh is that close.
 std::vector<std::uint8_t> crowded_members(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label);
 
-/// The smaller of `nearest_m` and the distance to the tree's nearest triangle; round shapes do not count. `meshes`:
-/// whether the tree holds the meshes of solids that rays hit as shapes.
+/// The smaller of `nearest_m` and the distance to the tree's nearest triangle, ignoring round shapes. `meshes`: whether
+/// the tree contains the meshes of solids whose shapes rays hit.
 double nearest_triangle_m(RTCSceneTy* tree, const TileSurfaces& surfaces, bool meshes,
                           const Eigen::Vector3d& point_world_m, double nearest_m);
 

@@ -10,7 +10,7 @@ struct RTCSceneTy;
 
 namespace uwsim {
 
-/// The round shapes of one solid within a tile, by primitive, as used by Embree's callbacks. It must outlive the tree.
+/// The round shapes of one solid within a tile, by primitive, for Embree's callbacks. It must outlive the tree.
 struct RoundGeometry {
   std::uint32_t geometry;
   std::vector<RoundShape> shapes;
@@ -20,7 +20,7 @@ struct RoundGeometry {
 
 RoundGeometry round_geometry(const TileSurfaces& surfaces, std::uint32_t geometry);
 
-/// Adds them to a tree. Callbacks intersect rays with these shapes in double, without facets.
+/// Adds the shapes to a tree. Callbacks intersect rays with them in double, without facets.
 void attach_round(RTCDeviceTy* device, RTCSceneTy* tree, const RoundGeometry& round);
 
 }  // namespace uwsim

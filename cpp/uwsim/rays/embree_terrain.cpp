@@ -33,8 +33,8 @@ Eigen::Vector3d raised_vertex_m(const TileSurfaces& surfaces, std::uint32_t colu
          surfaces.tolerances().raise_m * raise_per_metre(surfaces.world(), block, column, row);
 }
 
-/// Adds the block's cells, which share the block's vertices. Cells near solids get a NaN vertex, so that Embree leaves
-/// them out.
+/// Adds the block's cells, which share the block's vertices. Cells near solids get a NaN vertex, so that Embree omits
+/// them.
 void fill_open_terrain(const TileSurfaces& surfaces, const Quads& quads) {
   const TileContents& block = surfaces.contents();
   const std::uint32_t row_length = block.columns + 1, nowhere = row_length * (block.rows + 1);
@@ -54,7 +54,7 @@ void fill_open_terrain(const TileSurfaces& surfaces, const Quads& quads) {
   }
 }
 
-/// The cells near solids, each with its own vertices.
+/// Adds the cells near solids, which do not share vertices.
 void fill_terrain_near_solids(const TileSurfaces& surfaces, std::uint32_t cells, const Quads& quads) {
   for (std::uint32_t k = 0; k < cells; ++k) {
     const std::uint32_t cell = surfaces.block_triangle(2 * k) / 2;
@@ -68,7 +68,7 @@ void fill_terrain_near_solids(const TileSurfaces& surfaces, std::uint32_t cells,
   for (std::uint32_t k = 0; k < kCorners * cells; ++k) quads.index[k] = k;
 }
 
-/// Embree's filter for shadow rays. At a cliff the raised terrain is high above the ground: a ray that starts between
+/// Embree's filter for shadow rays. At a cliff, the raised terrain is high above the ground. A ray that starts between
 /// the two leaves through the raised sheet from below, and is blocked only if it hits the true terrain.
 void let_out_through_raised_terrain(const RTCFilterFunctionNArguments* args) {
   const TileSurfaces& surfaces = *detail_of(args->context).surfaces;

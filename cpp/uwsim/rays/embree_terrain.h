@@ -9,13 +9,14 @@ struct RTCSceneTy;
 
 namespace uwsim {
 
-/// Adds the terrain's cells to a tree, as quads, which take half the nodes and memory of triangles. Embree splits each
-/// from its second corner to its fourth, as Heightfield does, so that a quad consists of a cell's two triangles. All
-/// corners are raised (see raised_terrain.h); because open cells share their corners, no ray can slip between two of
+/// Adds the terrain's cells to a tree, as quads, which need half the nodes and memory of triangles. Embree splits each
+/// quad from its second to its fourth corner, as Heightfield does, so that a quad consists of a cell's two triangles.
+/// All corners are raised (see raised_terrain.h). Open cells share their corners, so no ray can slip between two of
 /// them.
 void attach_terrain(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
 
-/// The surface number of the primitive that Embree reports, depending on where it is hit: a quad is two triangles.
+/// The surface number of the primitive that Embree reports. A quad is two triangles, so the number depends on where the
+/// quad is hit.
 inline std::uint32_t member_number(std::uint32_t geometry, std::uint32_t primitive, float u, float v) {
   return TileSurfaces::is_terrain(geometry) ? 2 * primitive + static_cast<std::uint32_t>(u + v > 1) : primitive;
 }

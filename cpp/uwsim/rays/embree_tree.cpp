@@ -12,7 +12,7 @@
 namespace uwsim {
 namespace {
 
-/// Adds triangles that share no vertices: each is widened separately.
+/// Adds triangles that do not share vertices, because each is widened separately.
 template <typename CornersOf>
 GeometryOwner separate_triangles(RTCDevice device, std::size_t count, const CornersOf& corners_of) {
   GeometryOwner owner(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
@@ -35,8 +35,8 @@ Corners about(const Eigen::Vector3d& middle_m, Corners corners) {
   return corners;
 }
 
-/// Embree's filter for rays that are not recomputed in double: discards hits on the margin that widening added to
-/// triangles.
+/// Embree's filter for rays that are not recomputed in double: discards hits on the margin by which triangles were
+/// widened.
 void discard_widened_edges(const RTCFilterFunctionNArguments* args) {
   if (detail_of(args->context).exact != nullptr) return;
   const auto& surfaces = *static_cast<const TileSurfaces*>(args->geometryUserPtr);

@@ -25,16 +25,16 @@ using GeometryOwner = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
 using RayTree = std::unique_ptr<RTCSceneTy, ReleaseTree>;
 
 RayDevice make_ray_device();
-/// Robust trees let no ray slip between neighbouring triangles.
+/// Creates an empty tree. In robust trees, no ray slips between neighbouring triangles.
 RayTree make_ray_tree(RTCDeviceTy* device, bool robust);
-/// Builds the tree. Throws InvalidValue if Embree cannot, since it would continue with a world that has holes.
+/// Builds the tree. Throws InvalidValue if Embree fails, because Embree would continue with holes in the world.
 void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
 
-/// Adds a finished geometry to a tree under its number.
+/// Adds a finished geometry to a tree, under its number.
 void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geometry_id);
-/// Adds a solid's triangles, widened; geometry and primitive numbers are the surfaces'.
+/// Adds a solid's triangles, widened; geometry and primitive numbers are surface numbers.
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
-/// Adds the triangles of a mesh that rays hit as shapes; primitive numbers count within the share.
+/// Adds the triangles of a mesh whose shapes rays hit instead; primitive numbers count within the share.
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);
 
 }  // namespace uwsim

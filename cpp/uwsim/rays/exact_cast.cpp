@@ -11,21 +11,21 @@
 #include "uwsim/rays/ray_lanes.h"
 #include "uwsim/rays/terrain_walk.h"
 
-// The steps of casting an exact ray, in order; README.md draws them.
+// The steps of casting an exact ray, in order; README.md illustrates them.
 //
 //   1. cast       Embree reports the surface that each of sixteen rays hits first, in float
-//   2. locate     find where the heights of the terrain triangles are, and prefetch them
-//   3. refine     intersect the terrain triangles again in double, sixteen at once
-//   4. classify   most rays over open terrain are done now, and so are those that hit nothing
+//   2. locate     find the location of the terrain triangles' heights, and prefetch them
+//   3. refine     intersect the terrain triangles again in double, sixteen at a time
+//   4. classify   most rays over open terrain are now finished, as are those that hit nothing
 //   5. resolve    every other ray separately, in double: the cases in which a hit is certain without a search
-//   6. search     the rest: try all surfaces within the error of the hit; if there is none, continue behind it
+//   6. search     the remaining rays: try all surfaces within the error of the hit; if none is hit, continue behind it
 
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kTogether = 4;    // packets: heights are fetched from memory while the next packets are cast
-constexpr std::size_t kFewSolids = 16;  // near one cell; this few are tried one by one
-constexpr int kMostTurns = 64;          // candidates that a ray may pass before it counts as missing all solids
+constexpr std::size_t kTogether = 4;    // packets; heights are fetched from memory while the next packets are cast
+constexpr std::size_t kFewSolids = 16;  // near one cell; up to this many are tried one at a time
+constexpr int kMostTurns = 64;          // candidates that a ray may pass before it is assumed to miss all solids
 
 class ExactCast {
  public:
@@ -50,7 +50,7 @@ class ExactCast {
   /// The intermediate results of a packet.
   struct Answer {
     FloatAnswer embree;
-    std::uint32_t low_starts;  ///< lanes that do not start clearly above the terrain, one bit each
+    std::uint32_t low_starts;  ///< bit mask of lanes that do not start clearly above the terrain
   };
 
   /// Steps 1 and 2.
@@ -60,8 +60,8 @@ class ExactCast {
     if (answer.embree.any_terrain) kernels_.locate_heights(tile_.block, answer.embree.terrain);
   }
 
-  /// Embree sees the raised terrain, which rays from above hit before the true one. Rays that start below it, or just
-  /// above it, may hit the terrain before anything that Embree reports.
+  /// Embree intersects the raised terrain, which rays from above hit before the true terrain. Rays that start below it,
+  /// or just above it, may hit the terrain before anything that Embree reports.
   std::uint32_t low_starts(const ExactRays& rays, const double* starts_m) const {
     alignas(64) std::array<std::int32_t, kPacketRays> low;
     starts_m == nullptr ? kernels_.find_low_starts(tile_.block, lanes_of(rays), low.data()) : low.fill(-1);
@@ -95,8 +95,8 @@ class ExactCast {
         {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
   }
 
-  /// Step 4. Labels hits on open terrain; returns the lanes that are not done, one bit each: those that hit anything
-  /// else and those that start low.
+  /// Step 4. Labels hits on open terrain; returns a bit mask of the lanes that are not finished: those that hit
+  /// anything else and those that start low.
   std::uint32_t classify(const Answer& answer, const std::array<std::int32_t, kPacketRays>& met,
                          ExactHits& hits) const {
     const bool done = kernels_.label_terrain(answer.embree.geometry.data(), TileSurfaces::kOpenTerrain, met.data(),
@@ -109,11 +109,12 @@ class ExactCast {
     return left;
   }
 
-  /// Step 5. One ray. `refined`: step 3 found its hit on the terrain triangle that Embree reported; `hits` has it.
+  /// Step 5, for one ray. `refined`: whether step 3 found its hit on the terrain triangle that Embree reported, in
+  /// which case `hits` contains it.
   void resolve(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane, bool refined,
                ExactHits& hits) const {
     const std::optional<Candidate> candidate = candidate_of(answer.embree, surfaces_, starts_m, lane);
-    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known about the path to the candidate
+    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known about the path up to the candidate
 
     // 5a. From a low start, walk along the terrain until the ray is clear of it.
     if ((answer.low_starts >> lane & 1) != 0) {
@@ -123,7 +124,7 @@ class ExactCast {
     if (!candidate) return;
     const auto [geometry, primitive, distance_m] = *candidate;
 
-    // 5b. Terrain hit away from its triangle's edges: only solids near it can be hit earlier.
+    // 5b. Terrain hit away from its triangle's edges: only a nearby solid can be hit earlier.
     if (geometry == TileSurfaces::kOpenTerrain && refined) {
       hits.label[lane] = kTerrain;
       return;
@@ -134,7 +135,7 @@ class ExactCast {
       return prefer_solids_before(rays, lane, primitive, hits);
     }
 
-    // 5c. A round shape that no mesh is close to: Embree's callback has computed the hit in double.
+    // 5c. A round shape with no mesh close to it: Embree's callback has computed the hit in double.
     const bool round = surfaces_.is_round(geometry);
     if (round && !tile_.is_crowded(geometry, primitive)) {
       const ExactHits& exact = answer.embree.round;
@@ -142,14 +143,14 @@ class ExactCast {
                   rays.far_m[lane]);
     }
 
-    // 5d. Terrain hit near an edge or not at all: walk from where the raised terrain was hit.
+    // 5d. Terrain hit near an edge or not at all: walk from the point where the raised terrain was hit.
     const TileRay ray = ray_of(rays, lane);
     if (TileSurfaces::is_terrain(geometry)) {
       terrain = walk_terrain(surfaces_, ray, std::max(0.0, distance_m));
       if (terrain.hit && !terrain.near_solids) return keep(hits, lane, *terrain.hit, kTerrain, ray.far_m);
     }
 
-    // 5e. A solid's triangle that nothing but its neighbours is close to, hit away from its edges.
+    // 5e. A solid's triangle with only its neighbours close to it, hit away from its edges.
     if (geometry > kTerrain && !round && !tile_.is_crowded(geometry, primitive)) {
       const auto hit = surfaces_.meet(geometry, primitive, ray);
       if (hit && hit->clear_of_edges && hit->distance_m >= 0) {
@@ -159,7 +160,7 @@ class ExactCast {
     search(rays, lane, starts_m, candidate, terrain, hits);
   }
 
-  /// For 5b. In float the terrain may have come before a solid that is nearer by less than float's error.
+  /// For 5b. In float, the terrain may have been hit before a solid that is nearer by less than float's error.
   void prefer_solids_before(const ExactRays& rays, std::size_t lane, std::uint32_t triangle_near_solids,
                             ExactHits& hits) const {
     const TileRay ray = ray_of(rays, lane);
@@ -170,9 +171,9 @@ class ExactCast {
     }
   }
 
-  /// Step 6. Goes from candidate to candidate until it finds a true hit that nothing can precede. Embree may report a
-  /// solid too early or wrongly (because of widening) and the terrain too early or not at all (from between the raised
-  /// and the true one). `terrain`: what a walk along the ray has found so far.
+  /// Step 6. Proceeds from candidate to candidate until it finds a true hit that nothing can precede. Embree may report
+  /// a solid too early or wrongly (because of widening), and the terrain too early or not at all (from between the
+  /// raised terrain and the true one). `terrain`: the result so far of a walk along the ray.
   void search(const ExactRays& rays, std::size_t lane, const double* starts_m, std::optional<Candidate> candidate,
               TerrainWalk terrain, ExactHits& hits) const {
     const Tolerances& tolerances = surfaces_.tolerances();
@@ -181,10 +182,10 @@ class ExactCast {
     for (int turn = 0; candidate && turn < kMostTurns; ++turn) {
       const double at_m = candidate->distance_m;
       if (TileSurfaces::is_terrain(candidate->geometry)) {
-        // The raised terrain: the true one is behind it, unless a walk has already passed here.
+        // The raised terrain: the true terrain is behind it, unless a walk has already passed this point.
         if (!terrain.hit && at_m >= terrain.clear_to_m) terrain = walk_terrain(surfaces_, ray, std::max(0.0, at_m));
       } else {
-        // A solid: the first of all surfaces around there is the true hit, unless the terrain comes before it.
+        // A solid: the first hit among all surfaces nearby is the true one, unless the terrain comes before it.
         const double error_m = tolerances.hit_error_along_m(sine_at(*candidate, ray));
         const Eigen::Vector3d point = ray.origin_world_m + at_m * ray.direction_world;
         const auto solid = first_hit_around(tile_.tree.get(), surfaces_, point, error_m, ray,
@@ -193,7 +194,7 @@ class ExactCast {
           return keep(hits, lane, solid->hit, solid->label, far_m);
         }
       }
-      // Behind the terrain, only surfaces that float may have put behind it matter.
+      // Behind the terrain, only surfaces that float may have placed behind it matter.
       if (terrain.hit) {
         ray.far_m = std::min(ray.far_m, terrain.hit->distance_m + tolerances.hit_error_along_m(kGrazingSine));
       }
@@ -202,8 +203,8 @@ class ExactCast {
     terrain.hit ? keep(hits, lane, *terrain.hit, kTerrain, far_m) : set_miss(hits, lane);
   }
 
-  /// The sine of the angle between a ray and the triangle that it may have hit, at least that of 0.1 degree. Hits on a
-  /// round shape are exact, but a mesh close to it may be hit at any angle.
+  /// The sine of the angle between a ray and the triangle that it may have hit, but at least the sine of 0.1 degree.
+  /// Hits on a round shape are exact, but a mesh close to it may be hit at any angle.
   double sine_at(const Candidate& candidate, const TileRay& ray) const {
     if (surfaces_.is_round(candidate.geometry)) return kGrazingSine;
     const Corners t = surfaces_.corners(candidate.geometry, candidate.primitive);
@@ -211,7 +212,7 @@ class ExactCast {
     return std::max(kGrazingSine, std::abs(normal.dot(ray.direction_world)));
   }
 
-  /// Sets a lane's hit, or a miss if it lies beyond the ray's end.
+  /// Sets a lane's hit, or a miss if the hit is beyond the ray's end.
   static void keep(ExactHits& hits, std::size_t lane, const TileHit& hit, Label label, double far_m) {
     if (!(hit.distance_m <= far_m)) return set_miss(hits, lane);
     set_hit(hits, lane, std::max(0.0, hit.distance_m), hit.normal_world, label);

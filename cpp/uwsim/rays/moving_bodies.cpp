@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSphereMargin = 1e-5;  // fraction of the radius, for float rays
 
-/// Rotates a packet from the world's axes to the body's, in float.
+/// Rotates a packet from world axes to body axes, in float.
 RayPacket turned(const RayPacket& rays, const Eigen::Matrix3f& rotation) {
   RayPacket out = rays;
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -25,7 +25,7 @@ RayPacket turned(const RayPacket& rays, const Eigen::Matrix3f& rotation) {
   return out;
 }
 
-/// calls visit(body, label) for each body that the bundle may reach.
+/// Calls visit(body, label) for each body that the bundle may reach.
 template <typename Bodies, typename Visit>
 void for_each_reached(const Bodies& bodies, Label first_label, std::size_t hidden, const RayBundle& bundle,
                       Visit&& visit) {
@@ -65,7 +65,7 @@ void MovingBodies::cast(std::span<const ExactRays> rays, std::size_t hidden, std
   }
 }
 
-/// Rays start where they reach the sphere around the body, since float needs them close to its tile.
+/// Rays start where they reach the sphere around the body, because float requires them to be close to its tile.
 void MovingBodies::cast_at(const Body& body, Label label, const ExactRays& rays, ExactHits& hits) {
   ExactRays local;
   ExactRays::Lanes start_m;

@@ -16,32 +16,32 @@ namespace uwsim {
 
 class RayScene;
 
-/// Bodies that move among the fixed surfaces of a world, such as vehicles, as targets for rays. The surface of each is
-/// prepared once, in the body's frame, as a separate RayScene; a pose places it. Rays are transformed into the body's
-/// frame in double, so that hits are as exact as those on the world (rays/README.md). Casts examine a body only if a
-/// sphere around it is within reach; they do not allocate. Not safe to use while a body is placed; copies are
+/// Bodies that move among the fixed surfaces of a world, such as vehicles, as targets for rays. The surface of each
+/// body is prepared once, in the body's frame, as a separate RayScene; a pose places it. Rays are transformed into the
+/// body's frame in double, so hits are as exact as those on the world (rays/README.md). A cast examines a body only if
+/// a sphere around it is within reach, and does not allocate. Must not be used while a body is being placed; copies are
 /// independent and share the surfaces.
 class MovingBodies {
  public:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-  /// `first_label`: label of the first body; the others follow.
+  /// `first_label`: label of the first body; the others follow consecutively.
   explicit MovingBodies(Label first_label) : first_label_(first_label) {}
 
-  /// Returns the body's index. Throws InvalidValue for a mesh that is not well formed.
+  /// Adds a body and returns its index. Throws InvalidValue for a mesh that is not well formed.
   std::size_t add(const TriangleMesh& surface_body_m);
   void place(std::size_t body, const Pose& world_from_body);
   std::size_t size() const { return bodies_.size(); }
   Label label(std::size_t body) const { return static_cast<Label>(first_label_ + body); }
 
-  // Each of these excludes the body `hidden`.
+  // The following functions exclude the body `hidden`.
 
-  /// Replaces hits by nearer ones on bodies.
+  /// Replaces hits by nearer hits on bodies.
   void cast(std::span<const ExactRays> rays, std::size_t hidden, std::span<ExactHits> hits) const;
-  /// The same in float, as RayScene::cast for pictures.
+  /// Same in float, like RayScene::cast for pictures.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
             HitPacket& hits) const;
-  /// Sets the lanes that a body blocks.
+  /// Marks the lanes that a body blocks.
   void occlude(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
                Blocked& blocked) const;
   /// Whether any body may be within this distance; conservative.

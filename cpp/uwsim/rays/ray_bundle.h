@@ -9,11 +9,11 @@
 namespace uwsim {
 
 /// A cone around the active rays of a packet, for quickly deciding whether any of them may reach a sphere. The answer
-/// is conservative: never no if a ray does.
+/// is conservative: it is never "no" if a ray reaches the sphere.
 class RayBundle {
  public:
-  /// `anchor_world_m`: the reference point of the packet's origins. `distance_m`: distance of each ray's nearest hit so
-  /// far, behind which nothing matters.
+  /// `anchor_world_m`: the reference point of the packet's origins. `distance_m`: the distance of each ray's nearest
+  /// hit so far; anything behind it is irrelevant.
   template <typename Packet, typename Distances>
   RayBundle(const Eigen::Vector3d& anchor_world_m, const Packet& rays, const Distances& distance_m) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -47,7 +47,7 @@ class RayBundle {
     const double distance2 = to_centre.squaredNorm(), reach = far_m_ + radius;
     if (!(reach >= 0 && distance2 <= reach * reach)) return false;
     if (cosine_ <= 0) return true;
-    // The distance to the line that the cone's side lies on, in the plane through the axis and the centre.
+    // The distance to the line that contains the cone's side, in the plane through the axis and the centre.
     const double along = to_centre.dot(axis_);
     const double aside = std::sqrt(std::max(0.0, distance2 - along * along));
     return aside * cosine_ - along * sine_ <= radius * (1 + kRounding) + kRounding * std::abs(along);

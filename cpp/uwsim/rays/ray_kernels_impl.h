@@ -7,8 +7,8 @@
 #include "uwsim/rays/terrain_hit.h"
 #include "uwsim/rays/tolerances.h"
 
-// The kernels of ray_kernels.h, compiled once for each instruction set: hence the anonymous namespace, and plain loops
-// that compilers can vectorise. `ivdep` promises that inputs and outputs do not overlap.
+// The kernels of ray_kernels.h, compiled once for each instruction set, hence the anonymous namespace, and plain loops
+// that compilers can vectorise. `ivdep` asserts that inputs and outputs do not overlap.
 namespace uwsim {
 namespace {
 
@@ -84,7 +84,7 @@ void may_meet_round(const LaneRays& rays, const double* point_m, const double* a
     const double tx = dx - gain * ax, ty = dy - gain * ay, tz = dz - gain * az;
     const double closest = -(sx * tx + sy * ty + sz * tz) / (tx * tx + ty * ty + tz * tz);
     const double cx = sx + closest * tx, cy = sy + closest * ty, cz = sz + closest * tz;
-    passes[k] = cx * cx + cy * cy + cz * cz > limit ? 0 : -1;  // NaN along the axis, which passes the test
+    passes[k] = cx * cx + cy * cy + cz * cz > limit ? 0 : -1;  // NaN along the axis, which counts as passing
   }
 }
 
@@ -107,7 +107,7 @@ int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::u
 }
 
 void locate_heights(const TerrainBlock& block, TerrainLanes& terrain) {
-  // Column and row by multiplication: exact for whole numbers below 2^31, because half a cell is added.
+  // Compute column and row by multiplication: exact for integers below 2^31, because half a cell is added.
   const double per_column = 1.0 / block.columns;
   const auto columns = static_cast<std::int32_t>(block.columns);
   const auto first_column = static_cast<std::int32_t>(block.first_column);

@@ -61,7 +61,7 @@ inline void copy_lane(const ExactHits& from, ExactHits& to, std::size_t lane) {
   set_hit(to, lane, from.distance_m[lane], normal_of(from, lane), static_cast<Label>(from.label[lane]));
 }
 
-/// A packet of rays in the form that kernels take.
+/// A packet of rays in the form that kernels accept.
 inline LaneRays lanes_of(const ExactRays& rays) {
   return {rays.origin_x.data(),    rays.origin_y.data(),    rays.origin_z.data(), rays.direction_x.data(),
           rays.direction_y.data(), rays.direction_z.data(), rays.far_m.data(),    rays.active.data()};

@@ -38,7 +38,7 @@ ExactRays to_double(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays
   return out;
 }
 
-/// Keeps only the rays active that enter a tile before their nearest hit so far.
+/// Deactivates the rays that do not enter a tile before their nearest hit so far.
 template <typename Packet>
 void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Packet& left) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -60,7 +60,7 @@ struct RayScene::Fixed {
       tiles.emplace_back(device.get(), surfaces, std::move(contents));
   }
 
-  /// The usual case: one tile, and rays that need no shift to its box.
+  /// The usual case: a single tile, and rays that need no shift to its box.
   const RayTile* only_tile(std::span<const ExactRays> rays) const {
     return tiles.size() == 1 && tiles.front().is_near(rays) ? &tiles.front() : nullptr;
   }
@@ -119,7 +119,7 @@ struct RayScene::Fixed {
     }
   }
 
-  /// The distance, given that it is below `nearest_m`.
+  /// The smaller of `nearest_m` and the distance to the nearest surface.
   double distance_to(const Eigen::Vector3d& point_world_m, double nearest_m) const {
     if (tiles.size() == 1) return tiles.front().distance(point_world_m, nearest_m);
     std::vector<std::pair<double, const RayTile*>> by_distance;
@@ -133,11 +133,12 @@ struct RayScene::Fixed {
   }
 };
 
-/// Scenes of worlds with the same surfaces share them: building the trees takes most of the time of making a simulator.
+/// Scenes of worlds with the same surfaces share those: building the trees takes most of the time for creating a
+/// simulator.
 RayScene::RayScene(const World& world) {
-  // Never destroyed: Embree's own statics may be gone before ours.
+  // Never destroyed, because Embree's static objects may be destroyed before ours.
   static auto& made = *new RecentlyMade<Fixed>;
-  const bool has_terrain = world.terrain() != nullptr;  // the others are bodies, which are quick to build
+  const bool has_terrain = world.terrain() != nullptr;  // worlds without terrain are bodies, which are quick to build
   fixed_ = made.find_or_make(
       has_terrain, [&](const Fixed& known) { return have_same_surfaces(known.surfaces, world); },
       [&] { return std::make_shared<const Fixed>(world); });
@@ -231,7 +232,8 @@ void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::sp
     for (std::size_t k = first; k < last; ++k) {
       const double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
       distances_m[k] = bodies_ ? bodies_->distance(points_world_m[k], fixed_m, hidden_) : fixed_m;
-      // Neighbours in the list are usually neighbours in space: the next point is at most this far from that surface.
+      // Neighbours in the list are usually neighbours in space: the next point is at most this much farther from that
+      // surface.
       const double apart_m = k + 1 < last ? (points_world_m[k + 1] - points_world_m[k]).norm() : 0;
       nearest_m = (fixed_m + apart_m) * (1 + kFartherSearch) + kFartherSearch;
     }

@@ -17,53 +17,54 @@ struct Ray {
 };
 
 struct RayHit {
-  double distance_m;             ///< infinity if nothing was hit within range
+  double distance_m;             ///< infinity if nothing is hit within range
   Eigen::Vector3f normal_world;  ///< unit, on the side from which the triangle's corners run counter-clockwise
   Label label;
 };
 
-/// The world's fixed surfaces, prepared for rays, and, if given, bodies that move among them. Embree searches them in
-/// float, in tiles of at most 1 km, each relative to its own middle. Its findings are recomputed in double on the
-/// world's own triangles and shapes, so that a hit is the true first one, wherever in the world and however wide the
-/// world is. Within about 0.1 degree of tangency, float's error may decide whether a ray grazes or misses. README.md
-/// explains how this works, and which errors of which size remain. Safe to use from several threads at once. Copies are
-/// cheap: they share the surfaces.
+/// The world's fixed surfaces, prepared for rays, and optionally bodies that move among them. Embree searches the
+/// surfaces in float, in tiles of at most 1 km, each relative to its own middle. The hits that it finds are recomputed
+/// in double on the world's own triangles and shapes, so a hit is the true first one, anywhere in the world and for any
+/// size of world. Within about 0.1 degree of tangency, float's error may decide whether a ray grazes or misses.
+/// README.md explains the method and the size of the remaining errors. Thread-safe. Copies are cheap: they share the
+/// surfaces.
 class RayScene {
  public:
   explicit RayScene(const World& world);
 
-  /// The same surfaces among bodies at their poses at the time of each cast, without the `hidden` one, such as the
-  /// vehicle that carries the sensor. Replaces any earlier bodies; null: none.
+  /// Returns the same surfaces together with bodies, at their poses at the time of each cast, except for `hidden`, such
+  /// as the vehicle that carries the sensor. Replaces any earlier bodies; null for none.
   RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
   /// Whether a body may be within this distance of the point; conservative.
   bool bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const;
 
-  /// hits[k] is where rays[k] first hits a surface within `max_range_m`; a non-finite ray hits nothing. The result does
-  /// not depend on the number of threads.
+  /// Sets hits[k] to the point where rays[k] first hits a surface within `max_range_m`; a non-finite ray hits nothing.
+  /// The result does not depend on the number of threads.
   void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
   RayHit cast(const Ray& ray, double max_range_m) const;
 
-  /// The same for packets of sixteen rays, without conversions; several packets together cost less than one by one.
+  /// Same for packets of sixteen rays, without conversions; casting several packets together is faster than one at a
+  /// time.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
 
-  /// Embree's unrefined answer in float, for pictures, at the cost of Embree alone. Distances err by about 1e-4 m. At
-  /// silhouettes a ray may pass on the wrong side within half a millionth of half the tile's diagonal, over terrain
-  /// times 1 / cosine of its slope: up to 0.2 mm at the lake's hills, a few millimetres at cliffs of 24 in 1 in a tile
-  /// 1 km wide.
+  /// Returns Embree's unrefined answer in float, for pictures, at the cost of Embree alone. The error of distances is
+  /// about 1e-4 m. At silhouettes, a ray may pass on the wrong side within half a millionth of half the tile's
+  /// diagonal; over terrain, within that times 1 / cosine of its slope: up to 0.2 mm at the lake's hills, a few
+  /// millimetres at cliffs of 24 in 1 in a tile 1 km wide.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
             RayOrder order = RayOrder::kIncoherent) const;
-  /// Whether anything lies on each ray between its limits; idle lanes are not blocked.
+  /// Whether each ray is blocked between its limits; idle lanes are not.
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, Blocked& blocked,
                 RayOrder order = RayOrder::kIncoherent) const;
 
-  /// Whether the point lies on or under the terrain; false outside its extent.
+  /// Whether the point lies on or below the terrain; false outside its extent.
   bool under_ground(const Eigen::Vector3d& point_world_m) const;
 
   /// Whether the point lies in a round shape, deeper than `depth_m`. Shapes are closed: no ray from outside comes
   /// closer to the point than that.
   bool within_round(const Eigen::Vector3d& point_world_m, double depth_m) const;
 
-  /// Distance from each point to the nearest triangle of the terrain, the solids' meshes and the bodies, exact to
+  /// The distance from each point to the nearest triangle of the terrain, the solids' meshes and the bodies, exact to
   /// double rounding; infinity in an empty world.
   void distance(std::span<const Eigen::Vector3d> points_world_m, std::span<double> distances_m, int threads = 1) const;
 

@@ -13,8 +13,8 @@ namespace uwsim {
 
 struct TileTrees;
 
-/// A piece of the world, at most about 1 km wide, as a target for rays: in float by Embree, relative to the piece's own
-/// middle, and then in double (exact_cast.cpp). README.md describes the path of a ray and the error budget.
+/// A piece of the world, at most about 1 km wide, as a target for rays: first in float by Embree, relative to the
+/// piece's own middle, and then in double (exact_cast.cpp). README.md describes the path of a ray and the error budget.
 class RayTile {
  public:
   /// Throws InvalidValue if Embree cannot build its tree.
@@ -25,15 +25,15 @@ class RayTile {
 
   /// Bounds of the surfaces, including everything that tolerances add to them.
   const Eigen::AlignedBox3d& box() const;
-  /// Whether rays from here may be cast in float directly; others must start where they enter the box.
+  /// Whether rays from this point may be cast in float directly; other rays must start where they enter the box.
   bool is_near(const Eigen::Vector3d& point_world_m) const;
   bool is_near(std::span<const ExactRays> rays) const;
 
-  /// The true first hits in this tile, for rays that start `starts_m` along their direction (at 0 if null).
+  /// Finds the true first hits in this tile, for rays that start `starts_m` along their direction (at 0 if null).
   void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const;
-  /// The same for packets that are near and start at 0; casting them together costs less.
+  /// Same, for packets that are near and start at 0; casting several together is faster.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
-  /// Embree's unrefined answers; `starts_m` as above, distances are measured from the rays' origins.
+  /// Returns Embree's unrefined answers; `starts_m` as above; distances are measured from the rays' origins.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
             RayOrder order) const;
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, Blocked& blocked,

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFarthest_m = 1e12;  // the end of an unlimited ray, for its bounding box
 
-/// Where the ray enters the box, 0 from inside; infinity if it misses the box or is not finite.
+/// The distance at which the ray enters the box: 0 from inside, infinity if the ray misses the box or is not finite.
 double entry_m(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                double far_m) {
   double first = 0, last = far_m;
@@ -57,7 +57,7 @@ std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const 
     }
     if (one.soonest_m < kInfinity) found.push_back(one);
   }
-  // Not stable_sort: libstdc++ merges in memory that lacks the alignment of a ReachedTile.
+  // stable_sort is not used because libstdc++ merges in memory that lacks the alignment of a ReachedTile.
   std::ranges::sort(found, {}, [](const ReachedTile& one) { return std::pair(one.soonest_m, one.tile); });
   return found;
 }

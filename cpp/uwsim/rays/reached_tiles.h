@@ -15,7 +15,7 @@ struct ReachedTile {
       64) std::array<double, kPacketRays> start_m;  ///< where each ray enters it: 0 from inside, infinity for a miss
 };
 
-/// The tiles that a packet's active rays reach, the earliest first.
+/// The tiles that a packet's active rays reach, earliest first.
 std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const ExactRays& rays);
 
 }  // namespace uwsim

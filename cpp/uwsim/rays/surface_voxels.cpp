@@ -53,7 +53,7 @@ void SurfaceVoxels::distances(std::span<const PackedKey> voxels, std::span<doubl
   for (std::size_t k = 0; k < voxels.size(); ++k) distances_m[k] = table_[slot_of(voxels[k])].distance_m;
 }
 
-/// Examines voxels that have just been added.
+/// Examines newly added voxels.
 void SurfaceVoxels::look_at(std::span<const PackedKey> fresh, int threads) {
   parallel_batches(fresh.size(), kVoxelsTogether, threads, [&](std::size_t first, std::size_t last, std::size_t) {
     std::vector<Eigen::Vector3d> centres_m(last - first);
@@ -99,7 +99,7 @@ Eigen::Vector3d SurfaceVoxels::centre_m(PackedKey voxel) const {
   return {along(0), along(1), along(2)};
 }
 
-/// Where a voxel is in the table, or where it can be inserted.
+/// The slot in the table that contains a voxel, or where it can be inserted.
 std::size_t SurfaceVoxels::slot_of(PackedKey voxel) const {
   const std::size_t mask = table_.size() - 1;
   std::uint64_t mixed = static_cast<std::uint64_t>(voxel) * 0x9e3779b97f4a7c15u;  // Fibonacci hashing

@@ -16,8 +16,8 @@ namespace uwsim {
 /// python/uwsim/mapping/voxel_keys.py.
 using PackedKey = std::int64_t;
 
-/// How far the centres of voxels are from the true surface, and whether it passes through them. Distances are cached,
-/// so that a survey's map can be scored while it grows. Thread-safe.
+/// Determines how far the centres of voxels are from the true surface, and whether the surface passes through the
+/// voxels. Distances are cached, so that a survey's map can be scored while it grows. Thread-safe.
 class SurfaceVoxels {
  public:
   SurfaceVoxels(RayScene scene, double resolution_m);
@@ -25,16 +25,16 @@ class SurfaceVoxels {
   double resolution_m() const { return resolution_m_; }
   std::size_t known() const;
 
-  /// Examines the voxels that hold points, given as rows of x, y, z; points beyond the grid are skipped.
+  /// Examines the voxels that contain points, given as rows of x, y, z; points beyond the grid are skipped.
   void look_at(std::span<const float> points_world_m);
 
-  /// The distance from each voxel's centre to the surface, exact to double rounding. It depends on neither earlier
-  /// queries nor the number of threads.
+  /// The distance from each voxel's centre to the surface, exact to double rounding. The result depends on neither
+  /// earlier queries nor the number of threads.
   void distances(std::span<const PackedKey> voxels, std::span<double> distances_m, int threads);
 
-  /// For each voxel, given with its distance, 1 if the surface passes through it or within `kTouch_m` of it, else 0.
-  /// Within half an edge it does, beyond half a diagonal it does not; a cube in between is split into eight, at most
-  /// `kHalvings` times, and its parts decide.
+  /// For each voxel, given with its distance, 1 if the surface passes through it or within `kTouch_m` of it, else 0. If
+  /// the distance is at most half an edge, it does; if the distance exceeds half a diagonal, it does not. A cube in
+  /// between is split into eight, at most `kHalvings` times, and its parts decide.
   void hold_surface(std::span<const PackedKey> voxels, std::span<const double> distances_m,
                     std::span<std::uint8_t> hold, int threads) const;
 

@@ -4,30 +4,30 @@
 
 #include "uwsim/rays/ray_kernels.h"
 
-// The refinement of a terrain hit: where a ray intersects the plane of one terrain triangle, computed in double.
-// Written once, for both the kernel that refines sixteen hits at a time and the walk from cell to cell, so that both
-// give the same bits. Kernels include this file, hence the anonymous namespace.
+// The refinement of a terrain hit: where a ray intersects the plane of one terrain triangle, computed in double. The
+// code is shared by the kernel that refines sixteen hits at a time and the walk from cell to cell, so that both produce
+// the same bits. Kernels include this file, hence the anonymous namespace.
 namespace uwsim {
 namespace {
 
-/// A terrain triangle, seen from its vertex at the right angle, whose legs run along a row and a column of the grid.
-/// Over its cell it is a linear function, z = height + slope_x u + slope_y v, with u and v in cells from that vertex:
-/// intersecting it needs no cross products.
+/// A terrain triangle, described from its vertex at the right angle, whose legs run along a row and a column of the
+/// grid. Over its cell, the triangle is a linear function, z = height + slope_x u + slope_y v, with u and v in cells
+/// from that vertex, so intersecting it needs no cross products.
 struct TerrainTriangle {
-  /// 1: the right angle is at the cell's corner and u, v rise along the legs; -1: at the far corner
+  /// 1 if the right angle is at the cell's corner and u, v increase along the legs; -1 if it is at the far corner
   double side;
   double column, row;       ///< of the vertex, in the whole height field
   double height_m;          ///< of the vertex
   double slope_x, slope_y;  ///< metres per cell
 };
 
-/// Where a ray's line intersects the triangle's plane. a and b are measured along the legs in cells: the point is on
-/// the triangle if neither is negative and their sum is at most 1.
+/// The intersection of a ray's line with the triangle's plane. a and b are measured along the legs in cells: the point
+/// is on the triangle if neither is negative and their sum is at most 1.
 struct PlaneHit {
   double distance_m, a, b;
 };
 
-/// The triangle, from the heights of its vertex and of the ends of its legs.
+/// Constructs the triangle from the heights of its vertex and of the ends of its legs.
 inline TerrainTriangle terrain_triangle(double side, double column, double row, float height_m, float along_x_m,
                                         float along_y_m) {
   const double height = height_m;

@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-/// A ray over a block of cells, in horizontal cells from the block's corner.
+/// A ray over a block of cells, in horizontal cell units from the block's corner.
 class Walk {
  public:
   Walk(const TileSurfaces& surfaces, const TileRay& ray, double from_m)
@@ -60,7 +60,7 @@ class Walk {
   bool inside() const { return i_ >= 0 && j_ >= 0 && i_ < block_.columns && j_ < block_.rows; }
   std::uint32_t number() const { return static_cast<std::uint32_t>(j_ * block_.columns + i_); }
 
-  /// The height of the cell's corner, or of its far corner.
+  /// The height of the cell's near or far corner.
   const float* height(bool far_corner) const {
     const std::int64_t column = block_.first_column + i_ + far_corner, row = block_.first_row + j_ + far_corner;
     return block_.heights_m + row * block_.row_length + column;
@@ -85,7 +85,7 @@ class Walk {
     return ray_.origin_world_m.z() + at_m * ray_.direction_world.z() - terrain;
   }
 
-  /// Keeps the hit on the cell's triangle at its corner (side 1) or far corner (-1) if it is nearer.
+  /// Keeps the hit on the cell's triangle at its near corner (side 1) or far corner (-1) if that hit is nearer.
   void meet(int side, std::optional<TileHit>& nearest) const {
     const bool far_corner = side < 0;
     const float* here = height(far_corner);

@@ -10,14 +10,14 @@ namespace uwsim {
 /// The result of a walk along a ray from cell to cell of a tile's terrain, in double.
 struct TerrainWalk {
   std::optional<TileHit> hit;  ///< where the ray hits the terrain
-  /// without a hit: the ray does not hit the terrain before this distance
+  /// Without a hit, the ray does not hit the terrain before this distance
   double clear_to_m = std::numeric_limits<double>::infinity();
-  bool began_low = false;    ///< the first point was not clearly above the terrain
-  bool near_solids = false;  ///< the walk passed through a cell with a solid nearby
+  bool began_low = false;    ///< whether the first point was not clearly above the terrain
+  bool near_solids = false;  ///< whether the walk passed through a cell with a solid nearby
 };
 
-/// Walks from `from_m`, or from where the ray enters the space over the tile's terrain, to where it hits the terrain
-/// (from above or below), leaves the tile, or is higher above the terrain than the clearance.
+/// Walks from `from_m`, or from the point where the ray enters the space above the tile's terrain, until the ray hits
+/// the terrain (from above or below), leaves the tile, or is higher above the terrain than the clearance.
 TerrainWalk walk_terrain(const TileSurfaces& surfaces, const TileRay& ray, double from_m);
 
 }  // namespace uwsim

@@ -40,7 +40,7 @@ TileSurfaces::TileSurfaces(const World& world, TileContents contents)
   near_solids_ = find_cells_near_solids(*this);
 }
 
-/// Box, middle and tolerances.
+/// Computes box, middle and tolerances.
 void TileSurfaces::measure() {
   for (std::uint32_t j = 0; contents_.columns > 0 && j <= contents_.rows; ++j) {
     for (std::uint32_t i = 0; i <= contents_.columns; ++i) {

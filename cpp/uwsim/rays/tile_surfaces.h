@@ -14,11 +14,12 @@
 
 namespace uwsim {
 
-/// A tile's surfaces in double, with the same numbering as in Embree's tree: by geometry, then by primitive.
+/// A tile's surfaces in double, with the same numbers as in Embree's tree: by geometry, then by primitive.
 ///
-/// The terrain consists of two geometries, so that a hit shows at once whether a solid is near: open terrain, and cells
-/// near solids. Triangles of the first are numbered by the block: 2 cell and 2 cell + 1, cells row by row, including
-/// those near solids. Triangles of the second count only the cells near solids. Solids follow, each by its label.
+/// The terrain consists of two geometries, so that a hit immediately shows whether a solid is near: open terrain, and
+/// cells near solids. Triangles of the former are numbered within the block: 2 cell and 2 cell + 1, with cells row by
+/// row, including cells near solids. Triangles of the latter are numbered counting only the cells near solids. Solids
+/// follow, each under its label.
 class TileSurfaces {
  public:
   static constexpr std::uint32_t kTerrainNearSolids = 0;
@@ -41,7 +42,7 @@ class TileSurfaces {
   static Label label(std::uint32_t geometry) {
     return geometry == kTerrainNearSolids ? kTerrain : static_cast<Label>(geometry);
   }
-  /// The number within the whole terrain or solid.
+  /// The number of a primitive within the whole terrain or solid.
   std::uint32_t world_number(std::uint32_t geometry, std::uint32_t primitive) const {
     return geometry == kOpenTerrain && whole_terrain_ ? primitive : other_number(geometry, primitive);
   }
@@ -50,12 +51,12 @@ class TileSurfaces {
   const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
   /// Bounds of a triangle or shape.
   Eigen::AlignedBox3d box_of(const TileMember& member) const;
-  /// Where a ray hits one triangle, edges included, or one shape. Only shapes respect the ray's limits.
+  /// The hit of a ray on one triangle, including its edges, or on one shape. Only shapes respect the ray's limits.
   std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
 
-  /// Whether a cell of the block is among those near solids, whose triangles belong to kTerrainNearSolids only.
+  /// Whether a cell of the block is among those near solids, whose triangles belong only to kTerrainNearSolids.
   bool is_near_solids(std::uint32_t cell) const { return near_solids_.contains(cell); }
-  /// The number within the block of a triangle near solids.
+  /// The number, within the block, of a triangle near solids.
   std::uint32_t block_triangle(std::uint32_t triangle_near_solids) const {
     return 2 * near_solids_.cell(triangle_near_solids / 2) + triangle_near_solids % 2;
   }
@@ -64,7 +65,7 @@ class TileSurfaces {
     return near_solids_.solids(triangle_near_solids / 2);
   }
 
-  /// The block in the form that kernels take.
+  /// The block in the form that kernels accept.
   TerrainBlock terrain_block() const;
 
  private:
@@ -79,7 +80,7 @@ class TileSurfaces {
   Eigen::Vector3d middle_m_;
   double diagonal_m_ = 0;
   Tolerances tolerances_{};
-  bool whole_terrain_ = false;                   // the block is the whole terrain, so its numbers are the world's
+  bool whole_terrain_ = false;                   // whether the block is the whole terrain, with the same numbers
   std::vector<std::int32_t> share_of_geometry_;  // index into contents_.solids, -1 for none
   CellsNearSolids near_solids_;
 };

@@ -9,14 +9,14 @@
 
 namespace uwsim {
 
-/// A tile ready for rays: its surfaces in double, and the trees that Embree built from them in float. It must not move,
-/// since Embree's callbacks point into it.
+/// A tile ready for rays: its surfaces in double, and the trees that Embree has built from them in float. It must not
+/// be moved, because Embree's callbacks hold pointers to it.
 struct TileTrees {
   TileSurfaces surfaces;
   TerrainBlock block{};                            ///< heights_m is null without terrain
-  std::vector<RoundGeometry> round;                ///< what the callbacks of round shapes point to
-  RayTree tree;                                    ///< what rays hit: raised terrain, widened triangles, round shapes
-  RayTree mesh_tree;                               ///< the meshes of solids that rays hit as shapes, for distances
+  std::vector<RoundGeometry> round;                ///< data of the callbacks for round shapes
+  RayTree tree;                                    ///< target of rays: raised terrain, widened triangles, round shapes
+  RayTree mesh_tree;                               ///< for distances: the meshes of solids whose shapes rays hit
   std::vector<std::vector<std::uint8_t>> crowded;  ///< by geometry and primitive: whether another surface is near
   const RayKernels& kernels = ray_kernels();
 

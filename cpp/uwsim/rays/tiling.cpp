@@ -11,11 +11,11 @@ namespace uwsim {
 namespace {
 
 constexpr double kFineTileWidth_m = 50;
-constexpr double kFineEdge = 8;  // in multiples of the widening
+constexpr double kFineEdge = 8;  // as a multiple of the widening
 
 using Key = std::pair<std::int64_t, std::int64_t>;  // a tile's row and column
 
-/// Where the world is cut: at whole blocks of terrain cells, or every kTileWidth_m if there is no terrain.
+/// Where the world is divided: at whole blocks of terrain cells, or every kTileWidth_m if there is no terrain.
 struct Cuts {
   Eigen::Vector2d origin_m, width_m;
   std::uint32_t columns = 0, rows = 0;  // per tile, in terrain cells
@@ -28,7 +28,7 @@ struct Cuts {
   }
 };
 
-/// As many cells as fit, distributed evenly over the tiles.
+/// The largest number of cells that fits in a tile, with cells distributed evenly over the tiles.
 std::uint32_t cells_a_tile(std::size_t cells, double spacing_m) {
   const double most = std::max(1.0, std::floor(kTileWidth_m / spacing_m)), count = static_cast<double>(cells);
   return static_cast<std::uint32_t>(std::ceil(count / std::ceil(count / most)));
@@ -90,8 +90,8 @@ void add_solid(const Solid& solid, Label label, const Cuts& cuts, std::map<Key, 
   }
 }
 
-/// Whether triangles are so small that the margins that float needs in a tile of the world (tolerances.h) would merge
-/// them: most of their hits would then have to be searched for.
+/// Whether triangles are so small that the margins that float requires in a tile of the world (tolerances.h) would
+/// merge them, in which case most of their hits would require a search.
 bool is_fine(const Solid& solid, const Eigen::AlignedBox2d& world) {
   if (!solid.shapes.empty()) return false;
   const double widening_m = tolerances_of(world.sizes().cwiseMin(kTileWidth_m).norm(), 1, true).widening_m;

@@ -2,94 +2,97 @@
 
 namespace uwsim {
 
-// Every tolerance, margin and error bound of the ray engine. README.md has the error budget that they add up to.
+// Every tolerance, margin and error bound of the ray engine. README.md contains the error budget that they add up to.
 // Kernels include this file, which therefore only defines constants and declares one function.
 
 /// The sine of 0.1 degree, rounded down. At smaller angles to a surface, float's error may decide whether a ray grazes
-/// or misses it; errors that grow with 1 / sine are covered down to this angle only.
+/// or misses it; errors that grow with 1 / sine are covered only down to this angle.
 inline constexpr double kGrazingSine = 1.7e-3;
 
-// Float.
+// Tolerances for float.
 
 /// A bound on how far a point of a tile moves when it is rounded to float relative to the tile's middle, as a fraction
-/// of half the tile's diagonal. One rounding moves a coordinate by up to 2^-24 = 6e-8 of it; this is 16 of them, since
-/// vertices, origins, directions and Embree's own arithmetic each contribute.
+/// of half the tile's diagonal. One rounding moves a coordinate by up to 2^-24 = 6e-8 of that; the bound allows for 16
+/// roundings, since vertices, origins, directions and Embree's own arithmetic each contribute.
 inline constexpr double kFloatError = 1e-6;
-/// Lower limit of that bound, reached in tiles of a few millimetres and less.
+/// Lower limit of that bound, which applies to tiles of a few millimetres or less.
 inline constexpr double kLeastFloatError_m = 1e-8;
-/// A float ray reaches farther than the ray in double, so that rounding does not cut it short; hits beyond the ray's
-/// end are discarded in double.
+/// How much farther a float ray reaches than the ray in double, so that rounding does not cut it short; hits beyond the
+/// ray's end are discarded in double.
 inline constexpr double kFartherRelative = 1e-6;
 inline constexpr double kFarther_m = 1e-6;
-/// For the same reason, a search for the nearest triangle reaches farther than the best distance so far by this
+/// For the same reason, a search for the nearest triangle reaches farther than the best distance so far, by this
 /// fraction.
 inline constexpr double kFartherSearch = 1e-5;
-/// With terrain raised by less than this, shadow rays need no second check: they start at least 1 mm off their surface.
+/// If terrain is raised by less than this, shadow rays need no second check, because they start at least 1 mm off their
+/// surface.
 inline constexpr double kHarmlessRaise_m = 5e-4;
-/// A corner of a widened triangle moves by at most this many widenings; 1 / 8 is the sine of half of 14 degrees, so
-/// that only corners sharper than 14 degrees need another form.
+/// A corner of a widened triangle moves by at most this multiple of the widening; 1 / 8 is the sine of half of 14
+/// degrees, so only corners sharper than 14 degrees are treated separately.
 inline constexpr double kLongestMitre = 8;
 
-// Double.
+// Tolerances for double.
 
-/// Barycentric: neighbouring triangles overlap by this much, so that no ray slips between them.
+/// In barycentric units: neighbouring triangles overlap by this much, so that no ray slips between them.
 inline constexpr double kSeam = 1e-10;
-/// In cells: a terrain hit computed in double is accepted at once if it lies this far inside its triangle; otherwise
-/// the walk from cell to cell decides. The walk's block is wider by the same amount on each side. At the far side of a
-/// terrain of 10,000 cells, double rounds by 1e-12 cells.
+/// In cells: a terrain hit computed in double is accepted immediately if it lies this far inside its triangle;
+/// otherwise the walk from cell to cell decides. The walk's block is wider by the same amount on each side. At the far
+/// side of a terrain of 10,000 cells, the rounding error in double is 1e-12 cells.
 inline constexpr double kCellMargin = 1e-9;
-/// A ray misses a round shape if its line stays outside the squared radius by more than this fraction of it.
+/// A ray misses a round shape if the squared distance of its line exceeds the squared radius by more than this
+/// fraction.
 inline constexpr double kRoundMargin = 1e-9;
 
-/// The tolerances of one tile [m]. They follow from the first one and from the terrain's steepest triangle.
+/// The tolerances of one tile [m]. They follow from rounding_m and from the terrain's steepest triangle.
 struct Tolerances {
-  /// A bound on how far any point of a ray or a surface in this tile moves by float rounding: `kFloatError` of half the
+  /// A bound on how far float rounding moves any point of a ray or a surface in this tile: `kFloatError` times half the
   /// tile's diagonal. Called r below. 0.3 mm in a square tile of 400 m, 0.7 mm in one of 1 km.
   double rounding_m;
 
-  /// 8 r. The distance across the ray from the point that Embree reports to the true hit.
+  /// 8 r: the distance, perpendicular to the ray, between the point reported by Embree and the true hit.
   double hit_error_m;
 
-  /// 64 r. How far the edges of a solid's triangles are moved outward for Embree. An error across a ray is lengthened
-  /// by 1 / sine in the plane of the surface: 570 times at 0.1 degree. One rounding is r / 16, which amounts to 36 r.
+  /// 64 r: how far the edges of a solid's triangles are moved outward for Embree. In the plane of the surface, an error
+  /// perpendicular to a ray is amplified by 1 / sine: 570 times at 0.1 degree. One rounding is r / 16, which amounts to
+  /// 36 r.
   double widening_m;
 
-  /// 256 r, or 0 if no solid has triangles. Distance before its origin at which a float ray starts: in float, a
-  /// triangle just ahead of the origin may end up behind it, along the ray by 1 / sine times the error across.
+  /// 256 r, or 0 if no solid has triangles: the distance before its origin at which a float ray starts. In float, a
+  /// triangle just ahead of the origin may end up behind it, by 1 / sine times the perpendicular error.
   double setback_m;
 
-  /// r / 2. How far the terrain is raised for Embree, measured across its steepest triangle at each vertex: 8
-  /// roundings.
+  /// r / 2: how far the terrain is raised for Embree, measured perpendicularly to its steepest triangle at each vertex:
+  /// 8 roundings.
   double raise_m;
 
   /// `raise_m` times `steepest`, which is 1 / cosine of the steepest slope in the tile: the raise measured vertically.
   double upward_raise_m;
 
-  /// 4 `upward_raise_m`. A point this far above the terrain is above the raised terrain as well. Vertices at a block's
+  /// 4 `upward_raise_m`: a point this far above the terrain is also above the raised terrain. Vertices at a block's
   /// edges also move outward by one raise along each axis, for which they rise by up to two more; the fourth is for
   /// rounding.
   double clearance_m;
 
-  /// 4 r + `clearance_m`. How much farther from a point Embree's surfaces may be than the true ones.
+  /// 4 r + `clearance_m`: how much farther from a point Embree's surfaces may be than the true ones.
   double search_margin_m;
 
-  /// 16 r + `clearance_m`. Terrain cells and solids closer together than this may be hit in the wrong order in float.
+  /// 16 r + `clearance_m`: terrain cells and solids closer together than this may be hit in the wrong order in float.
   double near_terrain_m;
 
-  /// 8 r. Triangles and shapes of solids closer together than this may be hit in the wrong order in float.
+  /// 8 r: triangles and shapes of solids closer together than this may be hit in the wrong order in float.
   double crowding_m;
 
-  /// r. A hit this far inside a triangle's edges is on that triangle, whatever float reports.
+  /// r: a hit this far inside a triangle's edges is on that triangle, regardless of what float reports.
   double edge_margin_m;
 
-  /// 2 r. Added to the bounding boxes of round shapes.
+  /// 2 r: added to the bounding boxes of round shapes.
   double round_box_margin_m;
 
-  /// 16 widenings. Added to the tile's bounding box, which encloses all of the above.
+  /// 16 widenings: added to the tile's bounding box, so that it encloses all of the above.
   double box_margin_m;
 
-  /// The distance along the ray from the point that Embree reports to the true hit, at this sine of the angle to the
-  /// surface: the error across the ray, and what it amounts to along the surface.
+  /// The distance along the ray between the point reported by Embree and the true hit, at this sine of the angle to the
+  /// surface: the error perpendicular to the ray, plus its effect along the surface.
   double hit_error_along_m(double sine) const { return hit_error_m * (1 + 1 / sine); }
 
   /// How far outside the true triangle a float ray may hit the widened one and still be accepted. Float's error along a
@@ -97,8 +100,8 @@ struct Tolerances {
   double picture_edge_m(double sine) const { return hit_error_m * (1 + 0.05 / sine); }
 };
 
-/// The tolerances of a tile: the diagonal of its surfaces' bounding box, 1 / cosine of the terrain's steepest slope (1
-/// without terrain), and whether rays hit triangles of solids in it.
+/// The tolerances of a tile, from the diagonal of its surfaces' bounding box, 1 / cosine of the terrain's steepest
+/// slope (1 without terrain), and whether rays can hit triangles of solids in it.
 Tolerances tolerances_of(double diagonal_m, double steepest, bool has_solid_triangles);
 
 }  // namespace uwsim

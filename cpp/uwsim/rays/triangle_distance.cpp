@@ -40,7 +40,7 @@ bool pierces(const Corners& one, const Corners& other) {
 
 }  // namespace
 
-/// The closest points of two triangles are on a corner and a triangle, or on two edges, unless they intersect.
+/// The closest points of two triangles that do not intersect are on a corner and a triangle, or on two edges.
 bool closer_than(const Corners& one, const Corners& other, double distance_m) {
   const double limit2 = distance_m * distance_m;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -15,7 +15,7 @@ std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray
   const Eigen::Vector3d moment = ray.direction_world.cross(from_a);
   const double u = ac.dot(moment) / along, v = -ab.dot(moment) / along, w = 1 - u - v;
   if (!(u >= -kSeam && v >= -kSeam && w >= -kSeam)) return {};
-  const double area = normal.norm();  // twice that of the triangle
+  const double area = normal.norm();  // twice the area of the triangle
   const bool clear = u * area > edge_margin_m * ac.norm() && v * area > edge_margin_m * ab.norm() &&
                      w * area > edge_margin_m * (ac - ab).norm();
   return TileHit{-normal.dot(from_a) / along, normal / area, clear};

@@ -6,26 +6,26 @@
 
 namespace uwsim {
 
-/// One ray in double, world frame; the direction is a unit vector.
+/// One ray in double precision, world frame; the direction is a unit vector.
 struct TileRay {
   Eigen::Vector3d origin_world_m, direction_world;
   double far_m;
 };
 
-/// Where such a ray hits one triangle or round shape.
+/// The hit of such a ray on one triangle or round shape.
 struct TileHit {
   double distance_m;
   Eigen::Vector3d normal_world;  ///< unit, on the side from which the corners run counter-clockwise
-  bool clear_of_edges;           ///< farther inside than the tile's `edge_margin_m`: no neighbour can be hit instead
+  bool clear_of_edges;           ///< farther inside than the tile's `edge_margin_m`: no neighbour can be hit
 };
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// Where a ray's line hits a triangle, edges included (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in double;
-/// the distance may be negative or beyond `far_m`. A ray within the triangle's plane misses it.
+/// The hit of a ray's line on a triangle, including its edges (Moeller and Trumbore 1997, J. Graphics Tools 2(1)), in
+/// double; the distance may be negative or beyond `far_m`. A ray in the triangle's plane misses it.
 std::optional<TileHit> meet_triangle(const Corners& triangle, const TileRay& ray, double edge_margin_m);
 
-/// Closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have zero length.
+/// The closest point on a triangle (Ericson 2005, "Real-Time Collision Detection", 5.1.5); edges may have zero length.
 Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d& p, const Corners& triangle);
 
 }  // namespace uwsim

@@ -11,8 +11,8 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kGroupsTogether = 64;  // number of groups that share their nearest viewpoints
-// near viewpoints are searched among every eighth: neighbours on a path have similar views
+constexpr std::size_t kGroupsTogether = 64;  // number of groups that share a list of nearest viewpoints
+// Near viewpoints are searched among every eighth, since neighbours on a path have similar views.
 constexpr std::size_t kViewpointStride = 8;
 constexpr std::size_t kNearViewpoints = 24;  // number of viewpoints that are tried before all others
 
@@ -85,7 +85,7 @@ class ViewSearch {
     return (point - viewpoints_[viewpoint]).squaredNorm() <= range_m_ * range_m_;
   }
 
-  /// Finds viewpoints near a place, the nearest first.
+  /// Finds viewpoints near a point, nearest first.
   void find_near_viewpoints(const Eigen::Vector3d& place) {
     near_.clear();
     for (std::size_t k = 0; k < viewpoints_.size(); k += kViewpointStride) {

@@ -9,7 +9,7 @@
 
 namespace uwsim {
 
-/// Points on surfaces in groups, such as the samples of a voxel: group g has the points from `first[g]` up to, but
+/// Points on surfaces in groups, such as the samples of a voxel: group g contains the points from `first[g]` up to, but
 /// excluding, `first[g + 1]`.
 struct PointGroups {
   std::span<const Eigen::Vector3d> points_world_m;
@@ -21,11 +21,11 @@ struct PointGroups {
   }
 };
 
-/// For each group: 1 if one of its points is within `range_m` of a viewpoint and no surface lies more than
-/// `tolerance_m` in front of it, else 0. The result does not depend on the number of threads.
+/// For each group: 1 if one of its points is within `range_m` of a viewpoint with no surface more than `tolerance_m` in
+/// front of it, else 0. The result does not depend on the number of threads.
 ///
-/// Most groups are visible from a nearby viewpoint. One that is not is tried from every viewpoint, except points inside
-/// round shapes, such as the bed inside a pipe.
+/// Most groups are visible from a nearby viewpoint. For a group that is not, all viewpoints are tried; points inside
+/// round shapes, such as the bed inside a pipe, are skipped.
 std::vector<std::uint8_t> seen_groups(const RayScene& scene, std::span<const Eigen::Vector3d> viewpoints_world_m,
                                       const PointGroups& groups, double range_m, double tolerance_m, int threads);
 

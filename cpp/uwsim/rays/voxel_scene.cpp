@@ -10,9 +10,9 @@
 namespace uwsim {
 namespace {
 
-constexpr int kStartsInside = 3;  // instead of the axis across which a ray enters
+constexpr int kStartsInside = 3;  // used instead of the axis across which a ray enters
 
-/// The normal that points against the ray along an axis.
+/// The normal against the ray along an axis.
 Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
   if (axis == kStartsInside) direction.cwiseAbs().maxCoeff(&axis);
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -22,15 +22,15 @@ Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
 
 }  // namespace
 
-/// A ray in units of cubes from the lowest corner; distances along it remain in metres.
+/// A ray in units of cubes from the lowest corner; distances along the ray remain in metres.
 struct VoxelScene::Walk {
   Eigen::Vector3d start, rate;
 
   double at(int axis, double distance_m) const { return start[axis] + rate[axis] * distance_m; }
 
   /// Visits the square cells of `size` cubes that the ray crosses between two distances, in order, until visit(i, j,
-  /// from, to, axis) returns true; axis: the one across which the ray enters the cell, at first `axis`. low and high
-  /// bound the cells' numbers: rounding may place the ray just beside them.
+  /// from, to, axis) returns true; axis: the axis across which the ray enters the cell, initially `axis`. low and high
+  /// limit the cells' numbers, since rounding may place the ray just outside them.
   template <typename Visit>
   bool cells(double size, std::array<std::int32_t, 2> low, std::array<std::int32_t, 2> high, double from, double to,
              int axis, const Visit& visit) const {
@@ -67,7 +67,7 @@ VoxelScene::VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double 
   }
   for (int k = 0; k < 2; ++k) block_counts_[k] = (high_[k] - low_[k]) / kBlock + 1;
 
-  // One number for each cube, sorted by block, then by column, then by height.
+  // One number per cube, sorted by block, then by column, then by height.
   std::vector<std::uint64_t> cubes;
   cubes.reserve(centres_world_m.size());
   for (const Eigen::Vector3d& centre : centres_world_m) {

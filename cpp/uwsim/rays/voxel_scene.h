@@ -11,22 +11,22 @@
 
 namespace uwsim {
 
-/// Cubes on a grid, such as the occupied voxels of a map, as targets for rays: for pictures of maps. Building it takes
-/// a fraction of the time of a mesh with a tree over its triangles, and a few bytes per voxel.
+/// Cubes on a grid, such as the occupied voxels of a map, as targets for rays, for rendering maps. Building it takes a
+/// fraction of the time of a mesh with a tree over its triangles, and a few bytes per voxel.
 ///
-/// A ray walks from column to column of cubes (Amanatides and Woo 1987), and over blocks of columns at once where it
-/// passes above or below all of their cubes.
+/// A ray walks from column to column of cubes (Amanatides and Woo 1987), and skips whole blocks of columns if it passes
+/// above or below all of their cubes.
 class VoxelScene {
  public:
-  /// centres_world_m: of cubes of edge_m at multiples of edge_m from the world's origin, in any order, duplicates
-  /// allowed. Throws std::invalid_argument if they lie more than 2^17 cubes apart.
+  /// centres_world_m: centres of cubes with edge length edge_m, at multiples of edge_m from the world's origin, in any
+  /// order; duplicates are allowed. Throws std::invalid_argument if they lie more than 2^17 cubes apart.
   VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double edge_m);
 
-  /// The first hit on a cube within the range; label 0. A ray that starts inside a cube hits it at 0.
+  /// The first hit on a cube within the range, with label 0. A ray that starts inside a cube hits it at distance 0.
   RayHit cast(const Ray& ray, double max_range_m) const;
 
  private:
-  static constexpr int kBlock = 32;  ///< columns on a side of a block
+  static constexpr int kBlock = 32;  ///< edge of a block, in columns
 
   struct Block {
     std::int32_t low = 0, high = -1;                         ///< lowest and highest cube
@@ -43,7 +43,7 @@ class VoxelScene {
   double edge_m_;
   std::array<std::int32_t, 3> low_{}, high_{};  ///< in cubes, high_ inclusive
   std::array<std::int32_t, 2> block_counts_{};
-  std::vector<std::int32_t> block_numbers_;  ///< index into blocks_; -1: empty
+  std::vector<std::int32_t> block_numbers_;  ///< index into blocks_; -1 if empty
   std::vector<Block> blocks_;
   std::vector<std::int32_t> heights_;  ///< of the cubes of each column, ascending
 };

@@ -9,14 +9,14 @@
 namespace uwsim {
 namespace {
 
-/// Whether a corner is sharper than 14 degrees: there, moving the edges outward would move the corner too far.
+/// Whether a corner is sharper than 14 degrees; moving the edges outward would move such a corner too far.
 bool has_sharp_corner(const Corners& triangle) {
   const auto side = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k % 3]).stableNormalized(); };
   const auto is_sharp = [&](std::size_t k) { return 0.5 * (side(k) + side(k + 2)).norm() * kLongestMitre < 1; };
   return is_sharp(0) || is_sharp(1) || is_sharp(2);
 }
 
-/// A triangle around a sliver: its longest side, a to b, moves outward by the widening; the other two sides pass the
+/// A triangle around a sliver: its longest side, a to b, is moved outward by the widening; the other two sides pass the
 /// corners at a distance of more than the widening.
 Corners widened_sliver(const Corners& triangle, double widening_m) {
   std::size_t first = 0;

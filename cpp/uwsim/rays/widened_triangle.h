@@ -4,8 +4,8 @@
 
 namespace uwsim {
 
-/// The triangle with each edge moved outward in its plane by `widening_m`, or by more where a corner is sharper than 14
-/// degrees. Embree gets solids' triangles in this form, so that float's error makes no ray miss one.
+/// The triangle with each edge moved outward in its plane by `widening_m`, or by more if a corner is sharper than 14
+/// degrees. Embree gets solids' triangles in this form, so that float's error does not make a ray miss one.
 Corners widened(const Corners& triangle, double widening_m);
 
 }  // namespace uwsim

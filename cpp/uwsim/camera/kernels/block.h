@@ -2,15 +2,15 @@
 
 #include <cstdint>
 
-/// A block of 4 x 4 pixels, which the kernels work on at once. It consists of plain arrays, so that it can be compiled
+/// A block of 4 x 4 pixels, which the kernels process together. It consists of plain arrays, so that it can be compiled
 /// for several instruction sets (kernels_*.cpp) with the same layout in each. Positions are metres from the camera,
-/// along world axes; light is in the units of daylight.h, ordered red, green, blue.
+/// along world axes; light is in the units of daylight.h, in the order red, green, blue.
 namespace uwsim::camera {
 
 inline constexpr int kBlockSide = 4;
 inline constexpr int kBlockPixels = kBlockSide * kBlockSide;
 
-/// A value for each pixel.
+/// One value per pixel.
 struct BlockFloats {
   alignas(64) float at[kBlockPixels];
 };
@@ -23,25 +23,25 @@ struct BlockMask {
 };
 
 /// The state of sixteen light paths, each traced from a pixel back to its light source. A path is one or two straight
-/// segments: to what it hits and, if that is the water's surface, onward from there.
+/// segments: to the first hit and, if that is the water's surface, onward from there.
 struct Block {
   BlockVectors origin, direction;  ///< of the current segment
-  BlockFloats distance;            ///< along the ray to its hit, infinity without one
+  BlockFloats distance;            ///< along the ray to its hit; infinity without one
   BlockFloats reach;               ///< to the end of the segment: hit, water surface or far away
-  BlockVectors normal;             ///< unit, of the winding side; then towards the eye, with relief
+  BlockVectors normal;             ///< unit, on the winding side; later towards the eye, with relief
   BlockMask active, in_water;
-  BlockMask lit;     ///< the segment ends on a surface that is to be shaded
-  BlockMask onward;  ///< the path continues from the water's surface
+  BlockMask lit;     ///< whether the segment ends on a surface that is to be shaded
+  BlockMask onward;  ///< whether the path continues from the water's surface
   BlockMask material;
   alignas(64) std::uint32_t label[kBlockPixels], primitive[kBlockPixels];
   BlockVectors point, albedo;
-  BlockVectors texture_albedo;  ///< replaces the material's where has_texture
+  BlockVectors texture_albedo;  ///< replaces the material's albedo where has_texture is set
   BlockMask has_texture;
-  BlockVectors throughput;       ///< share of the light from farther on that reaches the eye
+  BlockVectors throughput;       ///< fraction of the light from beyond that reaches the eye
   BlockVectors radiance;         ///< light gathered so far
   BlockVectors sun_backscatter;  ///< the sun beam's part of the backscatter, which shafts modulate
   // The light under test, which a shadow ray may block:
-  BlockVectors unshadowed;  ///< radiance that it adds unless something blocks it
+  BlockVectors unshadowed;  ///< radiance that it adds unless blocked
   BlockVectors to_light;
   BlockFloats light_distance;
   BlockMask needs_shadow_ray;  ///< lanes where that light matters

@@ -3,7 +3,7 @@
 #include "uwsim/camera/kernels/block.h"
 #include "uwsim/camera/kernels/lane_math.h"
 
-/// Moving the values of a block between memory and lanes. Included by the kernels only.
+/// Transfer of a block's values between memory and lanes. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 

@@ -2,12 +2,12 @@
 
 #include "uwsim/camera/kernels/water_surface.h"
 
-/// Caustics: sunlight focused by ripples and waves. Included by the kernels only.
+/// Caustics: sunlight focused by ripples and waves. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
-/// Downwelling light over its mean: focused and spread by the slopes of the ripples (Ripples::Snapshot) and, where
-/// there are waves, by theirs: 1 / |det(1 + d bend H)| with H the curvature of the surface above, at most 3.
+/// Downwelling light relative to its mean, focused and spread by the slopes of the ripples (Ripples::Snapshot) and, if
+/// there are waves, by theirs: 1 / |det(1 + d bend H)|, where H is the curvature of the surface above, at most 3.
 UWSIM_LANES Float caustic_at(const View& view, Vector point) {
   const Float depth = max(view.surface_z - (point.z + view.camera_z), Float{});
   const Float path = depth * (1 / view.to_sun_in_water[2]);
@@ -33,7 +33,7 @@ UWSIM_LANES Float caustic_at(const View& view, Vector point) {
     return interpolate(cell, [&](Int at) { return gather(view.caustics + above, at * kCausticLevels + lower); });
   };
   const Float light = mix(layer(0), layer(1), between);
-  // The pattern forms between the surface and the first level.
+  // The pattern develops between the surface and the first level.
   return swell * mix(splat(1), light, clamp(path * (1 / kFirstCausticLevel_m), 0, 1));
 }
 

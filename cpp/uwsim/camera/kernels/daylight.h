@@ -3,20 +3,20 @@
 #include "uwsim/camera/kernels/caustics.h"
 #include "uwsim/camera/kernels/materials.h"
 
-/// Daylight on surfaces, and the light that passes its shadow test. Included by the kernels only.
+/// Daylight on surfaces, and the light that passes its shadow test. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
-constexpr float kShadowReach_m = 5.0f;        // above the water: anything higher casts no shadow into it
+constexpr float kShadowReach_m = 5.0f;        // above the water; anything higher casts no shadow into it
 constexpr float kShadowRayThreshold = 2e-3f;  // light that adds less than this to a pixel's radiance is not tested
 
 UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
 }
 
-/// Daylight on surfaces: the sky's is added at once, the sun's becomes the light under test by a shadow ray. Level
-/// ground receives beam and sky by Kd; slopes by the cosine of their angle to the sun and by how much sky and upwelling
-/// light they face.
+/// Daylight on surfaces: the sky's light is added immediately; the sun's becomes the light to be tested by a shadow
+/// ray. Level ground receives beam and sky by Kd; slopes receive light by the cosine of their angle to the sun and by
+/// how much sky and upwelling light they face.
 void shade_daylight(const View& view, Block& block) {
   apply_material(view, block);
   const Vector point = load(block.point), normal = load(block.normal);
@@ -31,7 +31,7 @@ void shade_daylight(const View& view, Block& block) {
   const Float cosine_in_water =
       max(dot(normal, broadcast(view.to_sun_in_water)), Float{}) * (1 / view.to_sun_in_water[2]);
   const Vector in_water = (day.total - day.beam) * facing_up + broadcast(view.upwelling) * day.total * (1 - facing_up);
-  // In air, the surroundings reflect 0.15 of the daylight: assumed.
+  // In air, the surroundings are assumed to reflect 0.15 of the daylight.
   const Vector on_level =
       broadcast(view.beam) * splat(view.to_sun[2] > 0 ? view.to_sun[2] : 0.0f) + broadcast(view.sky);
   const Vector in_air = broadcast(view.sky) * facing_up + on_level * (0.15f * (1 - facing_up));
@@ -51,7 +51,7 @@ void shade_daylight(const View& view, Block& block) {
   store(block.needs_shadow_ray.at, lit & (sunlight > kShadowRayThreshold * so_far) & (sunlight > 1e-9f));
 }
 
-/// Adds the light under test on lanes whose shadow ray was not blocked.
+/// Adds the light under test in lanes whose shadow ray was not blocked.
 void add_unblocked_light(const View&, const BlockMask& blocked, Block& block) {
   const Int reaches = load(block.needs_shadow_ray.at) & ~load(blocked.at);
   const Vector light = load(block.radiance);

@@ -6,7 +6,7 @@
 #include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/camera/kernels/view.h"
 
-/// Development: from radiance to 8-bit sRGB, with vignetting and noise. Included by the kernels only.
+/// Development: conversion of radiance to 8-bit sRGB, with vignetting and noise. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -14,8 +14,8 @@ struct PhiloxWords {
   Unsigned word[4];
 };
 
-/// Philox4x32-10 as in core/random.h, for sixteen counters at once: the same words. Numbers stay in the low halves of
-/// wide lanes; what accumulates in the high halves is never read.
+/// Philox4x32-10 as in core/random.h, for sixteen counters at once, with the same words. Values stay in the low halves
+/// of wide lanes; anything that accumulates in the high halves is never read.
 UWSIM_LANES PhiloxWords philox(Wide c0, Wide c1, Wide c2, Wide c3, std::uint64_t key) {
   auto k0 = static_cast<std::uint32_t>(key), k1 = static_cast<std::uint32_t>(key >> 32);
   for (int round = 0; round < 10; ++round) {
@@ -32,7 +32,7 @@ UWSIM_LANES PhiloxWords philox(Wide c0, Wide c1, Wide c2, Wide c3, std::uint64_t
 }
 UWSIM_LANES Float open_unit(Unsigned word) { return (to_float(bits_as<std::int32_t>(word >> 8)) + 0.5f) * 0x1p-24f; }
 
-/// Standard normal numbers for the three bands of sixteen pixels, keyed by tick and pixel (Box and Muller 1958).
+/// Standard normal draws for the three bands of sixteen pixels, keyed by tick and pixel (Box and Muller 1958).
 UWSIM_LANES Vector standard_normals(const Development& d, int pixel) {
   Unsigned index;
   for (int k = 0; k < kLanes; ++k) index[k] = static_cast<std::uint32_t>(pixel + k);
@@ -45,8 +45,8 @@ UWSIM_LANES Vector standard_normals(const Development& d, int pixel) {
   return {r1 * first.cosine, r1 * first.sine, r2 * second.cosine};
 }
 
-/// The sRGB transfer curve (IEC 61966-2-1), within 4e-5: its power law as a polynomial in the fourth root of the
-/// signal.
+/// The sRGB transfer curve (IEC 61966-2-1), within 4e-5: its power law is approximated by a polynomial in the fourth
+/// root of the signal.
 UWSIM_LANES Float srgb(Float linear) {
   const Float x = clamp(linear, 0, 1), q = square_root(square_root(x));
   const Float power = -6.4611606e-2f + q * (0.19613619f + q * (1.1226813f + q * (-0.33550179f + q * 8.1330307e-2f)));
@@ -63,13 +63,13 @@ UWSIM_LANES Float load_some(const float* from, int count) {
 UWSIM_LANES void write_bytes(Int red, Int green, Int blue, int count, std::uint8_t* rgb) {
   alignas(64) std::int32_t pixels[kLanes];
   store(pixels, red | green << 8 | blue << 16);
-  // Four bytes each; the next pixel overwrites the last of them.
+  // Four bytes each; the next pixel overwrites the last one.
   for (int k = 0; k + 1 < count; ++k) __builtin_memcpy(rgb + 3 * k, pixels + k, 4);
   __builtin_memcpy(rgb + 3 * (count - 1), pixels + count - 1, 3);
 }
 
-/// Turns one row of radiance into bytes: vignetting (cos^4 of the angle off the axis, in part), gain, photon and read
-/// noise (variance iso x / full_well + (iso read / full_well)^2 for a signal x whose full scale is 1), the transfer
+/// Converts one row of radiance to bytes: vignetting (cos^4 of the angle off the axis, in part), gain, photon and read
+/// noise (variance iso x / full_well + (iso read / full_well)^2 for a signal x with full scale 1), and the transfer
 /// curve.
 void develop_row(const View& view, const Development& d, const RadiancePlanes& planes, int row, std::uint8_t* rgb) {
   const float shot_noise = d.iso / d.full_well, read = d.iso * d.read_noise / d.full_well;

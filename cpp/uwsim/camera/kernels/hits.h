@@ -8,7 +8,7 @@
 #include "uwsim/camera/kernels/view.h"
 #include "uwsim/rays/tolerances.h"
 
-/// From ray hits to points, normals and the geometry images. Included by the kernels only.
+/// Conversion of ray hits to points, normals and the geometry images. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -17,7 +17,7 @@ struct TerrainPlanes {
 };
 
 /// The plane of each lane's terrain triangle, through a node at `height`. Lanes that are not on terrain get the first
-/// triangle's.
+/// triangle's plane.
 UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* primitive, Int on_terrain) {
   Unsigned number;
   __builtin_memcpy(number.part, primitive, sizeof(number.part));
@@ -38,8 +38,8 @@ UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* 
           to_double(to_float(j + upper))};
 }
 
-/// Recomputes the distance to terrain in double, on the plane of the triangle that was hit: single precision errs by
-/// 1e-4 m.
+/// Recomputes the distance to terrain in double, on the plane of the triangle that was hit; the error in single
+/// precision is 1e-4 m.
 UWSIM_LANES void refine_on_terrain(const View& view, Vector origin, Vector direction, Int on_terrain, Block& block,
                                    Float& distance, Vector& normal) {
   const TerrainPlanes f = terrain_planes(view, block.primitive, on_terrain);
@@ -49,13 +49,13 @@ UWSIM_LANES void refine_on_terrain(const View& view, Vector origin, Vector direc
   const Double sinking =
       f.slope_x * to_double(direction.x) + f.slope_y * to_double(direction.y) - to_double(direction.z);
   const Vector facing = unit({to_single(-f.slope_x), to_single(-f.slope_y), splat(1)});
-  // Within 0.1 degree of tangency the plane determines the distance less accurately than the ray tree does.
+  // Within 0.1 degree of tangency, the plane determines the distance less accurately than the ray tree does.
   const Int solvable = on_terrain & (abs(to_single(sinking)) * facing.z > static_cast<float>(kGrazingSine));
   distance = select(solvable, max(to_single(above / sinking), Float{}), distance);
   normal = select(on_terrain, facing, normal);
 }
 
-/// From the distance, label and triangle of each hit to its point and normal; refines hits on terrain.
+/// Computes point and normal of each hit from its distance, label and triangle; refines hits on terrain.
 void locate_hits(const View& view, Block& block) {
   const Vector origin = load(block.origin), direction = load(block.direction);
   Float distance = load(block.distance.at);

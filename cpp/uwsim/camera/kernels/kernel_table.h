@@ -6,7 +6,7 @@
 #include "uwsim/camera/kernels/radiance.h"
 #include "uwsim/camera/kernels/water.h"
 
-/// All kernels of one instruction set. Included by kernels_*.cpp only.
+/// All kernels of one instruction set. Included only by kernels_*.cpp.
 namespace uwsim::camera {
 namespace {
 

@@ -21,7 +21,7 @@ struct GeometryPlanes {
   const std::uint8_t* class_of_label;
 };
 
-/// From radiance to bytes: the settings of the image sensor.
+/// The settings of the image sensor, for the conversion of radiance to bytes.
 struct Development {
   float gain, iso, vignetting;
   float full_well, read_noise;  ///< electrons
@@ -32,13 +32,13 @@ struct Development {
 
 struct Kernels {
   const char* name;
-  // From pixels to rays; from hits to geometry.
+  // Pixels to rays, and hits to geometry.
   void (*primary_rays)(const View&, int left, int top, Block&);
   void (*shaft_rays)(const View&, int left, int top, int scale, Block&);
   void (*start_paths)(const View&, Block&);
   void (*locate_hits)(const View&, Block&);
   void (*write_geometry)(const View&, int left, int top, const Block&, const GeometryPlanes&);
-  // Light along and at the end of one segment.
+  // Light along one segment and at its end.
   void (*apply_water)(const View&, Block&);
   void (*refract_or_reflect)(const View&, Block&);
   void (*add_sky)(const View&, Block&);
@@ -48,13 +48,13 @@ struct Kernels {
   void (*add_lamp_backscatter)(const View&, int lamp, Block&);
   void (*shaft_sample_point)(const View&, float share, Block&);
   void (*shaft_sample_light)(const View&, const Block&, BlockFloats& weight, BlockFloats& caustic);
-  // From paths to radiance and from radiance to bytes.
+  // Paths to radiance, and radiance to bytes.
   void (*write_radiance)(const View&, int left, int top, const Block&, const RadiancePlanes&,
                          BlockFloats& root_luminance);
   void (*develop_row)(const View&, const Development&, const RadiancePlanes&, int row, std::uint8_t* rgb);
 };
 
-/// The kernels for the widest instruction set that this CPU has; all give the same bits.
+/// The kernels for the widest instruction set that this CPU supports; all produce the same bits.
 const Kernels& kernels();
 const Kernels& baseline_kernels();
 const Kernels& avx2_kernels();

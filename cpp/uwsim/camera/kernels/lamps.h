@@ -2,13 +2,13 @@
 
 #include "uwsim/camera/kernels/daylight.h"
 
-/// Lamps: their light on surfaces and their backscatter in the water. Included by the kernels only.
+/// Lamps: their light on surfaces and their backscatter in the water. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
 constexpr int kBackscatterSamples = 4;
 
-/// A lamp on surfaces, as the light to be tested by a shadow ray: intensity / distance^2, attenuated by the water
+/// A lamp's light on surfaces, to be tested by a shadow ray: intensity / distance^2, attenuated by the water in
 /// between.
 void shade_lamp(const View& view, int index, Block& block) {
   const SpotLight& lamp = view.lamps[index];
@@ -35,7 +35,7 @@ void shade_lamp(const View& view, int index, Block& block) {
         lit & (lamp_light > kShadowRayThreshold * (so_far.x + so_far.y + so_far.z)) & (lamp_light > 1e-9f));
 }
 
-/// The part of a ray that lies in the lamp's outer cone: from..to along it, empty where from >= to.
+/// The part of a ray inside the lamp's outer cone: from..to along the ray, empty if from >= to.
 UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float end, Float& from, Float& to) {
   const Vector m = broadcast(lamp.position) * splat(-1), axis = broadcast(lamp.axis);
   const float cos2 = lamp.cos_outer * lamp.cos_outer;
@@ -47,8 +47,8 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   const Float safe = select(abs(a) < 1e-6f, splat(1e-6f), a);
   const Float t1 = (-b - root) / safe, t2 = (-b + root) / safe;
   const Float low = min(t1, t2), high = max(t1, t2);
-  // A ray steeper than the cone's side is inside between the roots; a shallower one beyond the last or before the
-  // first.
+  // A ray steeper than the cone's side is inside between the roots; a shallower one is inside beyond the last root or
+  // before the first.
   const Int crosses = a < 0;
   from = select(crosses, low, select(da > 0, high, splat(0)));
   to = select(crosses, high, select(da > 0, end, low));
@@ -60,15 +60,15 @@ UWSIM_LANES void cone_crossing(const SpotLight& lamp, Vector direction, Float en
   to = select(empty, from, to);
 }
 
-/// The lamp's light that the water at one point scatters towards the eye, attenuated on both paths, and divided by
+/// The lamp's light that the water at one point scatters towards the eye, attenuated on both paths, divided by
 /// intensity / apart. `s`, `c`: sine and cosine of the angle at the lamp between the ray's nearest point and this one;
 /// -s is also the cosine of the scattering angle. `ahead`, `along`: the cosine to the lamp's axis is ahead c + along s.
 UWSIM_LANES Vector lamp_scattering(const View& view, const SpotLight& lamp, Float s, Float c, Float ahead, Float along,
                                    Float nearest, Float apart) {
   constexpr float g = kLampAsymmetry;
   const Float spot = smoothstep((ahead * c + along * s - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
-  // henyey_greenstein_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c, with one
-  // division.
+  // henyey_greenstein_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c, computed with a
+  // single division.
   const Float side = 1 + g * g + 2 * g * s, cube = side * square_root(side), per = 1 / (cube * c);
   const Float path = nearest + apart * ((1 + s) * (cube * per));
   const Float particles = spot * (c * per) * ((1 - g * g) / (4 * kPi)), molecules = spot * rayleigh_phase(s);
@@ -76,14 +76,14 @@ UWSIM_LANES Vector lamp_scattering(const View& view, const SpotLight& lamp, Floa
   return view.has_attenuation ? light * exponential(broadcast(view.c) * -path) : light;
 }
 
-/// Single scattering of the lamp's light into the ray, sampled at points spread evenly over the angle at the lamp
-/// (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media"): dt / distance^2
-/// = d angle / closest distance, so that the peak near the lamp needs no more samples. Unshadowed.
+/// Single scattering of the lamp's light into the ray, sampled at points that are evenly spaced in the angle at the
+/// lamp (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media"): dt /
+/// distance^2 = d angle / closest distance, so the peak near the lamp needs no additional samples. Shadows are ignored.
 void add_lamp_backscatter(const View& view, int index, Block& block) {
   const SpotLight& lamp = view.lamps[index];
   const Vector direction = load(block.direction);
   const Int active = load(block.active.at) & load(block.in_water.at);
-  // Nothing noticeable comes back from beyond eight attenuation lengths.
+  // Light from beyond eight attenuation lengths is not noticeable.
   const Float end = min(load(block.reach.at), splat(8 / view.c[1]));
   Float from, to;
   cone_crossing(lamp, direction, end, from, to);

@@ -2,8 +2,8 @@
 
 #include "uwsim/camera/kernels/lanes.h"
 
-/// Functions and vectors of sixteen lanes. The functions are polynomials, so that all builds give the same bits; their
-/// comments state the errors. Included by the kernels only.
+/// Functions and vectors of sixteen lanes. The functions are polynomials, so that all builds produce the same bits;
+/// their comments state the errors. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -24,7 +24,7 @@ UWSIM_LANES Rounded rounded(Float x) {
   return {shifted - 0x1.8p23f, bits_as<std::int32_t>(shifted)};
 }
 
-/// e^x for x below 88, 0 below -87: 2^k times a polynomial in the remainder of x / ln 2, minimax on [-1/2, 1/2]; the
+/// e^x for x below 88, 0 below -87: 2^k times a minimax polynomial in the remainder of x / ln 2 on [-1/2, 1/2]; the
 /// relative error is below 2e-7 + 1.2e-7 |x|.
 UWSIM_LANES Float exponential(Float x) {
   const Float y = max(x, splat(-87)) * 1.44269504f;
@@ -48,7 +48,8 @@ UWSIM_LANES Float logarithm(Float x) {
   return series + to_float(exponent) * 0.69314718f;
 }
 
-/// Sine within 1e-6, for |x| up to about 1e4: a series in the remainder after whole half turns, which flip its sign.
+/// Sine within 1e-6, for |x| up to about 1e4: a series in the remainder after subtracting whole half turns, which flip
+/// the sign.
 UWSIM_LANES Float sine(Float x) {
   const Rounded halves = rounded(x * 0.318309886f);
   const Float r = x - halves.whole * 3.140625f - halves.whole * 9.67653590e-4f, z = r * r;
@@ -72,8 +73,8 @@ UWSIM_LANES SineCosine sine_cosine_of_turns(Float turns) {
   return {bits_as<float>(bits_as<std::int32_t>(s) ^ sign), bits_as<float>(bits_as<std::int32_t>(c) ^ sign)};
 }
 
-/// Angle of the direction (x, y), y >= 0, in [0, pi] within 2e-6: rotated to within pi / 8 of the x axis, then the
-/// arctangent's series.
+/// Angle of the direction (x, y), y >= 0, in [0, pi], within 2e-6: the direction is rotated to within pi / 8 of the x
+/// axis, where the arctangent series is used.
 UWSIM_LANES Float angle_of(Float x, Float y) {
   const Int back = x < 0;
   const Float along = select(back, y, x), across = select(back, -x, y);
@@ -101,8 +102,8 @@ UWSIM_LANES Vector select(Int mask, Vector a, Vector b) {
 UWSIM_LANES Vector broadcast(const float* xyz) { return {splat(xyz[0]), splat(xyz[1]), splat(xyz[2])}; }
 UWSIM_LANES Vector exponential(Vector a) { return {exponential(a.x), exponential(a.y), exponential(a.z)}; }
 
-/// An integer hash, by a mixer of the PCG family (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"): random
-/// enough for textures; noise draws from Philox.
+/// An integer hash, using a mixer of the PCG family (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"). It
+/// is random enough for textures; noise uses Philox.
 UWSIM_LANES Unsigned hash(Unsigned x) {
   const Unsigned state = x * 747796405u + 2891336453u;
   const Unsigned word = ((state >> 13) ^ state) * 277803737u;

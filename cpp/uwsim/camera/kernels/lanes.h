@@ -4,7 +4,8 @@
 
 /// Arithmetic on sixteen pixels at once, in the compiler's vector types of the CPU's own width: one source, compiled
 /// for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused multiply-add,
-/// so that all builds give the same bits. Only for those files: everything here is local to the file that includes it.
+/// so that all builds produce the same bits. For use in those files only: everything here is local to the file that
+/// includes it.
 namespace uwsim::camera {
 namespace {
 
@@ -53,7 +54,7 @@ struct Native<std::uint64_t> {
   using Part = std::uint64_t __attribute__((vector_size(kNativeBytes)));
 };
 
-/// Sixteen numbers. Comparisons of 32-bit numbers give masks: -1 for true, 0 for false.
+/// Sixteen values. Comparisons of 32-bit values produce masks: -1 for true, 0 for false.
 template <typename T>
 struct Lanes {
   static constexpr int kParts = kLanes * static_cast<int>(sizeof(T)) / kNativeBytes;
@@ -127,7 +128,7 @@ struct HalfNative<std::uint32_t> {
   using Part = std::uint32_t __attribute__((vector_size(kNativeBytes / 2)));
 };
 
-/// Conversion to numbers of twice or half the size: each part of the wider holds half a part of the narrower.
+/// Conversion to values of twice or half the size: each part of the wider type contains half a part of the narrower.
 template <typename To, typename From>
 requires(sizeof(To) == 2 * sizeof(From)) UWSIM_LANES Lanes<To> widened(Lanes<From> x) {
   constexpr int kParts = Lanes<To>::kParts;
@@ -163,7 +164,7 @@ UWSIM_LANES Float to_float(Int x) {
   UWSIM_UNROLLED y.part[p] = __builtin_convertvector(x.part[p], Float::Part);
   return y;
 }
-/// The same bits as another type's.
+/// Reinterprets the bits as another type.
 template <typename To, typename From>
 UWSIM_LANES Lanes<To> bits_as(Lanes<From> x) {
   constexpr int kParts = Lanes<To>::kParts;

@@ -2,7 +2,7 @@
 
 #include "uwsim/camera/kernels/scattering.h"
 
-/// Procedural materials: albedo and relief of surfaces. Included by the kernels only.
+/// Procedural materials: albedo and relief of surfaces. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -45,8 +45,8 @@ UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
   return all;
 }
 
-/// Sets the albedo and tilts the normal: patches of two sizes, grain, sand ripples. Each fades out as it gets smaller
-/// than a pixel.
+/// Sets the albedo and tilts the normal: patches of two sizes, grain, sand ripples. Each fades out as it becomes
+/// smaller than a pixel.
 void apply_material(const View& view, Block& block) {
   const Vector point = load(block.point), direction = load(block.direction);
   Vector normal = load(block.normal);

@@ -5,12 +5,12 @@
 #include "uwsim/camera/kernels/block_lanes.h"
 #include "uwsim/camera/kernels/view.h"
 
-/// From pixels to camera rays. Included by the kernels only.
+/// Conversion of pixels to camera rays. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
-/// Turbulent water bends rays: three waves across the picture that move with time. Their size is the water's
-/// (turbulence_bend_rad); their shape is a visual effect, not a measured model.
+/// Turbulent water bends rays: three waves across the picture that move over time. Their amplitude is derived from the
+/// water (turbulence_bend_rad); their shape is a visual effect, not a measured model.
 UWSIM_LANES void wobble(const View& view, Float& x, Float& y) {
   const float t = view.wobble_phase, a = view.wobble_rad;
   const Float first = sine(x * 23.0f + y * 11.0f + 2.1f * t), second = sine(y * 31.0f - x * 7.0f + 2.9f * t + 1.3f);
@@ -40,7 +40,8 @@ void rays_through_pixels(const View& view, int left, int top, int scale, Block& 
   set_rays(view, x, y, block);
 }
 
-/// Whether the whole block lies within the picture, as most blocks do: their rays are tabulated block by block.
+/// Whether the whole block lies within the picture, as most blocks do: the rays of such blocks are tabulated block by
+/// block.
 UWSIM_LANES bool is_whole_block(const View& view, int left, int top) {
   return left + kBlockSide <= view.width && top + kBlockSide <= view.height;
 }
@@ -49,7 +50,7 @@ void primary_rays(const View& view, int left, int top, Block& block) {
   if (!is_whole_block(view, left, top)) return rays_through_pixels(view, left, top, 1, block);
   const std::size_t columns = static_cast<std::size_t>(view.width) / kBlockSide;
   const std::size_t at = kBlockPixels * (static_cast<std::size_t>(top) / kBlockSide * columns + left / kBlockSide);
-  // Ray traversal in between evicts the tables from the prefetcher: fetch the next block now.
+  // Ray traversal in between makes the hardware prefetcher lose track of the tables: prefetch the next block now.
   __builtin_prefetch(view.block_ray_x + at + kBlockPixels);
   __builtin_prefetch(view.block_ray_y + at + kBlockPixels);
   store(block.active.at, Int(-1));

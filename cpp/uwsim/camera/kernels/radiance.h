@@ -6,11 +6,11 @@
 #include "uwsim/camera/kernels/primary_rays.h"
 #include "uwsim/camera/kernels/shafts.h"
 
-/// From finished paths to the radiance image. Included by the kernels only.
+/// Conversion of finished paths to the radiance image. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
-/// Luminance, by the weights of sRGB's primaries.
+/// Luminance, weighted like sRGB's primaries.
 UWSIM_LANES Float luminance(Vector light) { return light.x * 0.2126f + light.y * 0.7152f + light.z * 0.0722f; }
 
 UWSIM_LANES void write_plane(const View& view, int left, int top, const float* light, float* plane) {
@@ -27,7 +27,8 @@ UWSIM_LANES void write_plane(const View& view, int left, int top, const float* l
   }
 }
 
-/// Writes the light of finished paths, with the shafts, and each pixel's square root of luminance, for the exposure.
+/// Writes the light of finished paths, including shafts, and the square root of each pixel's luminance, for the
+/// exposure.
 void write_radiance(const View& view, int left, int top, const Block& block, const RadiancePlanes& planes,
                     BlockFloats& root_luminance) {
   Vector light = load(block.radiance);

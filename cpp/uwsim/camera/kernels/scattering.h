@@ -3,20 +3,20 @@
 #include "uwsim/camera/kernels/block_lanes.h"
 #include "uwsim/camera/kernels/view.h"
 
-/// Scattering in the water: phase functions, daylight at depth, and the backscatter of daylight. Included by the
-/// kernels only.
+/// Scattering in the water: phase functions, daylight at depth, and the backscatter of daylight. Included only by the
+/// kernels.
 namespace uwsim::camera {
 namespace {
 
 constexpr float kPi = 3.14159265f;
 
-// Asymmetry of particles for daylight. Single scattering with the asymmetry of real particles (about 0.9) makes the
-// water around the camera ten times too dark, since daylight is scattered many times. 0.5 gives a horizontal radiance
-// of about 0.04 of the downwelling irradiance in turbid water, as in radiance distributions measured in lakes and seas:
-// assumed, but of the right order of magnitude.
+// Asymmetry of particles for daylight. Single scattering with the asymmetry of real particles (about 0.9) would make
+// the water around the camera ten times too dark, because daylight is scattered many times. A value of 0.5 results in a
+// horizontal radiance of about 0.04 of the downwelling irradiance in turbid water, as in radiance distributions
+// measured in lakes and seas: assumed, but of the right order of magnitude.
 constexpr float kDaylightAsymmetry = 0.5f;
-// Asymmetry of particles for lamps: near the camera their light is scattered once (Petzold 1972, represented by g =
-// 0.9: assumed).
+// Asymmetry of particles for lamps: near the camera, their light is scattered once (Petzold 1972, represented by g =
+// 0.9; assumed).
 constexpr float kLampAsymmetry = 0.9f;
 
 /// Phase function of Henyey and Greenstein 1941, [1/sr].
@@ -34,8 +34,8 @@ UWSIM_LANES Vector scattering(const View& view, Float cosine, float g) {
   return broadcast(view.particle_b) * particles + broadcast(view.molecule_b) * molecules;
 }
 
-/// Irradiance on a level surface at a depth: `total` falls by Kd; `beam`, the sun's part, also loses what is scattered
-/// out of it.
+/// Irradiance on a level surface at a depth: `total` decreases by Kd; `beam`, the sun's part, also loses the light
+/// scattered out of it.
 struct DaylightAtDepth {
   Vector total, beam;
 };
@@ -47,10 +47,10 @@ UWSIM_LANES DaylightAtDepth daylight_at_depth(const View& view, Float depth) {
   return day;
 }
 
-/// Daylight that `length` of water scatters into a ray, attenuated on its way to the eye, in closed form: daylight
-/// changes as exp(-K depth) along the ray, so that the backscatter is J / k (1 - exp(-k length)) with k = c - K
-/// sin(elevation); it saturates, at J / c for a level ray. Split into the sun's beam, which shafts modulate, and the
-/// rest.
+/// Daylight that `length` of water scatters into a ray, attenuated on its way to the eye, in closed form. Daylight
+/// varies as exp(-K depth) along the ray, so the backscatter is J / k (1 - exp(-k length)) with k = c - K
+/// sin(elevation); it saturates, at J / c for a level ray. Split into the part due to the sun's beam, which shafts
+/// modulate, and the rest.
 UWSIM_LANES void daylight_backscatter(const View& view, Vector origin, Vector direction, Float length, Vector& diffuse,
                                       Vector& beam) {
   const Float depth = view.surface_z - (origin.z + view.camera_z);

@@ -2,12 +2,12 @@
 
 #include "uwsim/camera/kernels/daylight.h"
 
-/// Shafts of sunlight: sampled for each block, interpolated for each pixel. Included by the kernels only.
+/// Shafts of sunlight: sampled per block, interpolated per pixel. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
-/// A sample point on each ray, at a share of the length worth sampling, and a shadow ray from it to the sun. The share
-/// is the same for all rays, so that light focused by the surface shows as shafts.
+/// A sample point on each ray, at a given fraction of the length worth sampling, and a shadow ray from it to the sun.
+/// The fraction is the same for all rays, so that light focused by the surface is visible as shafts.
 void shaft_sample_point(const View& view, float share, Block& block) {
   const Float t = min(load(block.reach.at), splat(3 / view.c[1])) * share;
   const Vector point = load(block.origin) + load(block.direction) * t;
@@ -26,8 +26,8 @@ void shaft_sample_light(const View& view, const Block& block, BlockFloats& weigh
   store(caustic.at, view.has_caustics ? caustic_at(view, load(block.point)) : splat(1));
 }
 
-/// Weights of bilinear interpolation between blocks: how much each lane takes from the blocks before, at and after its
-/// own along each axis. A block's value belongs to its middle, 1.5 pixels from its first.
+/// Weights of bilinear interpolation between blocks: the weights, for each lane, of the blocks before, at and after its
+/// own along each axis. A block's value belongs to its middle, 1.5 pixels from its first pixel.
 struct BlockWeights {
   alignas(64) float across[3][kLanes], down[3][kLanes];
 };
@@ -44,8 +44,8 @@ constexpr BlockWeights block_weights() {
 }
 constexpr BlockWeights kBlockWeights = block_weights();
 
-/// How lit the water is along each pixel's ray, interpolated between blocks: 1 without shafts, less in shadow, more
-/// where light is focused.
+/// The illumination of the water along each pixel's ray, interpolated between blocks: 1 without shafts, less in shadow,
+/// more where light is focused.
 UWSIM_LANES Float shaft_at(const View& view, int left, int top) {
   const int height = (view.height + kBlockSide - 1) / kBlockSide;
   const int i = left / kBlockSide, j = top / kBlockSide;

@@ -2,12 +2,12 @@
 
 #include "uwsim/camera/kernels/scattering.h"
 
-/// The sky, for rays in air that hit nothing. Included by the kernels only.
+/// The sky, for rays in air that hit nothing. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
 /// Radiance of the clear sky: three times as bright at the horizon as overhead, with the sun and a glow around it. Its
-/// irradiance on level ground is about View::sky. A visual effect, not a measured model.
+/// irradiance on level ground is about View::sky. This is a visual effect, not a measured model.
 UWSIM_LANES Vector sky_towards(const View& view, Vector direction) {
   const Float up = clamp(direction.z, 0, 1), low = 1 - up;
   const Float bright = 0.72f + 1.6f * low * low * low * low;

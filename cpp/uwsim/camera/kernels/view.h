@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-/// The constants of one picture: camera, terrain, water, light, lamps. Units and axes as in block.h.
+/// The constants of one picture: camera, terrain, water, light, lamps. Units and axes are as in block.h.
 namespace uwsim::camera {
 
 inline constexpr int kRippleCells = 128, kCausticLevels = 6;
@@ -11,14 +11,14 @@ inline constexpr float kRippleTile_m = 6.4f, kFirstCausticLevel_m = 0.5f;
 /// A procedural material: two colours mixed in patches of two sizes, and relief.
 struct Material {
   float base[3], other[3];  ///< albedo
-  float contrast;           ///< of the patches, 0: none
+  float contrast;           ///< of the patches; 0 for none
   float fine_per_m;         ///< number of small patches per metre; the large ones measure 1.4 m in all materials
   float bump;               ///< tilt of the normal by the small patches [rad]
-  float ripple_m;           ///< length of sand ripples, 0: none
+  float ripple_m;           ///< length of sand ripples; 0 for none
   float ripple_tilt;        ///< steepest slope of the ripples
 };
 
-/// A spot lamp: intensity [irradiance m2], axis away from the lamp.
+/// A spot lamp. The intensity is in [irradiance m2]; the axis points away from the lamp.
 struct SpotLight {
   float position[3], axis[3], intensity[3];
   float cos_outer, cos_inner;  ///< dark outside the outer cone, uniform within the inner
@@ -26,7 +26,7 @@ struct SpotLight {
 
 /// Heights and slopes of the world's waves at the nodes of a grid around the camera, [y][x][height, slope x, slope y].
 struct WaveNodes {
-  const float* values;  ///< null: the water is still
+  const float* values;  ///< null if the water is still
   int side;
   float spacing_m, left_m, bottom_m;  ///< of the first node, relative to the camera
 };
@@ -38,11 +38,11 @@ struct View {
   float right[3], down[3], ahead[3];
   float pixel_rad;  ///< angle across one pixel, approximately
   float wobble_rad, wobble_phase;
-  float camera_z, surface_z;    ///< world; of the surface above or below the camera
-  float texture_x, texture_y;   ///< camera in the frame of textures and ripples, which repeat
+  float camera_z, surface_z;    ///< world z of the camera, and of the surface above or below it
+  float texture_x, texture_y;   ///< position of the camera in the frame of textures and ripples, which repeat
   double terrain_x, terrain_y;  ///< first node relative to the camera
   double terrain_spacing, anchor_z;
-  const float* heights;  ///< null: there is no terrain
+  const float* heights;  ///< null if there is no terrain
   int terrain_nx;
   std::uint32_t terrain_label;
 
@@ -50,11 +50,11 @@ struct View {
   float refractive_index;
   float c[3], kd[3], kb[3];             ///< attenuation [1/m] of a beam, of daylight, of daylight's direct beam
   float particle_b[3], molecule_b[3];   ///< scattering [1/m]
-  float upwelling[3];                   ///< share of downwelling light that returns
+  float upwelling[3];                   ///< fraction of downwelling light that returns
   float beam_level[3], total_level[3];  ///< irradiance on a level surface just below the water's surface
   float to_sun_in_water[3];
   float beam[3], sky[3], to_sun[3];  ///< in air
-  const float *caustics, *slopes;    ///< of Ripples::Snapshot; null: there are no ripples
+  const float *caustics, *slopes;    ///< from Ripples::Snapshot; null if there are no ripples
   float bend;                        ///< 1 - 1 / refractive_index
   WaveNodes waves;
 
@@ -62,7 +62,7 @@ struct View {
   int steep_material, land_material;  ///< indices of steep and of dry ground; that of the bed is 0
   int lamp_count;
   const SpotLight* lamps;
-  int shaft_width;  ///< number of blocks in a row of the shafts' image; 0: no shafts
+  int shaft_width;  ///< number of blocks in a row of the shafts' image; 0 for no shafts
   const float* shafts;
 };
 

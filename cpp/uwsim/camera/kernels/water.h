@@ -2,7 +2,7 @@
 
 #include "uwsim/camera/kernels/water_surface.h"
 
-/// Effects of the water along one straight segment of a ray. Included by the kernels only.
+/// Effects of the water along one straight segment of a ray. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 

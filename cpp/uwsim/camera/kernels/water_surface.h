@@ -3,7 +3,7 @@
 #include "uwsim/camera/kernels/scattering.h"
 #include "uwsim/camera/kernels/sky.h"
 
-/// The water's surface: its waves and ripples, refraction and reflection there. Included by the kernels only.
+/// The water's surface: its waves and ripples, and refraction and reflection there. Included only by the kernels.
 namespace uwsim::camera {
 namespace {
 
@@ -12,7 +12,7 @@ struct WaveSample {
   Float height, slope_x, slope_y;
 };
 
-/// The world's waves at a place, interpolated between nodes; beyond the grid, the values at its edge.
+/// The world's waves at a position, interpolated between nodes; beyond the grid, the values at its edge are used.
 UWSIM_LANES WaveSample waves_at(const View& view, Float x, Float y) {
   const WaveNodes& nodes = view.waves;
   if (nodes.values == nullptr) return {splat(view.surface_z), Float{}, Float{}};
@@ -30,7 +30,7 @@ UWSIM_LANES WaveSample waves_at(const View& view, Float x, Float y) {
   return {value(0), value(1), value(2)};
 }
 
-/// The ripple tile's four cells around a place, and its position between them, u and v in [0, 1).
+/// The four cells of the ripple tile around a position, and the position between them, u and v in [0, 1).
 struct RippleCell {
   Int low_left, low_right, high_left, high_right;
   Float u, v;
@@ -44,18 +44,18 @@ UWSIM_LANES RippleCell ripple_cell(const View& view, Float x, Float y) {
   const Int i = i0 & wrap, i1 = (i0 + 1) & wrap, j = (j0 & wrap) * kRippleCells, j1 = ((j0 + 1) & wrap) * kRippleCells;
   return {j + i, j + i1, j1 + i, j1 + i1, fu, fv};
 }
-/// Bilinear interpolation: `value(cell)` at the four cells.
+/// Interpolates `value(cell)` bilinearly between the four cells.
 template <typename Value>
 UWSIM_LANES Float interpolate(const RippleCell& cell, const Value& value) {
   return mix(mix(value(cell.low_left), value(cell.low_right), cell.u),
              mix(value(cell.high_left), value(cell.high_right), cell.u), cell.v);
 }
 
-/// Adds the slopes of the ripples, seen from `distance`.
+/// Adds the slopes of the ripples, as seen from `distance`.
 UWSIM_LANES void add_ripples(const View& view, Float x, Float y, Float distance, WaveSample& sample) {
   if (view.slopes == nullptr) return;
   const RippleCell cell = ripple_cell(view, x, y);
-  // A distant pixel covers many ripples, whose slopes cancel.
+  // A distant pixel covers many ripples, whose slopes cancel out.
   const Float nearness = 1 / (1 + distance * distance * (view.pixel_rad * view.pixel_rad * 40));
   const auto slope = [&](int axis) {
     return nearness * interpolate(cell, [&](Int at) { return gather(view.slopes + axis, 2 * at); });
@@ -64,14 +64,14 @@ UWSIM_LANES void add_ripples(const View& view, Float x, Float y, Float distance,
   sample.slope_y += slope(1);
 }
 
-/// Radiance that leaves deep water upwards.
+/// Radiance leaving deep water upwards.
 UWSIM_LANES Vector upwelling(const View& view) {
   return broadcast(view.upwelling) * broadcast(view.total_level) * splat(1 / kPi);
 }
 
-/// Continues rays that reached the surface along the stronger of the refracted and the reflected direction; the weaker
-/// one is assumed to see clear sky or deep water. Radiance changes by n^2 across the surface (Mobley 1994, "Light and
-/// Water", ch. 4).
+/// Continues rays that have reached the surface along the stronger of the refracted and the reflected direction; the
+/// weaker ray is assumed to reach clear sky or deep water. Radiance changes by n^2 across the surface (Mobley 1994,
+/// "Light and Water", ch. 4).
 void refract_or_reflect(const View& view, Block& block) {
   const Vector direction = load(block.direction);
   const Float end = load(block.reach.at);
