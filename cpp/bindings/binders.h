@@ -3,7 +3,7 @@
 #include <pybind11/pybind11.h>
 
 /// One binder for each folder of cpp/uwsim, called by module.cpp. A folder with several binding files declares their
-/// binders in a binders.h of its own.
+/// binders in its own binders.h.
 namespace uwsim::bindings {
 
 void bind_core(pybind11::module_& m);

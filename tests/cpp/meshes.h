@@ -18,7 +18,7 @@ inline TriangleMesh box(double x, double y, double z) {
   return mesh;
 }
 
-/// A closed sphere of `bands` latitude bands, centred on the origin.
+/// A closed sphere with `bands` latitude bands, centred on the origin.
 inline TriangleMesh sphere(double radius, int bands) {
   TriangleMesh mesh;
   const int around = 2 * bands;

@@ -1,7 +1,7 @@
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
 
-/// Replaces Embree's own function in a test's executable, so that Embree runs as on a CPU that has SSE2 and no more.
+/// Replaces Embree's own function in a test's executable, so that Embree runs as on a CPU that supports only SSE2.
 extern "C" RTCDevice rtcNewDevice(const char*) {
   using NewDevice = RTCDevice (*)(const char*);
   static const auto original = reinterpret_cast<NewDevice>(dlsym(RTLD_NEXT, "rtcNewDevice"));

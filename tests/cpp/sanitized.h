@@ -8,8 +8,8 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// How many of `count` random cases a test tries. AddressSanitizer and ThreadSanitizer make code 10 to 50 times as
-/// slow; a tenth of the cases walks the same code there, and whether results are right is shown without a sanitizer.
+/// Returns the number of random cases out of `count` for a test to run. AddressSanitizer and ThreadSanitizer make code
+/// 10 to 50 times slower; a tenth of the cases covers the same code, and correctness is checked without a sanitizer.
 constexpr int cases(int count) { return kSanitized ? count / 10 : count; }
 
 }  // namespace uwsim

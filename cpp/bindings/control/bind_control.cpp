@@ -8,7 +8,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// The components of a tuple, list or array (2,), read without making an array of it.
+/// The components of a tuple, list or array (2,), read without creating an array.
 Eigen::Vector2d as_pair(const py::object& object, const char* name) {
   const py::sequence pair(object);
   require(pair.size() == 2, std::string(name) + ".shape", pair.size(), "expected (2,)");

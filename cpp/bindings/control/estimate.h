@@ -9,10 +9,11 @@
 #include "bindings/core/arrays.h"
 #include "uwsim/control/motion_estimate.h"
 
-/// Estimates and efforts between Python and controllers.
+/// Conversion of estimates and efforts between Python and controllers.
 namespace uwsim::bindings {
 
-/// An attribute that must be an array of this shape. An array of doubles is not copied, whatever its memory order.
+/// Returns an attribute that must be an array of this shape. An array of doubles is not copied, whatever its memory
+/// order.
 inline py::array_t<double> array_of(const py::object& owner, const char* name,
                                     std::initializer_list<py::ssize_t> shape) {
   const py::object value = owner.attr(name);

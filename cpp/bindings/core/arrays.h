@@ -13,7 +13,7 @@
 #include "bindings/core/gil.h"
 #include "uwsim/core/check.h"
 
-/// Arrays between NumPy and C++: inputs of the right type pass without a copy, results move out in a capsule.
+/// Arrays between NumPy and C++: inputs of the right type pass without a copy, results are moved into a capsule.
 namespace uwsim::bindings {
 
 namespace py = pybind11;
@@ -32,8 +32,7 @@ inline std::string shape_text(const py::array& array) {
 }
 
 /// Returns any numeric array or sequence as a C-ordered array of T, without a copy if it already is one. Raises
-/// ValueError, naming the argument, if the dtype is not a real number or the shape does not match; -1 matches any
-/// extent.
+/// ValueError naming the argument if the dtype is not a real number or the shape does not match; -1 matches any extent.
 template <typename T>
 py::array_t<T, py::array::c_style> as_array(const py::object& object, const char* name,
                                             std::initializer_list<py::ssize_t> shape) {
@@ -45,7 +44,7 @@ py::array_t<T, py::array::c_style> as_array(const py::object& object, const char
   const char kind = any.dtype().kind();
   const bool empty_list = any.size() == 0;
   if (kind != 'f' && kind != 'i' && kind != 'u' &&
-      !empty_list) {  // formatted only on failure: the text of a dtype takes longer than a small array
+      !empty_list) {  // formatted only on failure: formatting a dtype takes longer than converting a small array
     require(false, std::string(name) + ".dtype", std::string(py::str(any.dtype())), "must be real numbers");
   }
   bool fits = any.ndim() == static_cast<py::ssize_t>(shape.size());
@@ -85,7 +84,7 @@ py::array_t<T> move_out(std::vector<T>&& values) {
   return move_out(std::move(values), {n});
 }
 
-/// Clears the flag directly, since NumPy's attributes are looked up by name each time.
+/// Clears the flag directly, because NumPy looks attributes up by name each time.
 inline void forbid_writing(const py::array& array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
 }
@@ -96,7 +95,8 @@ py::array read_only(py::array_t<T> array) {
   return array;
 }
 
-/// A read-only copy of a vector or matrix; writing into it would not affect the original. Needs pybind11/eigen.h.
+/// A read-only copy of a vector or matrix, since writing to it would not affect the original. Requires
+/// pybind11/eigen.h.
 template <typename Matrix>
 py::array_t<double> fixed(const Matrix& matrix) {
   py::array_t<double> array = py::cast(matrix);

@@ -24,13 +24,13 @@ BodyState as_state(const py::object& position_m, const py::object& orientation_x
   return state;
 }
 
-/// InvalidValue is a std::invalid_argument, which pybind11 turns into ValueError by itself.
+/// InvalidValue is a std::invalid_argument, which pybind11 translates to ValueError by default.
 void translate_file_errors() {
   py::register_local_exception_translator([](std::exception_ptr p) {  // by value, as pybind11's signature requires
     try {
       if (p) std::rethrow_exception(p);
     } catch (const FileError& error) {
-      // Paths may hold bytes that are not UTF-8: Python's file-system encoding carries them.
+      // Paths may contain bytes that are not UTF-8, which Python's file-system encoding can represent.
       const auto message = py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefault(error.what()));
       PyErr_SetObject(PyExc_OSError, message.ptr());
     }

@@ -12,16 +12,16 @@
 #include "uwsim/core/pose.h"
 #include "uwsim/core/triangle_mesh.h"
 
-/// Geometry from Python's arrays.
+/// Conversion of geometry from Python's arrays.
 namespace uwsim::bindings {
 
-/// (n,) numbers.
+/// Numbers, (n,).
 inline std::vector<double> as_numbers(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1});
   return {array.data(), array.data() + array.size()};
 }
 
-/// (n, 3) finite points.
+/// Finite points, (n, 3).
 inline std::vector<Eigen::Vector3d> as_points(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 3});
   std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(array.shape(0)));
@@ -30,7 +30,7 @@ inline std::vector<Eigen::Vector3d> as_points(const py::object& object, const ch
   return points;
 }
 
-/// (m, 3) indices. Negative and fractional ones are refused instead of wrapping round.
+/// Indices, (m, 3). Negative and fractional ones are refused instead of wrapping around.
 inline std::vector<Triangle> as_triangles(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 3});
   std::vector<Triangle> triangles(static_cast<std::size_t>(array.shape(0)));
@@ -43,7 +43,7 @@ inline std::vector<Triangle> as_triangles(const py::object& object, const char* 
   return triangles;
 }
 
-/// Checks that the position is finite and the quaternion's length in [1e-6, 1e6]; normalises it.
+/// Checks that the position is finite and the quaternion's length is in [1e-6, 1e6]; normalises the quaternion.
 inline Pose checked_pose(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation,
                          const std::string& name) {
   require(position.allFinite(), name + ".position_m", position.transpose(), "must be finite");

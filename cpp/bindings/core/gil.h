@@ -4,12 +4,12 @@
 
 #include <utility>
 
-/// Holds the interpreter's lock around work in C++. When the interpreter shuts down, CPython ends any thread that asks
-/// for its lock with pthread_exit, which unwinds the stack; pybind11's guards, whose destructors are noexcept, would
-/// then end the process with std::terminate.
+/// Guards that release or acquire the interpreter's lock around work in C++. During interpreter shutdown, CPython ends
+/// any thread that requests the lock with pthread_exit, which unwinds the stack; pybind11's guards, whose destructors
+/// are noexcept, would then abort the process by std::terminate.
 namespace uwsim::bindings {
 
-/// Releases the GIL of this thread while it lives.
+/// Releases the GIL of this thread for its lifetime.
 class GilReleased {
  public:
   GilReleased() : outer_(std::exchange(innermost_, this)), state_(PyEval_SaveThread()) {}
@@ -23,7 +23,7 @@ class GilReleased {
  private:
   friend class GilTaken;
 
-  /// Does nothing if the thread is already being ended, since it has then asked for the lock before.
+  /// Does nothing if the thread is already being ended, in which case it has requested the lock before.
   void take() {
     if (PyThreadState* const state = std::exchange(state_, nullptr)) PyEval_RestoreThread(state);
   }
@@ -34,7 +34,7 @@ class GilReleased {
   PyThreadState* state_;
 };
 
-/// Takes the GIL back for its lifetime, within work for which a GilReleased of this thread has released it.
+/// Reacquires the GIL for its lifetime, within work for which a GilReleased of this thread has released it.
 class GilTaken {
  public:
   GilTaken() : from_(GilReleased::innermost_) { from_->take(); }

@@ -18,7 +18,7 @@ std::map<std::string, Parameter> by_name(const Parameters& parameters) {
   return named;
 }
 
-/// The names of registered kinds, in their order.
+/// The names of registered kinds, in order of registration.
 template <typename Kinds>
 std::vector<std::string> kind_names(const Kinds& kinds) {
   std::vector<std::string> names;

@@ -6,10 +6,11 @@
 
 #include "bindings/core/arrays.h"
 
-/// Points and ranges between NumPy and C++: float32 arrays come in as spans, and go out as rows of x, y, z.
+/// Points and ranges between NumPy and C++: float32 arrays are passed in as spans, and returned as rows of x, y, z.
 namespace uwsim::bindings {
 
-/// as_array<float>, except that a finite float64 that does not fit a float32 is an error instead of becoming infinite.
+/// Like as_array<float>, except that a finite float64 that does not fit in a float32 is an error instead of becoming
+/// infinite.
 inline FloatArray as_float32(const py::object& object, const char* name, std::initializer_list<py::ssize_t> shape) {
   if (!py::isinstance<py::array_t<float>>(object)) {
     const auto wide = as_array<double>(object, name, shape);

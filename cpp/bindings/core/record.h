@@ -17,7 +17,7 @@ namespace uwsim::bindings {
 /// A record's fields by name.
 using Fields = py::typing::Dict<py::str, py::object>;
 
-/// A result as Python sees it: read-only fields, with to_dict(), copies and pickles derived from them.
+/// A result exposed to Python: read-only fields, with to_dict(), copies and pickles derived from them.
 template <typename T>
 class Record {
  public:
@@ -34,13 +34,13 @@ class Record {
     return *this;
   }
 
-  /// A short text for people, such as "Ping(400 beams, ...)".
+  /// Sets a short description for people, such as "Ping(400 beams, ...)".
   Record& described_by(std::string (*describe)(const T&)) {
     class_.def("__repr__", describe);
     return *this;
   }
 
-  /// The picture that notebooks show, drawn by `module`, which is imported on demand; plot() returns a matplotlib
+  /// Sets the picture that notebooks show, drawn by `module`, which is imported on demand; plot() returns a matplotlib
   /// figure.
   Record& drawn_by(const char* module) {
     class_

@@ -26,7 +26,7 @@ struct RayHits {
   py::array_t<Label> labels;
 };
 
-/// Embree's hits in float, for pictures: sixteen rays at a time, relative to the first one's origin.
+/// Embree's hits in float, for pictures: sixteen rays at a time, relative to the origin of the first.
 void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) {
   for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
     const std::size_t count = std::min(kPacketRays, rays.size() - first);
@@ -51,7 +51,7 @@ void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double m
   }
 }
 
-/// Casts rays from origins (n, 3) or (1, 3) along directions (n, 3), in batches on all threads: cast(rays, hits).
+/// Casts rays from origins (n, 3) or (1, 3) along directions (n, 3), in batches on all threads, by cast(rays, hits).
 template <typename Cast>
 RayHits cast_rays(const py::object& origins_m, const py::object& directions_world, double max_range_m,
                   const Cast& cast) {
@@ -232,7 +232,7 @@ void bind_rays(py::module_& m) {
       m, "RayScene",
       "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are "
       "only in that of Simulation.scene_around.")
-      .def(py::init([](World world) {  // a copy: other threads may add to the original meanwhile
+      .def(py::init([](World world) {  // a copy, since other threads may add to the original meanwhile
              const GilReleased unlocked;
              return std::make_shared<RayScene>(world);
            }),

@@ -9,7 +9,7 @@
 
 namespace uwsim::bindings {
 
-/// A sample in Python: {field: float or (n,) float64}.
+/// A sample as exposed to Python: {field: float or (n,) float64}.
 struct SensorReading {
   pybind11::typing::Dict<pybind11::str, pybind11::object> values;
   std::uint64_t stamp_ns;

@@ -41,7 +41,7 @@ class OwnedBatch {
   OwnedBatch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads)
       : batch_(without_gil([&] { return Batch(world, std::move(scene), std::move(members), threads); })) {}
 
-  /// call(batch), with the GIL released.
+  /// Returns call(batch), called with the GIL released.
   template <typename Call>
   auto with(Call&& call) {
     const GilReleased unlocked;
@@ -64,7 +64,7 @@ class OwnedBatch {
   }
 
  private:
-  /// Calls advance(batch, done, now) until `count` steps are done, in slices, so that Ctrl-C is answered. If a member
+  /// Calls advance(batch, done, now) until `count` steps are done, in slices, so that Ctrl-C is handled. If a member
   /// throws, the others still run to the end.
   template <typename Advance>
   void in_slices(std::uint64_t count, const Advance& advance) {
@@ -86,7 +86,7 @@ class OwnedBatch {
     });
   }
 
-  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call as well
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may also call
   Batch batch_;
 };
 

@@ -13,7 +13,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// (name, value(part)) of each thruster or fin.
+/// Pairs (name, value(part)), one for each thruster or fin.
 template <typename Part, typename Value>
 std::vector<std::pair<std::string, double>> by_name(const std::vector<Part>& parts, Value value) {
   std::vector<std::pair<std::string, double>> named;

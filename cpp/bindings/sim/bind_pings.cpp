@@ -24,7 +24,7 @@ constexpr double kWorldEnd_m = 1e6;
 
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
-/// One block of memory for the results of one or more pings, shared by the arrays made from it.
+/// A block of memory for the results of one or more pings, shared by the arrays created from it.
 class PingMemory {
  public:
   PingMemory(std::size_t pings, std::size_t beams)

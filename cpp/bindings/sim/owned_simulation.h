@@ -26,10 +26,10 @@ class OwnedSimulation {
   OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
       : scene_(std::move(scene)), simulation_(std::make_shared<Simulation>(world, scene_, spec)) {}
 
-  /// A member of a batch, with its vehicles and link. Use it only while no call to the batch is running.
+  /// Wraps a member of a batch, with its vehicles and link. Must be used only while no call to the batch is running.
   explicit OwnedSimulation(std::shared_ptr<Simulation> member) : simulation_(std::move(member)) {}
 
-  /// call(simulation), with the GIL released.
+  /// Returns call(simulation), called with the GIL released.
   template <typename Call>
   auto with(Call&& call) {
     const GilReleased unlocked;
@@ -37,15 +37,15 @@ class OwnedSimulation {
     return call(*simulation_);
   }
 
-  /// call(simulation), for calls of a few microseconds: keeps the GIL unless another thread is using the simulation.
-  /// Releasing it for less would let a waiting thread take it, at far more cost than the call itself.
+  /// Returns call(simulation), for calls of a few microseconds: keeps the GIL unless another thread is using the
+  /// simulation. Releasing it would let a waiting thread acquire it, at far higher cost than the call itself.
   template <typename Call>
   auto with_briefly(Call&& call) {
     if (const std::unique_lock owned(mutex_, std::try_to_lock); owned) return call(*simulation_);
     return with(std::forward<Call>(call));
   }
 
-  /// Returns the vehicle's index.
+  /// Adds a vehicle and returns its index.
   std::size_t add_vehicle(const VehicleSpec& spec) {
     return with([&](Simulation& sim) {
       vehicles_.reserve(vehicles_.size() + 1);
@@ -63,7 +63,8 @@ class OwnedSimulation {
     });
   }
 
-  /// Restarts in `world` with `spec`, with the same vehicles at their starts. Throws, changing nothing.
+  /// Restarts in `world` with `spec`, with the same vehicles at their start states. On error, throws without changing
+  /// anything.
   void restart(const World& world, const SimulationSpec& spec) {
     require(scene_ != nullptr, "restart", "a member of a batch", "must be restarted by the batch");
     with([&](Simulation& old) {
@@ -85,12 +86,12 @@ class OwnedSimulation {
     });
   }
 
-  /// The simulation's version. A restart never repeats one.
+  /// The simulation's version. Restarts never repeat a version.
   std::uint64_t version() {
     return with_briefly([&](Simulation& sim) { return earlier_versions_ + sim.version(); });
   }
 
-  /// Steps in slices, so that Ctrl-C is answered, but does not let other calls in between.
+  /// Advances in slices, so that Ctrl-C is handled, but does not let other calls run in between.
   void step(std::uint64_t count) {
     with([&](Simulation& sim) {
       while (count > 0) {
@@ -104,12 +105,12 @@ class OwnedSimulation {
   }
 
  private:
-  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may call as well
+  ForkSafeMutex<std::recursive_mutex> mutex_;  // recursive: a signal handler that runs between slices may also call
   std::shared_ptr<const RayScene> scene_;
   std::vector<VehicleSpec> vehicles_;
   std::optional<LinkSpec> link_;
   std::shared_ptr<Simulation> simulation_;
-  // kept alive, since a signal handler may restart the simulation while it pings
+  // Kept alive, since a signal handler may restart the simulation during a ping
   std::shared_ptr<Simulation> previous_;
   std::uint64_t earlier_versions_ = 0;
 };

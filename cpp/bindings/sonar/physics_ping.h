@@ -10,7 +10,7 @@
 
 namespace uwsim::bindings {
 
-/// A ping in physics mode as Python sees it: read-only arrays, one value for each beam.
+/// A ping in physics mode as exposed to Python: read-only arrays with one value per beam.
 struct PhysicsPing {
   int model = 0;
   std::uint64_t time_ns = 0;
@@ -23,7 +23,7 @@ struct PhysicsPing {
 PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
                          std::uint64_t time_ns);
 
-/// A short text for people: a ping's time, its beams, and its echoes' ranges.
+/// A short description for people: a ping's time, its beams, and the ranges of its echoes.
 std::string describe_fan(const char* name, const pybind11::array& ranges_m, const pybind11::array& valid,
                          std::uint64_t time_ns);
 

@@ -27,8 +27,8 @@ struct pybind11::detail::handle_type_name<uwsim::bindings::WaterObject> {
 namespace uwsim::bindings {
 namespace {
 
-/// The world of a running simulator, and its water. Physics and rays work on copies, so a change here would have no
-/// effect; it raises AttributeError instead.
+/// The world of a running simulator, and its water. Physics and rays use copies, so a change here would have no effect;
+/// it raises AttributeError instead.
 struct FixedWorld : World {
   explicit FixedWorld(const World& world) : World(world) {}
 };
@@ -41,7 +41,7 @@ struct FixedWater : Water {
                             ": a running simulator's world is fixed: change the scenario, and make a simulator");
 }
 
-/// Python's object.__setattr__ for a class whose attributes are fixed.
+/// Python's object.__setattr__, for a class whose attributes are fixed.
 template <typename Class>
 auto refuse_assignments(const std::string& owner) {
   return [owner](Class&, const std::string& name, const py::object&) { refuse(owner + "." + name); };

@@ -12,7 +12,7 @@
 namespace uwsim::bindings {
 namespace {
 
-constexpr std::int64_t kMostCellsASide = 512;  // memory holds one byte for each cell of a cube with this side
+constexpr std::int64_t kMostCellsASide = 512;  // memory holds one byte for each cell of a cube with this edge
 
 SurfaceSampler make_sampler(const World& world, double resolution_m, const py::object& area_world_m,
                             const py::object& low_m, const py::object& high_m) {

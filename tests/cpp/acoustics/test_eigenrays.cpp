@@ -49,7 +49,7 @@ TEST(Eigenrays, AVerticalRayTakesTheIntegralOfSlowness) {
   EXPECT_NEAR(rays[0].length_m, 80, 1e-9);
 }
 
-/// A ray launched at an eigenray's dip ends after its travel time at the other end.
+/// A ray launched at an eigenray's dip reaches the other end after its travel time.
 void expect_reached(const SoundSpeedProfile& profile, const RayEnds& ends, const Eigenray& ray) {
   const SoundState end = travel(profile, ends.from_depth_m, ray.launch_dip_rad, ray.time_s);
   EXPECT_NEAR(end.across_m, ends.across_m, 2e-5 * ends.across_m);
@@ -74,7 +74,7 @@ TEST(Eigenrays, TheyReachTheOtherEndThroughLayers) {
 }
 
 TEST(Eigenrays, UnderAConstantGradientALevelRayIsTheArcOfACircle) {
-  const double slope = 0.02;  // upwards refraction: sound is faster below
+  const double slope = 0.02;  // upward refraction: sound is faster below
   const auto profile = profile_of({0, 2000}, {1480, 1480 + slope * 2000});
   const double depth = 500, across = 3000, c = 1480 + slope * depth;
   const auto rays = eigenrays(profile, {depth, depth, across, kDeep}, false);
@@ -85,12 +85,12 @@ TEST(Eigenrays, UnderAConstantGradientALevelRayIsTheArcOfACircle) {
 }
 
 TEST(Eigenrays, BelowAWarmLayerThereIsAShadowZone) {
-  // Sound bends down, away from the surface: the limiting ray grazes it.
+  // Sound bends down, away from the surface; the limiting ray grazes it.
   const double slope = -0.5;
   const auto profile = profile_of({0, 100}, {1500, 1450});
   const double from = 10, to = 10;
   const double c = 1500 + slope * from;
-  // A ray that turns at the surface: half of its chord is sqrt(c0^2 - c^2) / |g|, with p = 1 / c0.
+  // For a ray that turns at the surface, half of its chord is sqrt(c0^2 - c^2) / |g|, with p = 1 / c0.
   const double limit = 2 * std::sqrt(1500.0 * 1500 - c * c) / -slope;
   EXPECT_FALSE(eigenrays(profile, {from, to, 0.99 * limit, kDeep}, false).empty());
   EXPECT_TRUE(eigenrays(profile, {from, to, 1.01 * limit, kDeep}, false).empty());

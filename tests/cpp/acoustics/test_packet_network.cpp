@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kStep_ns = 5000000;
 
-/// Nodes at equal distances: every packet comes with the same level.
+/// Nodes at equal distances: every packet arrives with the same level.
 class Ring final : public LinkMedium {
  public:
   double delay_s = 0.1, signal_db = 130, noise_db = 76, closing_m_s = 0;
@@ -28,7 +28,7 @@ ModemSpec aloha() {
   modem.access = MediumAccess::kAloha;
   modem.bit_rate_bit_s = 1000;
   modem.packet_bytes = 60;
-  modem.header_bytes = 4;  // 0.512 s a packet
+  modem.header_bytes = 4;  // 0.512 s per packet
   modem.queue_bytes = 1000000;
   return modem;
 }
@@ -121,7 +121,7 @@ TEST(PacketNetwork, UrgentMessagesOvertakeAndNewerOnesReplaceAndOldOnesExpire) {
   LinkMessage first = message(1, slow, std::string(180, 's'));
   first.priority = 3;
   run.network.send(0, first, 0);
-  run.run(0.1);  // its first packet is on its way
+  run.run(0.1);  // its first packet is in flight
   for (const char* text : {"1", "2"}) {
     LinkMessage command = message(1, urgent, text);
     command.replaces = true;
@@ -169,7 +169,7 @@ TEST(PacketNetwork, TooFastIsFatalAndIsReported) {
 }
 
 TEST(PacketNetwork, PureAlohaDeliversGExpMinus2GAndPeaksNear18Percent) {
-  // Abramson 1970: S = G exp(-2 G). Many nodes, so that few of them have two packets at a time.
+  // Abramson 1970: S = G exp(-2 G). Many nodes are used, so that few of them have two packets at a time.
   const double packet_s = aloha().packet_s(60);
   for (const double load : {0.1, 0.25, 0.5, 1.0}) {
     const TopicCounts counts = run_trial(trial_of(aloha(), 41, load / 40 / packet_s, 6000));
@@ -178,7 +178,7 @@ TEST(PacketNetwork, PureAlohaDeliversGExpMinus2GAndPeaksNear18Percent) {
 }
 
 TEST(PacketNetwork, TdmaNeverCollides) {
-  const TopicCounts all = run_trial(trial_of(tdma(), 5, 2.0, 600));  // far more than it can carry
+  const TopicCounts all = run_trial(trial_of(tdma(), 5, 2.0, 600));  // far more than the channel can carry
   EXPECT_EQ(all.lost[static_cast<std::size_t>(Loss::kCollision)] + all.lost[static_cast<std::size_t>(Loss::kDeaf)], 0u);
   // Four of five slots are used, one packet each.
   EXPECT_NEAR(static_cast<double>(all.delivered), 600 / 0.75 * 0.8, 6);
@@ -193,7 +193,7 @@ TEST(PacketNetwork, AQueueWaitsAsLongAsPollaczekAndKhinchineSay) {
     NetworkTrial trial = trial_of(cable, 2, rho / service, 40000);
     trial.heard.delay_s = 0;
     const TopicCounts counts = run_trial(trial);
-    const double load = static_cast<double>(counts.given) * service / 40000;  // as drawn
+    const double load = static_cast<double>(counts.given) * service / 40000;  // actual value of the random draws
     const double mean = counts.delay_s / static_cast<double>(counts.delivered) - service;
     EXPECT_NEAR(mean / (load / (2 * (1 - load)) * service), 1, 0.05) << "rho = " << rho;
   }
@@ -216,7 +216,7 @@ TEST(PacketNetwork, NoiseLosesWhatTheCurveSays) {
   EXPECT_NEAR(lost, expected, 4 * std::sqrt(expected * (1 - expected) / count));
 }
 
-/// A packet of 9 bytes over the ring is received from 0.1 s to 0.172 s.
+/// On this ring, a packet of 9 bytes is received from 0.1 s to 0.172 s.
 TEST(PacketNetwork, APacketInTheWaterWhenABlackoutBeginsIsLostAndOneThatArrivesAfterItIsNot) {
   const auto delivered = [](const LinkFault& fault) {
     Network run(aloha(), 2, {fault});
@@ -224,11 +224,11 @@ TEST(PacketNetwork, APacketInTheWaterWhenABlackoutBeginsIsLostAndOneThatArrivesA
     run.run(1);
     return run.network.deliveries().size();
   };
-  EXPECT_EQ(delivered({0, 0.1, 1}), 1u);      // over when its reception begins, although it was sent meanwhile
-  EXPECT_EQ(delivered({0, 0.101, 1}), 0u);    // takes its beginning
-  EXPECT_EQ(delivered({0.171, 0.5, 1}), 0u);  // takes its end, long after it was sent
-  EXPECT_EQ(delivered({0.172, 0.5, 1}), 1u);  // begins when it has arrived
-  EXPECT_EQ(delivered({0.12, 0.13, 1}), 0u);  // takes its middle
+  EXPECT_EQ(delivered({0, 0.1, 1}), 1u);      // ends before reception begins, although the packet was sent meanwhile
+  EXPECT_EQ(delivered({0, 0.101, 1}), 0u);    // overlaps the start of reception
+  EXPECT_EQ(delivered({0.171, 0.5, 1}), 0u);  // overlaps the end of reception, long after the packet was sent
+  EXPECT_EQ(delivered({0.172, 0.5, 1}), 1u);  // begins when the packet has arrived
+  EXPECT_EQ(delivered({0.12, 0.13, 1}), 0u);  // overlaps the middle of reception
 }
 
 TEST(PacketNetwork, ACutNodeNeitherHearsNorIsHeardUntilItIsJoinedAgain) {
@@ -274,18 +274,18 @@ TEST(PacketNetwork, AMessageThatIsRepeatedArrivesOnceAndIsLostOnlyIfAllCopiesAre
 }
 
 TEST(PacketNetwork, ANewerCommandEndsTheRepeatsOfTheOlderWhichIsThenLostOrNot) {
-  Network run(aloha(), 2, {{0, 0.5, 1}});  // takes what comes first
+  Network run(aloha(), 2, {{0, 0.5, 1}});  // loses everything that arrives first
   const auto topic = run.network.topic("command");
   LinkMessage command = message(1, topic, std::string(60, '1'));  // 0.512 s
   command.repeats = 5;
   command.replaces = true;
   run.network.send(0, command, 0);
-  run.run(0.4);  // it is on its way, and waits to be sent again
+  run.run(0.4);  // in flight, and waiting to be repeated
   command.payload = "newer";
   run.network.send(0, command, run.now_ns);
   run.run(5);
   EXPECT_EQ(run.network.counts(topic, 0).sent, 2u);
-  EXPECT_EQ(run.network.counts(topic, 0).replaced, 0u);  // it was sent
+  EXPECT_EQ(run.network.counts(topic, 0).replaced, 0u);  // it has been sent
   EXPECT_EQ(run.network.counts(topic, 0).lost[static_cast<std::size_t>(Loss::kFault)], 1u);
   ASSERT_EQ(run.network.deliveries().size(), 1u);
   EXPECT_EQ(run.network.deliveries()[0].payload, "newer");

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// The rules of a queue in their plainest form: each operation looks at every message.
+/// A reference implementation of the queue's rules in which each operation examines every message.
 class PlainQueue {
  public:
   std::vector<LinkMessage> messages;  // in order of submission
@@ -114,7 +114,7 @@ TEST(PacketQueue, ItFollowsThePlainRulesThroughRandomOperations) {
   }
 }
 
-// Each operation looked at all messages: this took more than a minute.
+// Regression test: when each operation examined all messages, this took more than a minute.
 TEST(PacketQueue, AQueueOfAHundredThousandMessagesIsFilledAndEmptied) {
   PacketQueue queue;
   LinkMessage replaced;

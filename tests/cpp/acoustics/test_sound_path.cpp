@@ -72,7 +72,7 @@ TEST(SoundPath, ThroughLayersThePathFollowsTheRayEquations) {
   for (const double dip : {-0.9, -0.25, 0.02, 0.3, 1.2}) {
     const SoundState end = travel(profile, 33, dip, 0.02);
     const SoundState reference =
-        integrated(profile, 33, dip, 0.02, 20000);  // a kink costs the reference part of a step
+        integrated(profile, 33, dip, 0.02, 20000);  // a change of slope costs the reference part of a step
     EXPECT_NEAR(end.across_m, reference.across_m, 2e-5);
     EXPECT_NEAR(end.depth_m, reference.depth_m, 2e-5);
     EXPECT_NEAR(end.dip_rad, reference.dip_rad, 1e-6);
@@ -87,7 +87,7 @@ TEST(SoundPath, ThePathTurnsInFasterWaterAndOscillatesAboutTheChannelAxis) {
     deepest = std::max(deepest, now.depth_m);
     shallowest = std::min(shallowest, now.depth_m);
   }
-  // It turns where c = c0 / cos dip: 4.75 m/s faster, 23.8 m off the axis.
+  // The ray turns where c = c0 / cos dip: 4.75 m/s faster, 23.8 m off the axis.
   const double turn_m = 1480 * (1 / std::cos(0.08) - 1) / 0.2;
   EXPECT_NEAR(deepest, 100 + turn_m, 0.05);
   EXPECT_NEAR(shallowest, 100 - turn_m, 0.05);

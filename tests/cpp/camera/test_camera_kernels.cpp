@@ -9,15 +9,15 @@
 #include "uwsim/camera/kernels/kernel_table.h"
 #include "uwsim/core/random.h"
 
-/// The kernels' arithmetic is as exact as their headers state. That all builds give the same bits is in
-/// test_renderer.cpp.
+/// The kernels' arithmetic is as accurate as their headers state. test_renderer.cpp checks that all builds produce the
+/// same bits.
 namespace uwsim::camera {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
 const Kernels kHere = kernel_table("test");
 
-/// The greatest error of `got` on a fine grid, relative to the expected value or absolute.
+/// The largest error of `got` on a fine grid, relative or absolute.
 template <typename Got, typename Expected>
 double worst(double low, double high, bool relative, Got&& got, Expected&& expected) {
   double most = 0;
@@ -77,7 +77,7 @@ TEST(CameraKernels, NoiseDrawsTheSameWordsAsRandomStream) {
   }
 }
 
-/// Reference for add_lamp_backscatter, for rays that hit nothing: the same quadrature in double, straight from the
+/// Reference for add_lamp_backscatter, for rays that hit nothing: the same quadrature in double, directly from the
 /// formulas.
 double lamp_backscatter(const View& view, const SpotLight& lamp, const std::array<double, 3>& direction, double from,
                         double to) {

@@ -16,7 +16,7 @@ TEST(Refraction, FollowsSnellAndConservesEnergy) {
     ASSERT_TRUE(below);
     EXPECT_NEAR(below->norm(), 1, 1e-12);
     EXPECT_NEAR(1.333 * below->x(), std::sin(angle), 1e-12);
-    const double inside = -below->z();  // in the reverse direction as much is lost
+    const double inside = -below->z();  // the reverse direction loses the same fraction
     EXPECT_NEAR(fresnel_reflectance(std::cos(angle), 1, 1.333), fresnel_reflectance(inside, 1.333, 1), 1e-9);
   }
   EXPECT_FALSE(refracted({std::sin(0.9), 0, std::cos(0.9)}, -up, 1.333, 1));

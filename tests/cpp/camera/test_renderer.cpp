@@ -63,7 +63,7 @@ class Renderer : public ::testing::Test {
     scene.add_vehicle("vehicle", box_mesh({0, 0, 0}, {1, 0.6, 0.4}),
                       {material("paint"), SurfaceClass::kVehicle, nullptr});
     Lens lens;
-    lens.width = 101, lens.height = 67;  // not multiples of a block's side
+    lens.width = 101, lens.height = 67;  // not multiples of a block's edge
     lens.fx = lens.fy = 60, lens.cx = 50, lens.cy = 33;
     lens.k1 = -0.1;
     camera = std::make_unique<Camera>("test", lens, ImageSensor{});
@@ -106,7 +106,7 @@ TEST_F(Renderer, ThePictureDependsNeitherOnThreadsNorOnTheInstructionSet) {
   }
 }
 
-// Without AVX-512 Embree splits packets, and Debian's ends the process if inactive rays are not finite.
+// Without AVX-512, Embree splits packets, and Debian's build aborts the process if inactive rays are not finite.
 TEST_F(Renderer, InactiveRaysAreFinite) {
   RayRecord record;
   PictureRequest request = from({-1, 0, -4.5}, 0.1);
@@ -142,7 +142,7 @@ TEST_F(Renderer, EveryEffectChangesThePictureButNotItsGeometry) {
   EXPECT_TRUE(bare.rgb.empty());
 }
 
-/// A plate in open water casts a shadow into it. `side_m`: along x and y.
+/// Renders the shadow that a plate in open water casts into the water. `side_m`: along x and y.
 Picture under_a_plate(double side_m, const Camera& camera, const Optics& optics, const Effects& effects) {
   World world;
   world.add_solid("plate", box_mesh({6, 0, -2}, {side_m, side_m, 0.1}));
@@ -152,8 +152,8 @@ Picture under_a_plate(double side_m, const Camera& camera, const Optics& optics,
   return render(CameraScene(world, std::make_shared<RayScene>(world), 7), camera, optics, request);
 }
 
-/// The share of sunlight that the plate lets reach the water along a pixel's ray, weighted as scattered to the camera,
-/// sampled independently of the renderer.
+/// The fraction of sunlight, weighted by its scattering towards the camera, that passes the plate and reaches the water
+/// along a pixel's ray; sampled independently of the renderer.
 double lit_share(const Eigen::Vector2d& pixel, double side_m, const Camera& camera, const Optics& optics) {
   const Eigen::Vector2d ray = unproject(camera.lens(), pixel, false);
   const Pose pose = from({0, 0, -7}, 0.45).world_from_camera;
@@ -173,8 +173,8 @@ double lit_share(const Eigen::Vector2d& pixel, double side_m, const Camera& came
   return lit / whole;
 }
 
-// In this small picture of 25 x 17 blocks, eight samples per ray err by 0.031 on average and 0.083 at most; sharing
-// shadows among four blocks raises that to 0.034 and 0.114.
+// In this small picture of 25 x 17 blocks, the error with eight samples per ray is 0.031 on average and at most 0.083;
+// sharing shadows among four blocks increases these to 0.034 and 0.114.
 TEST_F(Renderer, ShadowsInTheWaterLieWhereThePlateCastsThem) {
   Effects effects = Effects::none();
   for (const Effect effect : {Effect::kAttenuation, Effect::kBackscatter, Effect::kSunlight, Effect::kShadows}) {
@@ -217,7 +217,7 @@ TEST_F(Renderer, CausticsMoveWithTimeAndNoiseWithTheTick) {
   EXPECT_NE(noisy.rgb, render(scene, *camera, optics, request).rgb);
 }
 
-/// The cosine between two pictures of particles alone: 1 for the same particles, about 0 for others.
+/// The cosine similarity of two pictures of particles: 1 for the same particles, about 0 for others.
 double likeness(const std::vector<float>& a, const std::vector<float>& b) {
   const Eigen::Map<const Eigen::VectorXf> first(a.data(), static_cast<Eigen::Index>(a.size()));
   const Eigen::Map<const Eigen::VectorXf> second(b.data(), static_cast<Eigen::Index>(b.size()));
@@ -254,7 +254,7 @@ TEST_F(Renderer, AVehicleIsSeenByOtherCamerasButNotByItsOwn) {
     const Picture picture = render(scene, *camera, optics, request);
     return std::count(picture.labels.begin(), picture.labels.end(), vehicle) > 0;
   };
-  EXPECT_TRUE(sees());  // seen from inside
+  EXPECT_TRUE(sees());  // visible from inside
   request.hidden_vehicle = 0;
   EXPECT_FALSE(sees());
   request.hidden_vehicle.reset();

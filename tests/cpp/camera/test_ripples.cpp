@@ -17,7 +17,7 @@ TEST(Ripples, CausticsConserveLightAndSlopesHaveTheVarianceOfCoxAndMunk) {
     }
     const double cells = Ripples::kCells * Ripples::kCells;
     EXPECT_NEAR(sum / cells, 1, 1e-4) << level;
-    EXPECT_GT(square / cells, 1.005) << level;  // light is uneven
+    EXPECT_GT(square / cells, 1.005) << level;  // the light is uneven
   }
   double variance = 0;
   for (const float slope : snapshot.slopes) variance += slope * slope;

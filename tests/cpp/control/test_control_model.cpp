@@ -16,7 +16,7 @@ constexpr double kDensity_kg_m3 = 1000;
 std::shared_ptr<const Craft> box() {
   const SolidProperties solid = solid_properties(testing::box(0.6, 0.5, 0.3));
   CraftParameters p;
-  p.mass_kg = 1.02 * kDensity_kg_m3 * solid.volume_m3;  // it sinks
+  p.mass_kg = 1.02 * kDensity_kg_m3 * solid.volume_m3;  // negatively buoyant
   p.inertia_kg_m2 = kDensity_kg_m3 * solid.inertia_per_density_m5;
   p.centre_of_mass_body_m = {0, 0, -0.02};
   p.added_mass.diagonal() << 20, 40, 60, 1, 2, 3;
@@ -25,14 +25,14 @@ std::shared_ptr<const Craft> box() {
   return std::make_shared<const Craft>(p, BuoyantHull(testing::box(0.6, 0.5, 0.3)));
 }
 
-/// Forces and torques along the body axes in place of thrusters.
+/// Actuators that produce forces and torques along the body axes directly.
 ActuatorsSpec direct(const Vector6d& full_wrench_body) {
   ActuatorsSpec spec;
   spec.full_wrench_body = full_wrench_body;
   return spec;
 }
 
-/// Four horizontal thrusters of 50 N at 45 degrees about the middle, and one that lifts.
+/// Four horizontal thrusters of 50 N at 45 degrees around the middle, and a vertical one.
 ControlModel vectored() {
   ActuatorsSpec spec;
   for (int k = 0; k < 5; ++k) {
@@ -55,7 +55,7 @@ Vector6d six(double surge, double sway, double heave, double roll, double pitch,
   return (Vector6d() << surge, sway, heave, roll, pitch, yaw).finished();
 }
 
-/// The plant itself answers the wrench with the acceleration that it was asked for.
+/// The simulated vehicle responds to the wrench with exactly the requested acceleration.
 TEST(ControlModel, ItsWrenchGivesTheAcceleration) {
   const ControlModel model(box(), direct(Vector6d::Constant(1000)), kDensity_kg_m3);
   const Eigen::Quaterniond tilted(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -100,7 +100,8 @@ TEST(ControlModel, AcrossFirstGivesUpForceAhead) {
   EXPECT_GT(across[0], 0);
 }
 
-/// Fins give torque with the square of the speed ahead, and below 0.3 m/s are taken to give what they do there.
+/// The torque of fins is proportional to the square of the speed ahead; below 0.3 m/s, the model uses the torque at 0.3
+/// m/s.
 TEST(ControlModel, AFinsTorqueGrowsWithTheSquareOfTheSpeed) {
   ActuatorsSpec spec = direct(six(50, 0, 0, 0, 0, 0));
   FinParameters rudder;

@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-/// With K_p = 2 w and K_i = w^2 the loop around y' = u has a double pole at w: e = (1 - w t) exp(-w t).
+/// With K_p = 2 w and K_i = w^2, the loop around y' = u has a double pole at w: e = (1 - w t) exp(-w t).
 TEST(Pid, AnIntegratorAnswersAStepAsItsClosedForm) {
   constexpr double w = 2, period_s = 1e-3;
   const PidGains gains{.proportional = 2 * w, .integral = w * w};
@@ -23,7 +23,8 @@ TEST(Pid, AnIntegratorAnswersAStepAsItsClosedForm) {
   }
 }
 
-/// While u = u_max, dI/dt = K_i e + (u_max - K_p e - I) / T_t: I ends at u_max - K_p e + T_t K_i e, at any start.
+/// While u = u_max, dI/dt = K_i e + (u_max - K_p e - I) / T_t, so I converges to u_max - K_p e + T_t K_i e from any
+/// start.
 TEST(Pid, ASaturatedIntegralForgetsItsStartWithTheTrackingTime) {
   constexpr double period_s = 0.05, error = 2, most = 1;
   const PidGains gains{.proportional = 3, .integral = 4, .tracking_s = 0.5};
@@ -36,7 +37,8 @@ TEST(Pid, ASaturatedIntegralForgetsItsStartWithTheTrackingTime) {
   }
 }
 
-/// Around y' = u with |u| <= 1 and a far target, the overshoot with anti-windup is a small part of that without.
+/// Around y' = u with |u| <= 1 and a distant target, the overshoot with anti-windup is a small fraction of that
+/// without.
 TEST(Pid, AfterALongSaturationNothingIsWoundUp) {
   constexpr double period_s = 0.01, target = 20;
   double overshoot[2];
@@ -56,7 +58,7 @@ TEST(Pid, AfterALongSaturationNothingIsWoundUp) {
   EXPECT_LT(overshoot[1], 0.5);
 }
 
-/// A ramp of the measurement, D = -K_d dy/dt (1 - (T_f / (T_f + T))^k); a step of the target gives none.
+/// For a ramp of the measurement, D = -K_d dy/dt (1 - (T_f / (T_f + T))^k); a step of the target has no effect on D.
 TEST(Pid, TheDerivativeIsOfTheMeasurementAndFiltered) {
   constexpr double period_s = 0.1, slope = 5;
   const PidGains gains{.derivative = 2, .filter_s = 0.3};
@@ -67,7 +69,7 @@ TEST(Pid, TheDerivativeIsOfTheMeasurementAndFiltered) {
   }
 }
 
-/// A Pid made from what another left goes on as that would.
+/// A Pid constructed from the state of another continues like the other.
 TEST(Pid, GoesOnFromAPeriodBefore) {
   constexpr double period_s = 0.1;
   const PidGains gains{.proportional = 1, .integral = 2, .derivative = 0.5};

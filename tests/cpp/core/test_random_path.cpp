@@ -33,7 +33,7 @@ TEST(RandomPath, AGaussMarkovProcessHasItsStandardDeviationAndExponentialCorrela
   for (const std::size_t lag : {0, 1, 7, 20, 60}) {
     double products = 0;
     for (std::size_t k = 0; k + lag < kSteps; ++k) products += values[k] * values[k + lag];
-    // Five standard errors; there are about N / (2 correlation times) independent draws.
+    // Five standard errors; the number of independent draws is about N / (2 correlation times).
     const double tolerance = 5 * kStd * kStd * std::sqrt(2 * kTime / kSteps);
     EXPECT_NEAR(products / kSteps, kStd * kStd * std::exp(-static_cast<double>(lag) / kTime), tolerance) << lag;
   }

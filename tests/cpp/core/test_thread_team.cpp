@@ -11,11 +11,12 @@
 
 namespace {
 
-std::atomic<int> threads_left{1'000'000};  ///< that the system below will start
+std::atomic<int> threads_left{1'000'000};  ///< number of threads that pthread_create below still allows
 
 }  // namespace
 
-/// Stands in front of the C library's own in this executable: a system that refuses to start more than a few threads.
+/// Overrides the C library's function in this executable, to simulate a system that refuses to start more than a few
+/// threads.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
                               void* argument) {
   static const auto real = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));

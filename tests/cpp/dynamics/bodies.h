@@ -6,7 +6,7 @@ namespace uwsim {
 
 inline constexpr double kStep_s = 0.005;
 
-/// At rest, upright.
+/// A state at rest, upright.
 inline BodyState at(double x, double y, double z) {
   BodyState state;
   state.world_from_body.position_m = {x, y, z};

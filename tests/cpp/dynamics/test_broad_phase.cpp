@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// Hills, a wall beside the terrain and a bar above it.
+/// Hills, a wall next to the terrain and a bar above it.
 World hilly_world() {
   std::vector<float> heights;
   for (int j = 0; j < 81; ++j) {

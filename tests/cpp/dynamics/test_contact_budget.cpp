@@ -9,8 +9,8 @@
 #include "uwsim/dynamics/contact_budget.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// Law: a step's search for contacts is bounded in tests of features, not in seconds. What is in another unit by mistake
-// is refused with its numbers, what is large by nature is not.
+// Law: a step's search for contacts is limited by the number of feature tests, not by time. Scenes in the wrong unit
+// are refused with an error that states the values; scenes that are large by nature are not refused.
 namespace uwsim {
 namespace {
 
@@ -22,7 +22,7 @@ std::shared_ptr<const Craft> sinking_craft(const TriangleMesh& mesh) {
   return std::make_shared<const Craft>(p, BuoyantHull(mesh));
 }
 
-/// A bed about 10 m deep whose every node is a peak or a hollow.
+/// A bed about 10 m deep on which every node is a peak or a hollow.
 World rough_bed(std::size_t nodes, double spacing_m) {
   std::vector<float> heights;
   for (std::size_t j = 0; j < nodes; ++j) {
@@ -34,7 +34,7 @@ World rough_bed(std::size_t nodes, double spacing_m) {
   return world;
 }
 
-/// The message with which a step of a box of these sides is refused; empty where it is not.
+/// The message with which a step of a box with these edge lengths is refused; empty if it is not refused.
 std::string refusal(const World& world, double x, double y, double z, double height_m) {
   RigidBodyWorld bodies(world, kStep_s);
   BodyState start;

@@ -8,7 +8,7 @@
 #include "meshes.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// Laws of contact for RigidBodyWorld: shapes, contact finder, solver and integrator together.
+// Laws of contact for RigidBodyWorld, including shapes, contact finder, solver and integrator.
 namespace uwsim {
 namespace {
 
@@ -81,7 +81,7 @@ CraftParameters sinking_box(double added_mass) {
 }
 
 TEST(Contact, ABodyRestsWithoutJitterWithinAMillimetreOfTheBed) {
-  for (const double added : {0.0, 11520.0}) {  // none, and ten times the rigid mass
+  for (const double added : {0.0, 11520.0}) {  // none, and ten times the rigid-body mass
     const Rest on_flat = rest(terrain_world(flat), box_craft(sinking_box(added)), at(0.1, 0.2, -9.5), 2000);
     EXPECT_LT(on_flat.rms_speed, 1e-4) << added;
     EXPECT_NEAR(on_flat.end.world_from_body.position_m.z(), -10 + 0.3 + 0.5 * kRestGap_m, 0.6 * kRestGap_m);
@@ -119,8 +119,8 @@ TEST(Contact, ABodyThatIsHeldRestsToTheLastBit) {
   }
 }
 
-/// A box on a flat bed that is pulled along x by a force that grows to twice what friction holds. `forgets`: each step
-/// is made by a world of its own, which remembers nothing of the steps before.
+/// A box on a flat bed is pulled along x by a force that increases to twice what friction can hold. `forgets`: performs
+/// each step in a new world, without memory of earlier steps.
 std::vector<double> pulled(bool forgets, int steps) {
   const World world = terrain_world(flat);
   const auto craft = box_craft(sinking_box(500));
@@ -136,7 +136,7 @@ std::vector<double> pulled(bool forgets, int steps) {
   for (int k = 0; k < steps; ++k) {
     if (forgets) bodies = made(bodies.state(0));
     Vector6d tau = Vector6d::Zero();
-    tau[0] = 2 * held_n * (k / 4 * 4) / steps;  // the same for four steps
+    tau[0] = 2 * held_n * (k / 4 * 4) / steps;  // constant for four steps
     bodies.set_wrench(0, tau);
     bodies.step(EvenWater{}, 0);
     places_m.push_back(bodies.state(0).world_from_body.position_m.x());
@@ -160,14 +160,15 @@ TEST(Contact, TheImpulseOfAStepIsThatOfTheFullMassMatrix) {
   Matrix6d mass = p.added_mass;
   mass.topLeftCorner<3, 3>() += p.mass_kg * Eigen::Matrix3d::Identity();
   mass.bottomRightCorner<3, 3>() += p.inertia_kg_m2;
-  for (const double wall_yaw : {0.0, 0.3}) {  // perpendicular, and oblique, so that a corner meets the wall
+  for (const double wall_yaw : {0.0, 0.3}) {  // perpendicular, and oblique, so that a corner hits the wall
     for (const double restitution : {0.0, 0.5, 1.0}) {
       Pose pose;
       pose.position_m = {3, 0, -30};
       pose.orientation = Eigen::AngleAxisd(wall_yaw, Eigen::Vector3d::UnitZ());
       RigidBodyWorld bodies(solid_world(testing::box(0.4, 40, 40), pose), kStep_s);
       BodyState state = at(0, 0, -30);
-      state.world_from_body.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d(0, 1, 0));  // an edge, not a face
+      // hits with an edge instead of a face
+      state.world_from_body.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d(0, 1, 0));
       state.velocity_body << state.world_from_body.orientation.conjugate() * Eigen::Vector3d(1.0, 0, 0), 0, 0, 0;
       bodies.add_body({"body", craft, CollisionShape::kHull, 0, restitution}, state);
       BodyState before = state;
@@ -294,7 +295,7 @@ TEST(Contact, EqualStatesHaveEqualFutures) {
     bodies.step(EvenWater{}, 0);
     other.step(EvenWater{}, 0);
   }
-  other.set_state(0, bodies.state(0));  // placed there, with a different past
+  other.set_state(0, bodies.state(0));  // placed there, with a different history
   for (int k = 0; k < 500; ++k) {
     bodies.step(EvenWater{}, 0);
     other.step(EvenWater{}, 0);
@@ -303,7 +304,7 @@ TEST(Contact, EqualStatesHaveEqualFutures) {
 }
 
 TEST(Contact, PiecesLeaveTheHollowsThatAHullFills) {
-  // A portal of three boxes straddles a post that its convex hull would hit.
+  // A portal made of three boxes straddles a post that its convex hull would hit.
   const auto moved = [](TriangleMesh mesh, const Eigen::Vector3d& by) {
     for (auto& v : mesh.vertices_m) v += by;
     return mesh.vertices_m;

@@ -5,7 +5,7 @@
 namespace uwsim {
 namespace {
 
-/// A body that added mass makes ten times heavier sideways than ahead.
+/// A body whose added mass makes it ten times heavier sideways than ahead.
 ContactBody heavy_sideways(const Vector6d& velocity) {
   Matrix6d mass = Matrix6d::Zero();
   mass.diagonal() << 100, 1000, 500, 5, 20, 30;

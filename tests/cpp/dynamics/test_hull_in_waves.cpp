@@ -113,8 +113,8 @@ TEST(HullInWaves, ASmallNeutralBodyThatMovesWithTheWaterAcceleratesWithIt) {
   }
 }
 
-/// A small neutral body without drag that starts with the water stays with it, in waves and a current: as a particle of
-/// water, it drifts along but does not rise or sink.
+/// A small neutrally buoyant body without drag that starts with the water's velocity stays with the water, in waves and
+/// a current. Like a water particle, it drifts along but does not rise or sink.
 TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
   const TriangleMesh mesh = testing::box(0.12, 0.08, 0.06);
   const SolidProperties solid = solid_properties(mesh);
@@ -132,7 +132,7 @@ TEST(HullInWaves, ANeutralBodyWithoutDragStaysWithTheWater) {
     state.velocity_body.head<3>() = water.flow_at(state.world_from_body.position_m, 0).velocity_m_s;
     constexpr double kStep_s = 0.02;
     for (int k = 0; k < 3000; ++k) state = advance(craft, state, {}, water, kStep_s * k, kStep_s);
-    // Its middle height over the last period.
+    // Its mean height over the last period.
     double middle_m = 0;
     const double period_s = 4 / (1 - current_m_s * 2 * kPi / (4 * 9.80665));
     const int steps = static_cast<int>(period_s / kStep_s);
@@ -208,7 +208,7 @@ TEST(HullInWaves, EveryInstructionSetGivesTheSameBits) {
   }
 }
 
-/// The period of the waves is much longer than that of the box, so it neither lags nor overshoots much.
+/// The period of the waves is much longer than that of the box, so the box neither lags nor overshoots much.
 TEST(HullInWaves, AFloatingBoxHeavesWithLongWaves) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   const SolidProperties solid = solid_properties(mesh);

@@ -140,7 +140,7 @@ TEST(RigidBodyWorld, TwoCollidingBodiesConserveMomentumAndSeparate) {
   const auto velocity = [&](std::size_t k) -> Eigen::Vector3d {
     return bodies.state(k).world_from_body.direction(bodies.state(k).linear_body_m_s());
   };
-  // Separating an overlap rotates the bodies a little, and their velocities with them.
+  // Separating an overlap rotates the bodies slightly, and their velocities with them.
   EXPECT_LT((velocity(0) + velocity(1) - Eigen::Vector3d(0.5, 0, 0)).norm(), 2e-3);
   EXPECT_LT(velocity(0).x(), velocity(1).x());
 }

@@ -10,13 +10,14 @@
 #include "sanitized.h"
 #include "uwsim/dynamics/rigid_body_world.h"
 
-// Law: on a plane of many triangles a body moves as on one triangle, whatever the slope, the cells and the diagonals.
+// Law: on a plane divided into many triangles, a body moves as on a single triangle, regardless of the slope, the cells
+// and the diagonals.
 namespace uwsim {
 namespace {
 
 constexpr double kDepth_m = 64;
 
-/// A plane through (0, 0, -kDepth_m) that rises by `rise_x` and `rise_y` for each metre.
+/// A plane through (0, 0, -kDepth_m) that rises by `rise_x` and `rise_y` per metre.
 struct Plane {
   double rise_x = 0, rise_y = 0;
 
@@ -25,7 +26,7 @@ struct Plane {
   Eigen::Quaterniond tilt() const { return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up()); }
 };
 
-/// Heights of a grid are floats. This slope is near `angle_deg`, and the heights of all nodes are exact.
+/// Grid heights are floats. This slope is close to `angle_deg` and makes the heights of all nodes exact.
 double exact_rise(double angle_deg, double spacing_m) {
   return std::round(std::tan(angle_deg * std::numbers::pi / 180) * spacing_m * 65536) / 65536 / spacing_m;
 }
@@ -35,7 +36,7 @@ struct Grid {
   Eigen::Vector2d origin_m;
 };
 
-/// Nodes at whole multiples of the spacing, from 1 m behind the start to 8 m ahead.
+/// Nodes at integer multiples of the spacing, from 1 m behind the start to 8 m ahead.
 Grid strip(double spacing_m) {
   const double low_x = std::floor(-1 / spacing_m), low_y = std::floor(-1.5 / spacing_m);
   return {static_cast<std::size_t>(std::ceil(8 / spacing_m) - low_x) + 1,
@@ -118,7 +119,7 @@ struct Slide {
   bool turns = true;
 };
 
-/// Puts a body 0.2 mm nearer than it rests, moving along the plane.
+/// Places a body 0.2 mm closer to the plane than it would rest, moving along the plane.
 BodyState start(const Plane& plane, const TriangleMesh& mesh, const Slide& slide) {
   double lowest_m = 0;
   for (const Eigen::Vector3d& v : mesh.vertices_m) lowest_m = std::min(lowest_m, v.z());
@@ -132,7 +133,8 @@ BodyState start(const Plane& plane, const TriangleMesh& mesh, const Slide& slide
   return state;
 }
 
-/// The largest difference of two motions: velocities relative to the speed, places to the way.
+/// The largest difference between two motions: velocities relative to the speed, positions relative to the distance
+/// travelled.
 double largest_difference(const World& many, const World& one, const Plane& plane, const TriangleMesh& mesh,
                           const Slide& slide) {
   RigidBodyWorld on_many(many, kStep_s), on_one(one, kStep_s);
@@ -157,7 +159,7 @@ double largest_difference(const World& many, const World& one, const Plane& plan
   return largest;
 }
 
-// A sanitizer makes this slow: there, fewer beds and slides.
+// Sanitizers make this slow, so fewer beds and slides are used with them.
 const std::vector<double> kSpacings_m = kSanitized ? std::vector{0.5, 50.0} : std::vector{0.1, 0.5, 2.0, 50.0};
 const std::vector<Slide> kSlides =
     kSanitized ? std::vector<Slide>{{9, 0}, {0.5, 0.4}} : std::vector<Slide>{{0.5, 0}, {9, 0}, {0.5, 0.4}, {5, 0.4}};
@@ -198,8 +200,8 @@ TEST(TessellatedBed, BodiesMoveOnASolidsFacesAsOnOneTriangle) {
 
 TEST(TessellatedBed, HeightsThatFloatsRoundCauseNoMoreThanTheirRounding) {
   for (const double spacing_m : {0.1, 0.5}) {
-    // Two nodes that err by half a unit in the last place, on either side of a cell. Only bodies that do not turn: a
-    // polyhedron that rolls from facet to facet multiplies the least difference.
+    // Two nodes, on either side of a cell, that are off by half a unit in the last place. Only bodies that do not
+    // rotate are used, because a polyhedron that rolls from facet to facet amplifies the smallest difference.
     const double tilt_rad = std::numeric_limits<float>::epsilon() * kDepth_m / spacing_m;
     for (const double angle_deg : {27.0, 28.3, 44.9}) {
       const Plane plane{-std::tan(angle_deg * std::numbers::pi / 180), 0.1};
@@ -214,7 +216,7 @@ TEST(TessellatedBed, HeightsThatFloatsRoundCauseNoMoreThanTheirRounding) {
   }
 }
 
-// Edges and points that are real are felt.
+// Actual edges and peaks of the bed do affect bodies.
 
 World surface(double (*height_m)(double x_m, double y_m)) {
   constexpr std::size_t kNodes = 41;
@@ -228,12 +230,12 @@ World surface(double (*height_m)(double x_m, double y_m)) {
   return world;
 }
 
-/// Height of a box of 1.2 x 0.8 x 0.6 m that has sunk onto a surface for 2 s, turned by `yaw_rad`.
+/// The height of a box of 1.2 x 0.8 x 0.6 m, rotated by `yaw_rad`, that has sunk onto a surface for 2 s.
 double height_at_rest_m(const World& world, double yaw_rad) {
   CraftParameters p;
   p.mass_kg = 1150;
   p.inertia_kg_m2 = 500 * Eigen::Matrix3d::Identity();
-  p.linear_damping.diagonal() << 2000, 2000, 2000, 50'000, 50'000, 50'000;  // too slow to topple meanwhile
+  p.linear_damping.diagonal() << 2000, 2000, 2000, 50'000, 50'000, 50'000;  // too slow to topple in this time
   RigidBodyWorld bodies(world, kStep_s);
   BodyState state;
   state.world_from_body.position_m = {0, 0, -19.5};
@@ -267,7 +269,7 @@ TEST(TessellatedBed, ABoxRestsOnAPeakUnderItsFace) {
 }
 
 TEST(TessellatedBed, ABodyLosesTheSpeedAcrossAHollowEdge) {
-  // Without friction and restitution, what is left of the speed u before a ramp of angle a is u cos a.
+  // Without friction and restitution, a body with speed u before a ramp of angle a has speed u cos a on it.
   constexpr double kRise = 0.75;
   const World ramp = surface([](double x, double) { return -20 + kRise * std::max(0.0, x); });
   const TriangleMesh mesh = testing::sphere(0.3, 12);
@@ -276,8 +278,8 @@ TEST(TessellatedBed, ABodyLosesTheSpeedAcrossAHollowEdge) {
   state.world_from_body.position_m = {-2, 0.3, -19.7 + kRestGap_m};
   state.velocity_body(0) = 3;
   CraftParameters p;
-  p.mass_kg = 1000 * solid_properties(mesh).volume_m3;  // neutral, so that nothing else slows it down
-  p.inertia_kg_m2 = 1e6 * Eigen::Matrix3d::Identity();  // nor turns it
+  p.mass_kg = 1000 * solid_properties(mesh).volume_m3;  // neutrally buoyant, so that nothing else slows it down
+  p.inertia_kg_m2 = 1e6 * Eigen::Matrix3d::Identity();  // or rotates it
   bodies.add_body({"sphere", std::make_shared<const Craft>(p, BuoyantHull(mesh)), CollisionShape::kHull, 0, 0}, state);
   for (int k = 0; k < 200; ++k) bodies.step(EvenWater{}, 0);
   const double cosine = 1 / std::hypot(1, kRise);

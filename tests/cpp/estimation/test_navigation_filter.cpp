@@ -40,7 +40,7 @@ NavigationFilter at_rest(const ImuErrors& errors, const FilterStart& start, doub
 TEST(NavigationFilter, LevelTurnsOnACircle) {
   NavigationFilter filter({}, Eigen::Vector3d(0.3, 0, 0), kGravity);
   FilterStart start;
-  start.velocity_world_m_s = {1, 0.2 * 0.3, 0};  // of the IMU, at 0.3 m ahead of the origin, which flies at 1 m/s
+  start.velocity_world_m_s = {1, 0.2 * 0.3, 0};  // of the IMU, 0.3 m ahead of the origin, which moves at 1 m/s
   filter.start(start);
   const double rate = 0.2, seconds = 2 * EIGEN_PI / rate;
   const std::array<double, 6> turning = {0, 0, rate, -rate * rate * 0.3, rate, kGravity};
@@ -53,7 +53,7 @@ TEST(NavigationFilter, LevelTurnsOnACircle) {
 
 using Rate = std::function<Eigen::Vector3d(double)>;
 
-/// Turns of up to 2 rad/s: about any axis, to and fro, from rest, and about axes that turn themselves.
+/// Rotations at up to 2 rad/s: about any axis, back and forth, from rest, and about axes that rotate themselves.
 std::vector<std::pair<std::string, Rate>> turns() {
   std::vector<std::pair<std::string, Rate>> made;
   const auto add = [&](std::string name, Rate rate) { made.emplace_back(std::move(name), std::move(rate)); };
@@ -78,7 +78,7 @@ std::vector<std::pair<std::string, Rate>> turns() {
   return made;
 }
 
-/// The turn over a step in many small parts, fourth order in each.
+/// The rotation over a step, integrated in many small parts, each to fourth order.
 Eigen::Quaterniond turned(const Rate& rate, double t, double dt) {
   constexpr int kParts = 10;
   const double h = dt / kParts, early = 0.5 - std::sqrt(3.0) / 6;
@@ -91,12 +91,12 @@ Eigen::Quaterniond turned(const Rate& rate, double t, double dt) {
 }
 
 struct Spin {
-  double imu_ahead_m = 0;    ///< of the body's origin, which stays where it is
-  std::uint64_t odd_ns = 0;  ///< readings that say nothing fall so long after every tenth sample
-  double averaging_s = 0;    ///< if not 0, samples are means over a step, along the axes of its end
+  double imu_ahead_m = 0;    ///< relative to the body's origin, which does not move
+  std::uint64_t odd_ns = 0;  ///< uninformative readings follow every tenth sample by this time
+  double averaging_s = 0;    ///< if not 0, samples are means over a step, along the axes at its end
 };
 
-/// The largest false velocity of the body's origin in 10 s of a turn without noise [m/s].
+/// The largest spurious velocity of the body's origin during 10 s of rotation without noise [m/s].
 double false_velocity(const Rate& rate, const Spin& spin) {
   const Eigen::Vector3d arm(spin.imu_ahead_m, 0, 0), up(0, 0, kGravity);
   ImuErrors exact;
@@ -131,7 +131,7 @@ double false_velocity(const Rate& rate, const Spin& spin) {
   return worst;
 }
 
-/// A body that turns on the spot, told by an IMU without errors, stays where it is.
+/// A body that rotates on the spot stays in place according to a filter with an error-free IMU.
 TEST(NavigationFilter, ATurnWithoutNoiseMakesNoVelocity) {
   for (const auto& [name, rate] : turns()) {
     EXPECT_LT(false_velocity(rate, {}), 1e-3) << name;
@@ -142,8 +142,8 @@ TEST(NavigationFilter, ATurnWithoutNoiseMakesNoVelocity) {
   }
 }
 
-/// With nothing but white noise of the accelerometer of density s, velocity is a random walk: std s sqrt(t), and
-/// position its integral: s sqrt(t^3 / 3).
+/// If white noise of the accelerometer, with density s, is the only error, velocity is a random walk with standard
+/// deviation s sqrt(t), and position is its integral, with s sqrt(t^3 / 3).
 TEST(NavigationFilter, WhiteForceNoiseGrowsAsARandomWalk) {
   ImuErrors errors;
   errors.force_std = 0.2;
@@ -155,7 +155,7 @@ TEST(NavigationFilter, WhiteForceNoiseGrowsAsARandomWalk) {
   EXPECT_NEAR(std::sqrt(p(kPosition, kPosition)), expected, 0.01 * expected);
 }
 
-/// A tilt error e makes gravity look like an acceleration g e.
+/// A tilt error e makes gravity appear as an acceleration g e.
 TEST(NavigationFilter, ATiltErrorBecomesAPositionError) {
   const double tilt = 1e-3, t = 10;
   const auto filter = at_rest({}, known(0, 0, tilt), t);
@@ -172,8 +172,8 @@ TEST(NavigationFilter, ABiasInBothPartsGrowsAsItsDriftDoes) {
   EXPECT_NEAR(both.growth(0.01), drift.growth(0.01), 0.01 * drift.growth(0.01));
 }
 
-/// Facing east, the vehicle's own field ahead turns the compass, and that across it does not: readings there, with
-/// their noise, must not tell of it.
+/// While the vehicle faces east, its own magnetic field along the body rotates the compass, but the field across it
+/// does not. Noisy readings at that heading must therefore not reveal the field across.
 TEST(NavigationFilter, OneHeadingTellsNothingOfTheFieldAcrossIt) {
   constexpr double kIron = 0.02, kNoise = 0.005;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
@@ -193,8 +193,8 @@ TEST(NavigationFilter, OneHeadingTellsNothingOfTheFieldAcrossIt) {
   EXPECT_NEAR(filter.state().aid_bias[across - kAidBias], 0, 0.1 * kIron);
 }
 
-/// A field of the vehicle's own that points up turns the compass of a vehicle that has pitched down by its share along
-/// the ground: a yaw that was sure while it was level must not follow it.
+/// A vehicle's own magnetic field that points up rotates the compass once the vehicle pitches down, by its horizontal
+/// component. A yaw estimate that was accurate while the vehicle was level must not follow that rotation.
 TEST(NavigationFilter, AFieldUpwardsIsNotTakenForATurnWhenTheVehiclePitches) {
   constexpr double kUpwards = 0.03, kNoise = 0.005, kPitchRate = 0.5, kDown_s = 2;
   ImuErrors errors;
@@ -224,7 +224,7 @@ TEST(NavigationFilter, AFieldUpwardsIsNotTakenForATurnWhenTheVehiclePitches) {
   EXPECT_LT(attitude.norm(), 0.3 * kUpwards * std::sin(pitch));
 }
 
-/// Fixes that come late and out of order give the state that they give in time, to the last bit.
+/// Fixes that arrive late and out of order lead to the same state, bit for bit, as fixes that arrive in time.
 TEST(NavigationFilter, TheOrderOfArrivalDoesNotMatter) {
   const auto made = [](bool late) {
     ImuErrors errors{.rate_std = 1e-3,
@@ -286,8 +286,8 @@ TEST(NavigationFilter, AnOutlierIsLeftOutUntilItRepeats) {
   EXPECT_NEAR(filter.state().position_m.z(), -3, 0.1);
 }
 
-/// A collision that the accelerometer cannot follow hides what is left of the velocity: the next ping of the DVL must
-/// not be an outlier, and the biases must not learn from it.
+/// A collision that exceeds the accelerometer's limits hides part of the change in velocity. The next DVL ping must not
+/// be treated as an outlier, and the biases must not be adjusted because of it.
 TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
   ImuErrors errors;
   errors.rate_std = 1e-3;
@@ -298,7 +298,7 @@ TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
   const int dvl = filter.add_aid(doppler_aid(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), 0.01, {}));
   filter.start(known(0.01, 0.01, 0.01));
   std::array<double, 6> stopped = kAtRest;
-  stopped[3] = -40;  // in truth -200: 1 m/s are lost, of which 0.8 are not seen
+  stopped[3] = -40;  // actually -200: 1 m/s is lost, of which 0.8 are not measured
   const std::array<double, 3> still = {-1, 0, 0};
   for (std::uint64_t k = 1; k <= 100; ++k) {
     const std::uint64_t now = k * kStep_ns;
@@ -311,14 +311,15 @@ TEST(NavigationFilter, AShockBeyondTheLimitsIsNotBelieved) {
   EXPECT_LT(filter.state().force_bias_m_s2.norm(), 0.06);
 }
 
-/// The error of the velocity lies between the beams, so that of four only two see it.
+/// The velocity error lies between the beams, so only two of the four beams observe it.
 TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
   Eigen::MatrixX3d beams(4, 3);
   beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;
   NavigationFilter filter({}, Eigen::Vector3d::Zero(), kGravity);
   const int dvl = filter.add_aid(doppler_aid(beams, Eigen::Vector3d::Zero(), 0.01, {}));
   filter.start(known(0.01, 0.01, 0));
-  const std::array<double, 4> ahead = {0.5 * 2, 0, -0.5 * 2, 0};  // at 2 m/s, where the filter takes itself to rest
+  // at 2 m/s, while the filter estimates that it is at rest
+  const std::array<double, 4> ahead = {0.5 * 2, 0, -0.5 * 2, 0};
   for (std::uint64_t k = 1; k <= 120; ++k) {
     filter.add_imu(k * kStep_ns, kAtRest.data());
     if (k % 20 == 0) filter.add_reading(dvl, k * kStep_ns, k * kStep_ns, ahead.data());
@@ -327,7 +328,7 @@ TEST(NavigationFilter, AnErrorThatHalfTheBeamsSeeMakesItDoubt) {
   EXPECT_NEAR(filter.state().velocity_m_s.x(), 2, 0.05);
 }
 
-/// One bad beam of four is left out for ever.
+/// One bad beam of four is rejected permanently.
 TEST(NavigationFilter, OneBadBeamMakesItNotDoubt) {
   Eigen::MatrixX3d beams(4, 3);
   beams << 0.5, 0, -0.87, 0, 0.5, -0.87, -0.5, 0, -0.87, 0, -0.5, -0.87;

@@ -9,7 +9,7 @@
 
 #include "uwsim/mapping/occupancy_map.h"
 
-/// Small random maps, the same in both engines.
+/// Small random maps, identical in both engines.
 namespace uwsim {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
@@ -29,7 +29,7 @@ inline std::vector<float> random_points(std::mt19937& random, int count, double 
   return points_m;
 }
 
-/// Inserts a few scans from near the map's origin, moved by `offset_m`: the same ones for the same seed.
+/// Inserts a few scans near the map's origin, shifted by `offset_m`. The same seed produces the same scans.
 inline void insert_some(OccupancyMap& map, unsigned seed, int scans, double spread_m,
                         const Eigen::Vector3d& offset_m = Eigen::Vector3d::Zero()) {
   std::mt19937 random(seed);

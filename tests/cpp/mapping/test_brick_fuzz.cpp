@@ -1,4 +1,5 @@
-// Small random scans of every awkward kind: the brick engine must give the bytes of OctoMap's own insertPointCloud.
+// Small random scans with all kinds of edge cases: the brick engine must produce the same bytes as OctoMap's own
+// insertPointCloud.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -53,7 +54,7 @@ class CaseMaker {
         for (int axis = 0; axis < 3; ++axis) ping.points_m.push_back(chance(0.01) ? not_finite() : point_m[axis]);
       }
       made.pings.push_back(ping);
-      while (chance(0.3)) made.pings.push_back(ping);  // again and again, so that voxels reach the clamping limits
+      while (chance(0.3)) made.pings.push_back(ping);  // repeated, so that voxels reach the clamping limits
     }
     return made;
   }
@@ -100,7 +101,7 @@ class CaseMaker {
     return odd;
   }
 
-  /// An offset to a voxel's corner, to its centre, along an axis, along a diagonal, or any.
+  /// A random offset: to a voxel's corner, to its centre, along an axis, along a diagonal, or arbitrary.
   Eigen::Vector3d awkward(double spread_m, double resolution_m) {
     Eigen::Vector3d offset_m;
     for (double& x : offset_m) x = uniform(-spread_m, spread_m);
@@ -132,7 +133,7 @@ std::string describe(const Case& one, const Bytes& got, const Bytes& expected) {
   return text.str();
 }
 
-/// The bytes of OctoMap itself, called as any program calls it.
+/// The bytes that OctoMap itself produces, called as by any other program.
 Bytes octomaps(const Case& one) {
   octomap::OcTree tree(one.resolution_m);
   tree.setProbHit(one.model.hit);
@@ -170,7 +171,7 @@ Bytes one_by_one(const Case& one, const MapOptions& how) {
   return bytes_of(map);
 }
 
-/// Inserted in batches of random sizes, some of them empty.
+/// Inserts scans in batches of random sizes, some of them empty.
 Bytes batched(const Case& one, const MapOptions& how, int threads, unsigned seed) {
   std::mt19937 random(seed);
   OccupancyMap map = empty_map(one, how);
@@ -223,7 +224,7 @@ TEST_P(BrickFuzz, BytesAreOctomapsForSonarFans) {
 }
 
 /// A changed model may leave voxels outside the clamping limits, and both limits on one side of "occupied". With a
-/// limit of memory parts of the map go to a file, and the .bt is written by us.
+/// memory limit, parts of the map are moved to a file, and the .bt is written by uwsim's own writer.
 TEST(BrickFuzzWithALimit, BytesAreOctomapsAfterAChangeOfTheModel) {
   MapOptions octomap, limited;
   octomap.engine = MapEngineKind::octomap;

@@ -1,4 +1,5 @@
-// The two engines of OccupancyMap give the same maps: from files, from scans of any width, and as an octomap::OcTree.
+// The two engines of OccupancyMap produce the same maps: from files, from scans of any width, and as an
+// octomap::OcTree.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
@@ -35,7 +36,7 @@ void expect_same(const OccupancyMap& octomap, const OccupancyMap& bricks) {
 
 std::string small_map_file(std::mt19937& random, MapFormat format) {
   OccupancyModel model;
-  model.clamping_min = 0.05;  // not the limit of the map that reads the file
+  model.clamping_min = 0.05;  // differs from the limit of the map that reads the file
   OccupancyMap map(0.5, Vector3d::Zero(), {MapEngineKind::octomap, model, InstructionSet::best});
   const int scans = 1 + static_cast<int>(random() % 12);
   const std::vector<float> points_m = random_points(random, 30, 6);
@@ -63,7 +64,7 @@ TEST(MapEngines, ScansAfterAFileGiveTheSameMap) {
 TEST(MapEngines, ScansIntoLeavesOfAnySizeGiveTheSameMap) {
   const std::string eight_free = octree_header(MapFormat::bt, 9, 0.5) + "UU";
   const std::string one_occupied = octree_header(MapFormat::bt, 2, 0.5) + std::string("\x02\0", 2);
-  // Inner nodes down to a leaf of 2^levels voxels an edge in the first corner of the cube.
+  // Inner nodes down to a leaf with an edge of 2^levels voxels in the first corner of the cube.
   const auto deep_leaf = [](int levels) {
     std::string body;
     for (int depth = 0; depth < 15 - levels; ++depth) body += std::string("\x03\0", 2);
@@ -180,7 +181,7 @@ TEST(MapEngines, RaysToPointsAtFloatDistanceZeroEnd) {
   EXPECT_EQ(bricks.statistics().occupied_voxels, 1u);
 }
 
-/// A failed reserve() must not count as space: a smaller one after it would write past the end.
+/// A failed reserve() must not count as available space: a smaller one after it would write past the end.
 TEST(UninitialisedVector, ReservesAgainAfterThereWasNoMemory) {
   UninitialisedVector<double> vector;
   *vector.reserve(1) = 1.5;

@@ -1,4 +1,5 @@
-// Files that are cut short, damaged or made up give a clear error or a valid map, the same in both engines.
+// Files that are truncated, damaged or forged cause a clear error or are read as a valid map, with the same result in
+// both engines.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -62,13 +63,13 @@ TEST_P(MapFiles, FlippedBitsAreRefusedOrHarmless) {
     const std::string file = some_file(GetParam(), seed);
     for (int i = 0; i < 1500; ++i) {
       std::string damaged = file;
-      // Half of them in the header, where a bit matters most.
+      // Half of the changes are in the header, where each bit has the largest effect.
       const std::size_t reach = i % 2 ? file.size() : 160;
       for (int flips = 1 + i % 3; flips > 0; --flips) damaged[random() % reach] ^= static_cast<char>(1 << random() % 8);
       ++(is_accepted(damaged) ? accepted : refused);
     }
   }
-  EXPECT_GT(accepted, 100);  // a log-odds, a comment, free instead of occupied
+  EXPECT_GT(accepted, 100);  // a changed log-odds or comment, or free instead of occupied
   EXPECT_GT(refused, 100);
 }
 
@@ -118,11 +119,11 @@ TEST(MapFiles, MadeUpHeadersAreRefused) {
   for (const char* res : {"res 0", "res -1", "res nan", "res inf", "res 1e-300", "res 1e300", "res 0.5m", "res"}) {
     EXPECT_FALSE(is_accepted(with("res ", res))) << res;
   }
-  EXPECT_FALSE(is_accepted(with("# Octomap", "# Octomap OcTree file")));  // not the format of the body
+  EXPECT_FALSE(is_accepted(with("# Octomap", "# Octomap OcTree file")));  // does not match the format of the body
   EXPECT_FALSE(is_accepted(with("data", "DATA")));
 }
 
-/// A small file of a large map: 8^depths inner nodes of 2^levels voxels an edge, each with one leaf below.
+/// A small file of a large map: 8^depths inner nodes with an edge of 2^levels voxels, each with one leaf below it.
 std::string sparse_file(int levels, int depths) {
   std::string body;
   std::uint64_t nodes = 1;
@@ -165,7 +166,7 @@ TEST(MapFiles, MapsThatNeedTooMuchMemoryAreRefusedBeforeTheyTakeIt) {
   rusage usage;
   ::getrusage(RUSAGE_SELF, &usage);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  constexpr long kMost_kB = 2'000'000;  // with the sanitizer's own memory
+  constexpr long kMost_kB = 2'000'000;  // including the sanitizer's own memory
 #else
   constexpr long kMost_kB = 600'000;
 #endif

@@ -1,4 +1,4 @@
-// Merged maps and maps with changed probabilities, compared with OctoMap's own tree voxel by voxel.
+// Compares merged maps, and maps with changed probabilities, with OctoMap's own tree voxel by voxel.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -66,7 +66,8 @@ TEST(MapMerge, UnknownVoxelsTakeTheValuesOfTheOtherMap) {
 }
 
 TEST(MapMerge, OfLeavesOfAnySizeIsTheSameInBothEngines) {
-  // Inner nodes down to a leaf of 2^levels voxels an edge in the first corner of the cube, free (1) or occupied (2).
+  // Inner nodes down to a leaf with an edge of 2^levels voxels in the first corner of the cube, free (1) or occupied
+  // (2).
   const auto deep_leaf = [](int levels, char code) {
     std::string body;
     for (int depth = 0; depth < 15 - levels; ++depth) body += std::string("\x03\0", 2);

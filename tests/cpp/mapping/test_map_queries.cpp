@@ -1,4 +1,4 @@
-// Queries of both engines give the answers of OctoMap.
+// Queries of both engines return the same results as OctoMap.
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -96,7 +96,7 @@ TEST(MapQueries, RaysThatCannotBeCastAreRefused) {
   refuse(origin_m, up, 0);
   refuse(origin_m, up, std::nan(""));
   refuse(origin_m, {}, 5);
-  const auto to_the_edge = map.cast_rays(origin_m, up, true, kNoLimit);  // this one can be cast
+  const auto to_the_edge = map.cast_rays(origin_m, up, true, kNoLimit);  // this ray can be cast
   EXPECT_EQ(to_the_edge.ends.size(), 1u);
 }
 
@@ -126,7 +126,7 @@ TEST(MapQueries, CellsAreOctomapsInnerNodes) {
   }
 }
 
-/// The leaves of the .ot that OctoMap writes: log-odds by centre and edge.
+/// The leaves of the .ot that OctoMap writes: log-odds by centre and edge length.
 class WrittenLeaves {
  public:
   explicit WrittenLeaves(const octomap::OcTree& tree) : edge_m_(tree.getResolution()) {
@@ -190,7 +190,7 @@ TEST(MapQueries, BoxesHoldTheVoxelsWhoseCentresLieInThem) {
       for (Eigen::Index i = 0; i < 3; ++i) {
         low[i] = std::min(corners[std::size_t(i)], corners[std::size_t(i) + 3]);
         high[i] = std::max(corners[std::size_t(i)], corners[std::size_t(i) + 3]);
-        if (box % 4 == 0) low[i] = 0.25 + 0.5 * std::round(2 * low[i]);  // faces through voxels' centres
+        if (box % 4 == 0) low[i] = 0.25 + 0.5 * std::round(2 * low[i]);  // faces through voxel centres
         if (box % 4 == 0) high[i] = std::max(low[i], high[i]);
       }
       MapCubes expected;
@@ -241,7 +241,7 @@ TEST(MapChanges, AreTheDifferencesSinceTheLastCall) {
           const double* at = &changes.voxel_centres_world_m[3 * i];
           got[{at[0], at[1], at[2]}] = changes.states[i];
         }
-        EXPECT_EQ(got.size(), changes.states.size());  // no voxel twice
+        EXPECT_EQ(got.size(), changes.states.size());  // no voxel occurs twice
         EXPECT_EQ(got, expected) << "step " << step;
         EXPECT_EQ(got.empty(), step == 4);
         before = now;
@@ -306,7 +306,7 @@ TEST(MapOutside, PointsOutsideTheCubeAreRefusedOrCounted) {
     counts.insert_scan(points_m, kOrigin_m, 50);
     EXPECT_EQ(counts.statistics().outside_points, 1u);
     EXPECT_EQ(counts.statistics().occupied_voxels, 2u);
-    counts.insert_scan(points_m, low, 50);  // all its points: the origin is outside
+    counts.insert_scan(points_m, low, 50);  // counts all its points, because the origin is outside
     EXPECT_EQ(counts.statistics().outside_points, 4u);
     EXPECT_EQ(counts.statistics().occupied_voxels, 2u);
     refusing.insert_scan(std::vector<float>{101, -20, 3, 102, -19, 3}, kOrigin_m, 50);

@@ -1,4 +1,4 @@
-// A map with a limit of memory has the bytes of the map without.
+// A map with a memory limit has the same bytes as the map without one.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -26,7 +26,7 @@ MapOptions with_limit(std::size_t bytes) {
 
 OccupancyMap map_of(const MapOptions& options = {}) { return OccupancyMap(kVoxel_m, Vector3d::Zero(), options); }
 
-/// Inserts scans, three at a time, along a line to and fro.
+/// Inserts scans, three at a time, along a line, back and forth.
 void fly(OccupancyMap& map, int legs, int threads) {
   std::mt19937 random(8);
   for (int leg = 0; leg < legs; ++leg) {
@@ -124,7 +124,7 @@ TEST(MapSpill, FilesAreReadWithinTheLimit) {
   }
 }
 
-/// Limits the size of the files that this process writes, while an object exists.
+/// Limits the size of files that this process writes, for the lifetime of the object.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -123,7 +123,7 @@ TEST(OccupancyMap, ListsCountsAndStatesAgree) {
   const MapStatistics statistics = map.statistics();
   EXPECT_EQ(occupied.size(), 3 * statistics.occupied_voxels);
   EXPECT_EQ(free.size(), 3 * statistics.free_voxels);
-  EXPECT_GT(statistics.occupied_voxels + statistics.free_voxels, statistics.nodes);  // pruned leaves are many voxels
+  EXPECT_GT(statistics.occupied_voxels + statistics.free_voxels, statistics.nodes);  // a pruned leaf covers many voxels
   EXPECT_EQ(map.state_at(occupied), std::vector<std::int8_t>(occupied.size() / 3, 1));
   EXPECT_EQ(map.state_at(free), std::vector<std::int8_t>(free.size() / 3, 0));
 }
@@ -188,7 +188,7 @@ TEST(OccupancyMap, FilesWithAChangedByteAreReadOrRefused) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
       try {
         OccupancyMap::from_bytes(bytes, "x").statistics();
-      } catch (const InvalidValue&) {  // a valid map of other voxels is as good
+      } catch (const InvalidValue&) {  // a valid map of other voxels is also acceptable
       }
     }
   }

@@ -4,6 +4,7 @@
 
 namespace uwsim {
 
-inline constexpr double kGrazing = 1.75e-3;  ///< sine of 0.1 degree, rounded up: closer to tangency nothing is promised
+inline constexpr double kGrazing = 1.75e-3;  ///< sine of 0.1 degree, rounded up; closer to tangency nothing is
+                                             ///< guaranteed
 
 }  // namespace uwsim

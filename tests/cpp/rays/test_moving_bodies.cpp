@@ -40,7 +40,7 @@ Eigen::Vector3d unit_vector(const RandomStream& random, std::uint64_t k, std::ui
   return Eigen::Vector3d(random.normal(k, draw), random.normal(k, draw + 1), random.normal(k, draw + 2)).normalized();
 }
 
-/// Two bodies above the bed, as bodies and as fixed solids of a second world.
+/// Two bodies above the bed, and the same bodies as fixed solids of a second world.
 struct Twice {
   explicit Twice(const Eigen::Vector2d& middle)
       : world(bed_with_box(middle)), fixed_world(world), bodies(std::make_shared<MovingBodies>(Label{3})) {

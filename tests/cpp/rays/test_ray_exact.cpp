@@ -1,4 +1,4 @@
-// The ray scene against a brute-force cast in double over every triangle and shape of the world.
+// Compares the ray scene with a brute-force cast in double over every triangle and shape of the world.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kEdge = 1e-10;  // barycentric: a ray aimed at an edge misses it by double rounding, on either side
+constexpr double kEdge = 1e-10;  // barycentric; rounding may make a ray aimed at an edge miss it on either side
 
 struct Met {
   double distance_m = kInfinity;
@@ -22,7 +22,7 @@ struct Met {
   Label label = kNothing;
 };
 
-/// Tries every triangle and shape.
+/// Tests a ray against every triangle and shape.
 class BruteForce {
  public:
   explicit BruteForce(const World& world) : world_(world) {
@@ -65,7 +65,7 @@ class BruteForce {
     return first;
   }
 
-  /// A corner of a triangle, a point on one of its edges, or a point within it.
+  /// A corner of a triangle, a point on one of its edges, or a point inside it.
   Eigen::Vector3d target(const RandomStream& random, std::uint64_t k) const {
     const auto pick = static_cast<std::size_t>(random.uniform(k, 0) * static_cast<double>(facets_.size()));
     const Facet& f = facets_[pick];
@@ -108,7 +108,7 @@ World spiky_world(std::size_t cells, double spacing_m, const Eigen::Vector2d& or
   const double r = 0.04 * size;
   world.add_solid("box", placed(testing::box(4 * r, 2 * r, 3 * r), at(0.3, 0.3, -19), 0.8));
   world.add_solid("facets", placed(testing::sphere(2 * r, 10), at(0.7, 0.4, -20), 0.3));
-  const TriangleMesh unused = placed(testing::box(r, r, r), at(0.5, 0.5, -20), 0);  // rays meet the shapes instead
+  const TriangleMesh unused = placed(testing::box(r, r, r), at(0.5, 0.5, -20), 0);  // rays hit the shapes instead
   world.add_solid("pipe", unused, pipe({at(0.1, 0.7, -19), at(0.4, 0.75, -19.5), at(0.8, 0.6, -18)}, 0.5 * r));
   world.add_solid("ball", unused, {sphere(at(0.33, 0.35, -18), 1.5 * r)});
   world.add_solid("post", unused, {cylinder(at(0.6, 0.8, -25), at(0.62, 0.8, -10), 0.3 * r)});
@@ -116,11 +116,12 @@ World spiky_world(std::size_t cells, double spacing_m, const Eigen::Vector2d& or
 }
 
 int rays_to_cast() {
-  const char* wanted = std::getenv("UWSIM_RAYS");  // for longer runs by hand
+  const char* wanted = std::getenv("UWSIM_RAYS");  // for longer manual runs
   return wanted != nullptr ? std::atoi(wanted) : 3000;
 }
 
-/// Casts rays past corners and edges of the world, from up to `span_m` away, and expects the brute force's hits.
+/// Casts rays past corners and edges of the world, from up to `span_m` away, and expects the same hits as from brute
+/// force.
 void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
@@ -129,7 +130,7 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   double worst_m = 0;
   for (int k = 0; k < rays_to_cast(); ++k) {
     const auto tick = static_cast<std::uint64_t>(k);
-    // Past its target by nothing, or by 10 nm to 1 cm.
+    // Miss distance from the target: zero, or 10 nm to 1 cm.
     const double beside = random.uniform(tick, 4) < 0.3 ? 0 : std::pow(10.0, -8 + 6 * random.uniform(tick, 5));
     const Eigen::Vector3d aim =
         brute.target(random, tick) +
@@ -159,7 +160,7 @@ void expect_exact(const World& world, double span_m, std::uint64_t seed) {
   EXPECT_LT(worst_m, 1e-9) << "hits are solved in double";
 }
 
-/// Whether the two agree to 1e-5 m or 1e-7 of the range, or one of them grazes.
+/// Whether the two results agree to 1e-5 m or 1e-7 of the range, or one of them grazes.
 bool agrees(const Met& expected, const RayHit& got, const Eigen::Vector3d& direction, double least_sine) {
   if (expected.label != kNothing && std::abs(expected.normal.dot(direction)) < least_sine) return true;
   if (got.label != kNothing && std::abs(got.normal_world.cast<double>().dot(direction)) < least_sine) return true;
@@ -174,8 +175,7 @@ Eigen::Vector3d random_direction(const RandomStream& random, std::uint64_t tick,
   return direction.normalized();
 }
 
-/// The number of wrong answers to rays in random directions that start within 1e-7 m to 1 mm of a surface, on either
-/// side.
+/// The number of wrong results for rays in random directions that start 1e-7 m to 1 mm from a surface, on either side.
 int wrong_near_surfaces(const World& world, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
@@ -191,7 +191,7 @@ int wrong_near_surfaces(const World& world, std::uint64_t seed) {
   return wrong;
 }
 
-/// The number of wrong answers to rays past the edges of free-standing triangles, by up to `beside_m`.
+/// The number of wrong results for rays that pass the edges of free-standing triangles by up to `beside_m`.
 int wrong_past_edges(const World& world, double beside_m, double span_m, std::uint64_t seed) {
   const RayScene scene(world);
   const BruteForce brute(world);
@@ -209,7 +209,7 @@ int wrong_past_edges(const World& world, double beside_m, double span_m, std::ui
   return wrong;
 }
 
-/// Free-standing triangles, strewn over `spread_m`: slivers, or as wide as they are long.
+/// Free-standing triangles scattered over `spread_m`: slivers, or triangles as wide as they are long.
 World strewn_triangles(int count, double length_m, double width_m, double spread_m) {
   const RandomStream random(11, "strewn");
   TriangleMesh mesh;
@@ -252,7 +252,7 @@ TEST(RayExact, WhereABallMeetsTheBedTheNearerOfTheTwoIsHitHoweverCloseTheyAre) {
                  off = std::pow(10.0, -7 + 4 * random.uniform(k, 1));
     const double side = random.uniform(k, 2) < 0.5 ? -off : off;
     const Eigen::Vector3d aim(3 + (1 + side) * std::cos(turn), 4 + (1 + side) * std::sin(turn), -20);
-    // From outside the ball, steep or shallow.
+    // Starts outside the ball, at a steep or shallow angle.
     const double dip = 0.02 + 1.5 * random.uniform(k, 3), bearing = turn + random.uniform(k, 4) - 0.5;
     const Eigen::Vector3d direction(-std::cos(dip) * std::cos(bearing), -std::cos(dip) * std::sin(bearing),
                                     -std::sin(dip));
@@ -284,8 +284,8 @@ TEST(RayExact, RaysPastTheEdgesOfFreeTrianglesAreExactWhetherSmallOrKilometresLo
   EXPECT_EQ(wrong_past_edges(strewn_triangles(30, 4000, 4000, 3000), 100, 2000, 9), 0);
 }
 
-/// The number of wrong answers to rays at 0.1 to 0.5 degree to single triangles of this size, past their edges on
-/// either side.
+/// The number of wrong results for rays that hit single triangles of this size at 0.1 to 0.5 degree, passing their
+/// edges on either side.
 int wrong_at_grazing_edges(double length_m) {
   const RandomStream random(17, "grazing");
   int wrong = 0;

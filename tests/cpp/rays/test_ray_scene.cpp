@@ -91,7 +91,7 @@ TEST(RayScene, DistanceToASphereIsRadialWhateverTheNumberOfThreads) {
   scene.distance(points, one, 1);
   scene.distance(points, two, 2);
   EXPECT_EQ(one, two);
-  // Facets are pi/200 wide both ways; each direction sags by r (1 - cos(pi/400)).
+  // Facets are pi/200 wide in both directions, each of which contributes a sag of r (1 - cos(pi/400)).
   const double facet_sag_m = 2 * 2 * (1 - std::cos(std::numbers::pi / 400)) + 1e-6;
   for (std::size_t k = 0; k < points.size(); ++k) {
     EXPECT_NEAR(one[k], std::abs(points[k].norm() - 2), facet_sag_m);
@@ -161,7 +161,7 @@ TEST(RayScene, RaysFromFarBeyondTheWorldAndNonFiniteRaysMeetNothing) {
 }
 
 TEST(RayScene, PacketsFindHitsInAllTilesOfAWideWorldAlsoFromFarAway) {
-  // 5 km of slope, in tiles; seen from inside, and from 20 km up.
+  // A slope 5 km long, divided into tiles, seen from inside and from 20 km above.
   std::vector<float> heights;
   for (int j = 0; j < 51; ++j) {
     for (int i = 0; i < 51; ++i) heights.push_back(-20 + 25 * static_cast<float>(i));
@@ -279,7 +279,7 @@ TEST(RayScene, FloatRaysSeeASliversTipEndWhereItEnds) {
   world.add_solid("far off", sliver);
   const RayScene scene(world);
   std::array<Eigen::Vector3f, kPacketRays> directions;
-  for (std::size_t k = 0; k < kPacketRays; ++k) {  // 20 cm to 5 cm before the sliver's tip, in its plane
+  for (std::size_t k = 0; k < kPacketRays; ++k) {  // 20 cm to 5 cm short of the sliver's tip, in its plane
     const double x = -0.2 + 0.01 * static_cast<double>(k), y = x * 0.02 / 20 / 2;
     directions[k] = Eigen::Vector3d(x - 3, y, -10).normalized().cast<float>();
   }

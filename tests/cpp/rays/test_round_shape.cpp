@@ -24,7 +24,7 @@ Pose some_pose(const RandomStream& random, std::uint64_t tick, double away_m) {
           Eigen::Quaterniond(Eigen::AngleAxisd(6.3 * random.uniform(tick, 26), axis))};
 }
 
-/// Where a ray first meets a cylinder about the z axis that reaches from -half to half.
+/// The first hit of a ray on a cylinder about the z axis that extends from -half to half.
 double closed_form_m(double radius, double half, const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
   double first = std::numeric_limits<double>::infinity();
   const double a = d.x() * d.x() + d.y() * d.y(), b = o.x() * d.x() + o.y() * d.y();
@@ -81,7 +81,7 @@ TEST(RoundShape, HitsOnAPipeLieOneRadiusFromItsAxisAndNoRaySlipsThroughItsSeams)
   const RandomStream random(3, "pipe");
   const auto to_axis = [&](const Eigen::Vector3d& p) {
     double least = 1e9;
-    for (std::size_t k = 0; k + 1 < line.size(); ++k) {  // of endless axes: mitred ends reach beyond
+    for (std::size_t k = 0; k + 1 < line.size(); ++k) {  // of infinite axes, because mitred ends extend beyond
       const Eigen::Vector3d axis = (line[k + 1] - line[k]).normalized();
       least = std::min(least, std::abs((p - line[k] - axis.dot(p - line[k]) * axis).norm() - 0.3));
     }
@@ -89,12 +89,12 @@ TEST(RoundShape, HitsOnAPipeLieOneRadiusFromItsAxisAndNoRaySlipsThroughItsSeams)
   };
   for (std::uint64_t k = 0; k < 5000; ++k) {
     const std::size_t piece = k % 3;
-    const double along = k % 4 == 0 ? 1 : random.uniform(k, 0);  // every fourth aims at a seam
+    const double along = k % 4 == 0 ? 1 : random.uniform(k, 0);  // every fourth ray aims at a seam
     const Eigen::Vector3d aim = line[piece] + along * (line[piece + 1] - line[piece]);
     const Eigen::Vector3d origin = aim + 5 * some_vector(random, k, 1).normalized();
     const Eigen::Vector3d direction = (aim - origin).normalized();
     const Eigen::Vector3d along_last = (line[3] - line[2]).normalized(), from_bend = origin - line[2];
-    if ((from_bend - along_last.dot(from_bend) * along_last).norm() < 0.4) continue;  // it may start inside the pipe
+    if ((from_bend - along_last.dot(from_bend) * along_last).norm() < 0.4) continue;  // it might start inside the pipe
     double nearest = 1e9;
     for (const RoundShape& shape : pieces) {
       if (const auto hit = first_hit(shape, origin, direction)) nearest = std::min(nearest, hit->distance_m);

@@ -57,7 +57,7 @@ TEST(Tiling, EveryTriangleAndShapeIsInOneTileEvenBesideTheTerrain) {
   EXPECT_TRUE(cut_into_tiles(World{}).empty());
 }
 
-/// A bed of 1 km and a ball of triangles with edges of about 5 cm.
+/// A bed 1 km wide and a ball of triangles with edges of about 5 cm.
 World wide_world_with_fine_ball(const Eigen::Vector3d& middle) {
   World world = wide_world(200, 5);
   TriangleMesh ball = testing::sphere(1, 40);

@@ -1,5 +1,5 @@
-// The laws behind the figures in rays/tolerances.h: what Embree gets lies outside the true surfaces by what float may
-// err.
+// The laws behind the values in rays/tolerances.h: the surfaces passed to Embree lie outside the true surfaces by at
+// least the error of float.
 #include "uwsim/rays/tolerances.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ TEST(Tolerances, RaisedTerrainIsOffEveryTriangleByTheRaiseAndBelowTheClearance) 
 
 TEST(Tolerances, TheyGrowWithTheTileAndStayAboveFloatRounding) {
   const Tolerances tile = tolerances_of(std::numbers::sqrt2 * 1000, 1, true);
-  const float coordinate_m = 500 * std::numbers::sqrt2_v<float>;  // a far corner, from the middle
+  const float coordinate_m = 500 * std::numbers::sqrt2_v<float>;  // a far corner, relative to the middle
   EXPECT_GE(tile.rounding_m, 8 * (std::nextafter(coordinate_m, 1e9f) - coordinate_m));
   EXPECT_GE(tile.widening_m, tile.rounding_m / 16 / kGrazingSine) << "one rounding, along a surface met at 0.1 degree";
   EXPECT_GE(tile.setback_m, tile.rounding_m / 16 / kGrazingSine);
@@ -79,14 +79,14 @@ TEST(Tolerances, TheyGrowWithTheTileAndStayAboveFloatRounding) {
   EXPECT_EQ(tolerances_of(1e-6, 1, false).rounding_m, kLeastFloatError_m);
 }
 
-/// Two triangles that a gap along any direction separates, their nearest parts facing each other in all ways.
+/// Two triangles separated by a gap along any direction, with all combinations of nearest features facing each other.
 TEST(Tolerances, TrianglesAreAsFarApartAsTheGapBetweenThem) {
   const RandomStream random(3, "gaps");
   for (std::uint64_t k = 0; k < 2000; ++k) {
     const Eigen::Vector3d across = random_vector(random, k, 0).normalized();
     const Eigen::Vector3d u = across.unitOrthogonal(), v = across.cross(u);
     const double gap_m = 0.01 + random.uniform(k, 3);
-    // Each triangle on its side of the gap: a corner, an edge or a face on its rim, over the point u, v = 0.
+    // Each triangle on its side of the gap: a corner, an edge or a face on the rim of the gap, over the point u, v = 0.
     const auto beside = [&](std::uint32_t draw, double side) {
       const double kind = random.uniform(k, draw);
       const auto level = [&](std::uint32_t n) { return side * (0.1 + random.uniform(k, draw + n)); };

@@ -15,7 +15,8 @@
 
 namespace uwsim {
 
-/// A flat bed at 20 m with a wall 5.5 m to port, and one vehicle 12 m deep whose motion the test sets.
+/// A flat bed at a depth of 20 m with a wall 5.5 m to port, and one vehicle at a depth of 12 m whose motion the test
+/// sets.
 class SensorBench : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kStepNs = 5'000'000;

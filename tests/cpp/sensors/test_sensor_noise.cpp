@@ -45,7 +45,7 @@ double allan_variance(const std::vector<double>& integral, double dt, std::size_
   return sum / (2 * tau * tau * static_cast<double>(count));
 }
 
-/// Gauss-Markov noise of standard deviation 1 (ibid., B.4.1.5, with q^2 = 2 / T).
+/// Gauss-Markov noise with a standard deviation of 1 (ibid., B.4.1.5, with q^2 = 2 / T).
 double gauss_markov_allan(double tau, double time) {
   const double r = time / tau;
   return 2 * r * (1 - 0.5 * r * (3 - 4 * std::exp(-1 / r) + std::exp(-2 / r)));
@@ -55,7 +55,7 @@ class AllanDeviation : public SensorBench {
  protected:
   static constexpr int kSamples = 1 << 19;
 
-  /// Mean over the axes of a still IMU's gyroscope.
+  /// Mean over the axes of the gyroscope in a stationary IMU.
   std::vector<double> variances(const NoiseSpec& noise, double rate_hz, const std::vector<std::size_t>& clusters) {
     SensorSpec spec = sensor_spec("imu");
     spec.noise["angular_velocity"] = noise;
@@ -198,7 +198,7 @@ TEST_F(SensorNoise, SamplesDependOnTimeAndNotOnReads) {
 }
 
 TEST_F(SensorNoise, ASampleIsHeldUntilTheNextAndTheMeanRateIsExact) {
-  world.water.compressible = false;  // depth is the clock here: its readings must be exact
+  world.water.compressible = false;  // depth serves as the clock here, so readings must be exact
   SensorSpec spec = sensor_spec("depth");
   spec.rate_hz = 30;
   NoisySensor depth = sensor(spec);
@@ -234,7 +234,7 @@ TEST_F(SensorNoise, WithLatencyAReadingShowsThePast) {
 }
 
 TEST_F(SensorNoise, AUsblFixArrivesAfterTheTwoWayTravelTime) {
-  // The ray is an arc whose lowest point is the vehicle's side of it: it stays between the surface and the vehicle.
+  // The ray is an arc whose lowest point is beyond the vehicle, so it stays between the surface and the vehicle.
   const double top_m_s = 1450, bottom_m_s = 1450.6, gradient_1_s = (bottom_m_s - top_m_s) / 12;
   const double depths[] = {0, 12}, speeds[] = {top_m_s, bottom_m_s};
   sound = SoundSpeedProfile(depths, speeds);
@@ -256,7 +256,7 @@ TEST_F(SensorNoise, AUsblFixArrivesAfterTheTwoWayTravelTime) {
 }
 
 TEST_F(SensorNoise, TheShareOfDroppedSamplesIsAsGivenAndTheLastOtherSampleIsHeld) {
-  world.water.compressible = false;  // depth is the clock here: its readings must be exact
+  world.water.compressible = false;  // depth serves as the clock here, so readings must be exact
   SensorSpec spec = sensor_spec("depth");
   spec.drop_out = 0.3;
   spec.rate_hz = 100;

@@ -33,7 +33,7 @@ TEST_F(Sensors, PressureIntegratesAStratifiedProfileAndDepthErrsAccordingly) {
                                           {.depth_m = 10, .temperature_deg_c = 5, .density_kg_m3 = 1008}};
   world.water.profile = std::make_shared<const WaterProfile>(levels);
   world.water.compressible = false;
-  const double column_kg_m2 = 998 * 10 + 10 * 10 / 2 + 1008 * 2;  // of 12 m
+  const double column_kg_m2 = 998 * 10 + 10 * 10 / 2 + 1008 * 2;  // in 12 m of water
   EXPECT_NEAR(truth(sensor_spec("pressure")).values[0], 101325 + 9.80665 * column_kg_m2, 1e-6);
   EXPECT_NEAR(truth(sensor_spec("depth")).values[0], column_kg_m2 / 998, 1e-9)
       << "nominal density: that of the surface";
@@ -60,7 +60,7 @@ TEST_F(Sensors, AnImuMeasuresGravityAtRestAndTheCentripetalForceInATurn) {
   EXPECT_NEAR(turning[2], 2, 1e-12);
   EXPECT_NEAR(turning[3], -4 * 0.3, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("velocity", {}, ahead)).values[1], 0.6, 1e-12);
-  snapshot.state.velocity_body << 1, 0, 0, 0, 0, 2;  // going round a circle at steady speed: v omega to port
+  snapshot.state.velocity_body << 1, 0, 0, 0, 0, 2;  // steady motion in a circle: v omega to port
   EXPECT_NEAR(truth(sensor_spec("imu")).values[4], 2, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("acceleration")).values[1], 2, 1e-12);
   EXPECT_NEAR(truth(sensor_spec("acceleration")).values[2], 0, 1e-12) << "without gravity, unlike an IMU";
@@ -115,13 +115,13 @@ TEST_F(Sensors, DvlBeamsSlantByThirtyDegreesAndBottomLockNeedsThree) {
   EXPECT_FALSE(lost.valid);
   EXPECT_EQ(lost.values[0], 0);
   EXPECT_EQ(lost.values[11], 0) << "bottom_lock";
-  // Rolled until one beam is horizontal: the three others still determine the velocity.
+  // Rolled until one beam is horizontal; the three others still determine the velocity.
   snapshot.state.world_from_body.orientation = turn(0, 0, -65 * kPi / 180);
   const Sample three = truth(sensor_spec("dvl", {{"beam_azimuth_deg", {0}}}));
   EXPECT_TRUE(three.valid);
   EXPECT_EQ(std::count_if(&three.values[3], &three.values[7], [](double r) { return std::isfinite(r); }), 3);
   EXPECT_NEAR(three.values[0], 1, 1e-12);
-  // At an azimuth of 45 degrees two beams are horizontal, and two are within 40 m.
+  // At an azimuth of 45 degrees, two beams are horizontal, and two hit within 40 m.
   EXPECT_FALSE(truth(sensor_spec("dvl", {{"range_max_m", {40}}})).valid);
 }
 
@@ -137,8 +137,8 @@ TEST_F(Sensors, AUsblFixIsThePositionFromTheStationWithinRange) {
 }
 
 TEST_F(Sensors, AUsblFixArrivesAfterTwiceTheTravelTimeAlongTheBentRay) {
-  // In a constant gradient g a ray between level ends is an arc and takes 2 / g asinh(g x / (2 c)): 0.39738 s, against
-  // 0.4 s along the straight line.
+  // In a constant gradient g, a ray between ends at equal depth is an arc and takes 2 / g asinh(g x / (2 c)): 0.39738
+  // s, compared with 0.4 s along the straight line.
   const double depths[] = {0, 200}, speeds[] = {1450, 1650};
   sound = SoundSpeedProfile(depths, speeds);
   station_world_m = {-600, 0, -50};
@@ -179,7 +179,7 @@ TEST_F(Sensors, UsblErrorsLieAlongTheLineOfSightAndAcrossIt) {
   for (int k = 0; k < kFixes; ++k) {
     usbl.record(snapshot, around());
     VehicleSnapshot later = snapshot;
-    later.tick += 40;  // 0.2 s: more than the travel time
+    later.tick += 40;  // 0.2 s, which exceeds the travel time
     const Sample fix = usbl.read(later, around());
     ASSERT_EQ(fix.stamp_ns, snapshot.tick * kStepNs);
     const Eigen::Vector3d error = Eigen::Vector3d::Map(fix.values.data()) - line;
@@ -201,7 +201,7 @@ TEST_F(Sensors, ACompassMeasuresItsHeadingFromMagneticNorth) {
     const double magnetic = truth(sensor_spec("compass", {{"declination_deg", {10}}})).values[0];
     EXPECT_NEAR(std::remainder(magnetic - (north - 10 * kPi / 180), 2 * kPi), 0, 1e-12);
   }
-  // Hard iron to starboard of a level vehicle heading north turns the measured field east of the bow.
+  // Hard iron to starboard of a level vehicle heading north rotates the measured field east of the bow.
   snapshot.state.world_from_body.orientation = turn(kPi / 2);
   const double deflected = truth(sensor_spec("compass", {{"hard_iron_ut", {0, -5, 0}}})).values[0];
   EXPECT_NEAR(std::remainder(deflected + std::atan2(5, 50 * std::cos(kPi / 3)), 2 * kPi), 0, 1e-12);

@@ -1,6 +1,6 @@
-// This program's own malloc and its relatives. The loader prefers them to those of the C library, for every shared
-// library, too, so that allocations by Bullet, Embree and the C++ library are counted with ours. The memory comes from
-// the C library's internal functions, which glibc exports for this purpose; `free` remains the C library's.
+// This program's own malloc and related functions. For every shared library, the loader prefers them to those of the C
+// library, so allocations by Bullet, Embree and the C++ library are counted as well. The memory comes from the C
+// library's internal functions, which glibc exports for this purpose; `free` remains the C library's.
 
 #include "sim/counted_allocations.h"
 

@@ -13,8 +13,8 @@
 
 namespace uwsim::testing {
 
-/// A packaged hull or its collision pieces, from an OBJ file that our own tools wrote: lines `v x y z` and `f a b c`,
-/// and a line `o` before each piece. Throws when the file cannot be read.
+/// A packaged hull or its collision pieces, from an OBJ file written by uwsim's tools: lines `v x y z` and `f a b c`,
+/// and a line `o` before each piece. Throws if the file cannot be read.
 struct ObjFile {
   TriangleMesh mesh;
   std::vector<ConvexPiece> pieces;
@@ -39,7 +39,7 @@ struct ObjFile {
   }
 };
 
-/// A sensor of this kind with every kind of error.
+/// A sensor of this kind with all kinds of errors.
 inline SensorSpec noisy(const SensorKind& kind) {
   SensorSpec spec;
   spec.name = spec.kind = kind.name;
@@ -58,7 +58,7 @@ inline SensorSpec noisy(const SensorKind& kind) {
 }
 
 /// A BlueROV2 Heavy: the packaged hull of 2,204 triangles and its 24 collision pieces, eight lagging thrusters that
-/// lose thrust with speed, coefficients of von Benzon et al. 2022, and one sensor of every kind, noisy.
+/// lose thrust with speed, the coefficients of von Benzon et al. 2022, and one noisy sensor of every kind.
 inline VehicleSpec heavy_rov(const std::string& name, const Eigen::Vector3d& position_m, double density_kg_m3 = 1000) {
   TriangleMesh mesh = ObjFile("bluerov2_heavy.obj").mesh;
   const SolidProperties solid = solid_properties(mesh);

@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-/// A craft with a lagging thruster, a fin and sensors with memory, which drops onto a sloping bed.
+/// A craft with a lagging thruster, a fin and sensors with internal state, which drops onto a sloping bed.
 VehicleSpec craft(const std::string& name, const Eigen::Vector3d& position_m) {
   const TriangleMesh mesh = testing::box(1.2, 0.8, 0.6);
   const SolidProperties solid = solid_properties(mesh);
@@ -72,7 +72,7 @@ class SavedState : public ::testing::Test {
     sim.read_sensor(0, 0);
   }
 
-  /// Everything that can be observed in the next `steps` steps, to the bit.
+  /// Everything that can be observed in the next `steps` steps, as exact bits.
   static std::string future(Simulation& sim, int steps) {
     std::string seen;
     const auto note = [&](const double* values, std::size_t n) {
@@ -173,7 +173,7 @@ TEST_F(SavedState, DamageToAnyByteIsDetected) {
   EXPECT_EQ(fresh.save_state(kHere), before);
 }
 
-/// A forged state with a matching checksum is refused, or restored and flown, without a crash.
+/// A forged state with a matching checksum is refused, or restored and simulated, without a crash.
 TEST_F(SavedState, AForgedStateDoesNotCrash) {
   Simulation sim = two_craft(world);
   act(sim);
@@ -202,7 +202,7 @@ TEST_F(SavedState, AForgedStateDoesNotCrash) {
 
 constexpr std::uint64_t kSoon = 1200;
 
-/// Joined by a modem, with messages that wait and are on their way.
+/// Two craft connected by a modem, with messages waiting and in flight.
 Simulation linked_craft(const World& world) {
   Simulation sim = two_craft(world);
   sim.set_link({});
@@ -217,7 +217,8 @@ Simulation linked_craft(const World& world) {
   return sim;
 }
 
-/// Each byte of a state with a link set to each of a few values: an index, a count or a time that is far too high.
+/// Sets each byte of a state with a link to each of a few values, so that an index, a count or a time becomes far too
+/// large.
 TEST_F(SavedState, AForgedNumberAnywhereDoesNotCrash) {
   Simulation sim = linked_craft(world), fresh = two_craft(world);
   fresh.set_link({});
@@ -230,7 +231,7 @@ TEST_F(SavedState, AForgedNumberAnywhereDoesNotCrash) {
     try {
       fresh.restore_state(wrapped_state(forged, kHere), kHere);
       ++restored;
-      fresh.step(kSoon);  // until messages have left and arrived
+      fresh.step(kSoon);  // until messages have been sent and have arrived
     } catch (const InvalidValue&) {
       ++refused;
     }

@@ -1,4 +1,4 @@
-// Laws of contact that hold for the whole simulation, however contacts are found and solved.
+// Laws of contact that apply to the whole simulation, regardless of how contacts are found and solved.
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ VehicleSpec block_at(const Eigen::Vector3d& position_m, const Block& block = {})
   return spec;
 }
 
-/// A flat bed at z = -10; with `slab`, a slab on it, 0.5 m thick and divided into squares of 0.5 m.
+/// A flat bed at z = -10; with `slab`, a slab on it that is 0.5 m thick and divided into squares of 0.5 m.
 World shallow_world(bool slab = false) {
   World world;
   world.set_terrain(Heightfield(std::vector<float>(81 * 81, -10), 81, 81, 0.5, {-20, -20}));

@@ -1,4 +1,4 @@
-// Steps allocate nothing. Every malloc of the process is counted, those of Bullet, Embree and Eigen included.
+// Steps allocate nothing. Every malloc of the process is counted, including those of Bullet, Embree and Eigen.
 
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@
 namespace uwsim {
 namespace {
 
-constexpr std::uint64_t kWarmUpSteps = 200;  // buffers grow to the size that they need
+constexpr std::uint64_t kWarmUpSteps = 200;  // buffers grow to the required size
 constexpr std::uint64_t kSteps = 1000;
 constexpr double kBed_m = -10;
 
-/// An undulating bed about z = -10 m, in cells of 0.5 m, with a wall on it.
+/// An undulating bed about z = -10 m, with cells of 0.5 m and a wall on it.
 World uneven_world() {
   std::vector<float> heights;
   for (int j = 0; j < 81; ++j) {

@@ -10,7 +10,7 @@ namespace uwsim {
 namespace {
 
 constexpr int kBands = 24;
-constexpr double kFacet_m = 2.2e-3;  // by which a sphere of radius 1 m lies outside its facets, at most
+constexpr double kFacet_m = 2.2e-3;  // largest distance between a sphere of radius 1 m and its facets
 
 SensorSpec sensor(const std::string& kind, double rate_hz = 0, double latency_s = 0) {
   SensorSpec spec{.name = kind, .kind = kind, .body_from_sensor = {}, .parameters = {}, .noise = {}};
@@ -99,7 +99,7 @@ TEST(VehiclesSeeEachOther, TheyLieUnderAltimetersAndDvls) {
 TEST(VehiclesSeeEachOther, ASampleShowsWhereTheOtherWasWheneverItIsRead) {
   Simulation often = two_balls(), seldom = two_balls();
   std::vector<double> seen;
-  for (int k = 0; k < 200; ++k) {  // 1 s; the other runs away at 1 cm a step
+  for (int k = 0; k < 200; ++k) {  // 1 s; the other vehicle moves away by 1 cm per step
     for (Simulation* sim : {&often, &seldom}) {
       place(*sim, 1, {10 + 0.01 * k, 0, -10});
       sim->step();
@@ -112,7 +112,7 @@ TEST(VehiclesSeeEachOther, ASampleShowsWhereTheOtherWasWheneverItIsRead) {
   }
   ASSERT_FALSE(seen.empty());
   EXPECT_EQ(seldom.read_sensor(0, 0).values, seen);
-  // Saved on its way, the sample arrives the same.
+  // If the state is saved while the sample is in transit, the same sample arrives after a restore.
   Simulation restored = two_balls();
   restored.restore_state(seldom.save_state(kHere), kHere);
   for (int k = 0; k < 60; ++k) {

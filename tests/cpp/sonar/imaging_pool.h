@@ -24,7 +24,7 @@ inline Pose at(const Eigen::Vector3d& position_m, double pitch_rad = 0) {
   return {position_m, Eigen::Quaterniond(Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()))};
 }
 
-/// A kind of imaging sonar with its figures, to change and to make.
+/// A kind of imaging sonar and its parameters, which tests can change before creating the sonar.
 struct ImagingModel {
   std::string kind;
   ParameterValues figures;
@@ -38,7 +38,7 @@ struct ImagingModel {
   ImagingAcoustics acoustics() const { return make()->acoustics(); }
 };
 
-/// The scene and the place of a ping; the defaults suit a single ping.
+/// The scene and the position of a ping; the defaults suit a single ping.
 struct Pings {
   std::vector<Pose> poses;
   std::vector<double> angles_rad = {};

@@ -26,7 +26,7 @@ Water even_water() {
   return water;
 }
 
-/// So loud that every echo in these tests is detected.
+/// Parameters with a source so loud that every echo in these tests is detected.
 AcousticSpec loud() {
   AcousticSpec spec;
   spec.figures.source_level_db = 230;
@@ -53,7 +53,7 @@ AcousticMultibeam sonar_of(const MultibeamModel& fan, const AcousticSpec& spec, 
   return AcousticMultibeam(fan, spec, water, 1000, RandomStream(seed, "rov/sonar"));
 }
 
-/// The level of the middle beam's mean intensity over pings from places side by side, which averages speckle out.
+/// The level of the middle beam's mean intensity over pings from adjacent positions, which averages out speckle.
 double mean_level_db(const AcousticMultibeam& sonar, const RayScene& scene, Pose pose, int pings = 4000,
                      double apart_m = 0.45) {
   double sum = 0;
@@ -82,7 +82,7 @@ TEST(AcousticMultibeam, AbsorptionAppliesExactlyTwiceOnceOutAndOnceBack) {
   Water sea = even_water();
   sea.salinity_psu = 35;
   AcousticSpec spec = loud();
-  spec.figures.source_level_db = 290;  // far above the noise, which fades as well
+  spec.figures.source_level_db = 290;  // far above the noise, which fluctuates as well
   const RayScene scene(bed_world(0, -400));
   const auto level_db = [&](double acidity_ph) {
     spec.acidity_ph = acidity_ph;  // affects only absorption
@@ -97,7 +97,8 @@ TEST(AcousticMultibeam, AbsorptionAppliesExactlyTwiceOnceOutAndOnceBack) {
   EXPECT_GT(level_db(6) - level_db(9), 0.5);
 }
 
-/// The correlation of a quantity between beams of one ping that are some beams apart, over pings from many places.
+/// The correlation of a quantity between beams of one ping that are a given number of beams apart, over pings from many
+/// positions.
 template <typename Quantity>
 double correlation(const AcousticMultibeam& sonar, const RayScene& scene, std::size_t apart, Quantity quantity) {
   double together = 0, alone = 0;
@@ -155,14 +156,14 @@ TEST(AcousticMultibeam, PingsFromOnePlaceRepeatTheirSpeckleAndNotTheirNoise) {
 
 TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
   AcousticSpec spec = loud();
-  spec.figures.frequency_hz = 2e3;  // hardly any absorption
+  spec.figures.frequency_hz = 2e3;  // almost no absorption
   spec.figures.bandwidth_hz = 2e3;
   spec.figures.pulse_length_s = 1e-2;
   const auto fall_db = [&](const RayScene& near, const RayScene& far, const Pose& a, const Pose& b) {
     const AcousticMultibeam sonar = sonar_of(fan_of(3, 1, 2000), spec);
     return mean_level_db(sonar, near, a) - mean_level_db(sonar, far, b);
   };
-  // On a slope of 60 degrees the footprint extends over many range cells.
+  // On a slope of 60 degrees, the footprint extends over many range cells.
   spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.3;
   const double steep = std::tan(std::numbers::pi / 3);
   EXPECT_NEAR(fall_db(RayScene(bed_world(steep, -100)), RayScene(bed_world(steep, -400)), looking_down(0.001),
@@ -176,9 +177,9 @@ TEST(AcousticMultibeam, AnObliqueEchoFallsBy30LogRAndThatOfASmallTargetBy40) {
     return world;
   };
   spec.rays_per_beam = 64;
-  // 64 rays: enough of them hit the plate.
+  // Use 64 rays, so that enough of them hit the plate.
   spec.figures.beam_width_across_rad = spec.figures.beam_width_along_rad = 0.1;
-  const auto level_db = [&](double z_m) {  // over many worlds: the plate has the speckle of one place only
+  const auto level_db = [&](double z_m) {  // over many worlds, because the plate has the speckle of a single position
     const RayScene scene(plate(z_m));
     double sum = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
@@ -299,7 +300,7 @@ TEST(AcousticMultibeam, AMovingHeadReceivesTheEchoAtItsNewPose) {
   const double at_rest = range_m({}, 60);
   EXPECT_NEAR(range_m({{0, 0, -5}, {0, 0, 0}}, 60), at_rest - 0.5 * 5 * under_way_s, 2e-3);
   EXPECT_NEAR(range_m({{5, 0, 0}, {0, 0, 0}}, 60), at_rest, 2e-3) << "no first-order effect of motion across the path";
-  // The fan lies in y-z: until reception, rotation about x turns beam 0 from its 45 degrees.
+  // The fan lies in y-z: rotation about x turns beam 0 from its 45 degrees before reception.
   const double rate = 0.3;
   const double still = range_m({}, 0), turned = range_m({{0, 0, 0}, {rate, 0, 0}}, 0);
   const double turn = rate * 2 * still / c;
@@ -347,7 +348,8 @@ TEST(AcousticMultibeam, BendingChangesTravelTimesAndKeepsTheNominalBeamAngles) {
   const AcousticPing straight = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
   spec.bending = true;
   const AcousticPing bent = sonar_of(fan_of(121, 120), spec, water).ping(scene, looking_down(0.5), {}, 3);
-  // Sound is slower below: the travel time is longer, and rays bend towards the bottom, so outer beams hit it sooner.
+  // Sound is slower below, so the travel time is longer, and rays bend towards the bottom, so outer beams hit it
+  // sooner.
   EXPECT_GT(bent.travel_time_s[60], straight.travel_time_s[60]);
   EXPECT_LT(bent.travel_time_s[0], straight.travel_time_s[0]);
 }

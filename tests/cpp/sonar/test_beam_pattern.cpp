@@ -14,7 +14,7 @@ namespace {
 
 double db(double power) { return 10 * std::log10(power); }
 
-/// Highest level outside the main lobe.
+/// The highest level outside the main lobe.
 double side_lobe_db(const BeamPattern& pattern) {
   double angle = 0;
   while (pattern.power(angle + 1e-4) <= pattern.power(angle)) angle += 1e-4;

@@ -58,7 +58,7 @@ TEST(BentCast, UnderAConstantGradientTheHitOnAFlatBedLiesOnSnellsCircle) {
 }
 
 TEST(BentCast, ChordsStayWithinAMillimetreOfTheArc) {
-  // Thin poles along the arc of a level ray: hit or missed as by the arc, not as by a straight line.
+  // Thin poles along the arc of a level ray are hit or missed as by the arc, not as by a straight line.
   const auto profile = gradient(1450, 0.5, 400);
   const double c = 1450 + 0.5 * 50, radius = c / 0.5;
   for (const double across : {20.0, 40.0, 80.0}) {
@@ -118,7 +118,7 @@ TEST(WaterSound, TheProfileFollowsTheWaterBetweenItsLevelsAndBelowThem) {
   }
 }
 
-/// A water of the world, drawn at random: linear in depth, a table of a few levels, or a cast of many.
+/// Random water for a world: linear in depth, a table of a few levels, or a cast with many levels.
 class AnyWater {
  public:
   explicit AnyWater(std::uint64_t seed) : random_(seed) {}

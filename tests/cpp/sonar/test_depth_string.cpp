@@ -45,12 +45,12 @@ TEST(DepthString, WritesNumbersAsCSharpDoes) {
 }
 
 TEST(DepthString, RoundsTiesAwayFromZero) {
-  EXPECT_EQ(text_of(10.015625f), "10.01563a");  // to even would be 10.01562
+  EXPECT_EQ(text_of(10.015625f), "10.01563a");  // rounding to even would give 10.01562
   EXPECT_EQ(text_of(10.046875f), "10.04688a");
-  EXPECT_EQ(text_of(1234566.5f), "1234567a");  // to even would be 1234566
+  EXPECT_EQ(text_of(1234566.5f), "1234567a");  // rounding to even would give 1234566
 }
 
-/// The C library's %.7g of the next larger double, so that ties round away from zero.
+/// Formats by the C library's %.7g of the next larger double, so that ties round away from zero.
 std::string by_printf(float value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.7ga", std::nextafter(static_cast<double>(value), 1e300));
@@ -76,7 +76,7 @@ TEST(DepthString, AgreesWithPrintfOnEveryKindOfFloat) {
       }
     }
   }
-  for (std::uint32_t k = 1; k < 4'000'000; k += 7) {  // ties and all short decimals of a sonar's resolution
+  for (std::uint32_t k = 1; k < 4'000'000; k += 7) {  // includes ties and all short decimals at a sonar's resolution
     const float value = static_cast<float>(k) / 65536;
     if (value >= 1e-4f) {
       ASSERT_EQ(text_of(value), by_printf(value));
@@ -101,7 +101,7 @@ TEST(DepthString, ABeamWithoutEchoIsWrittenAsTheMaximumRangeAndReadAsInfinite) {
 }
 
 TEST(DepthString, TheLimitItselfIsNoEcho) {
-  // The float32 nearest to 54.9 is greater than 54.9, and that is how the published decoder compares.
+  // The float32 nearest to 54.9 is greater than 54.9; the published decoder compares with that float32.
   EXPECT_EQ(decode_depth_string("54.9a54.90001a54.89999a", 3, 54.9), (std::vector<float>{kInf, kInf, 54.89999f}));
 }
 

@@ -23,7 +23,7 @@ TEST(BeamEcho, WithinOneRangeCellEnergiesAddUp) {
 }
 
 TEST(BeamEcho, AnEvenlySpreadEchoPeaksAtTheEnergyInOneCell) {
-  // Rays every 0.1 m, each 0.1 m wide: a rectangular echo of 6.4 m.
+  // Rays every 0.1 m, each 0.1 m wide, form a rectangular echo of 6.4 m.
   std::vector<RayEcho> rays;
   for (int k = 0; k < 64; ++k) rays.push_back({10 + 0.1f * static_cast<float>(k), 1.0f / 64, 0.2f, 0.5f, kTerrain});
   const BeamEcho echo = beam_echo(rays, kCell);
@@ -52,8 +52,8 @@ TEST(BeamEcho, TheStrongerEchoIsDetectedEvenIfItIsFarther) {
   EXPECT_NEAR(echo.energy, 1.2, 1e-6);
 }
 
-/// The echoes of a beam's rays from a plane at a distance along its normal, in the beam's frame: x along the axis, y
-/// within the fan's plane.
+/// The echoes of a beam's rays from a plane at a given distance along its normal, in the beam's frame: x along the
+/// axis, y within the fan's plane.
 std::vector<RayEcho> plane_echoes(const Eigen::Vector3d& normal, double distance_m, double width_rad,
                                   const std::vector<Eigen::Vector2d>& offsets) {
   std::vector<RayEcho> rays;
@@ -65,7 +65,7 @@ std::vector<RayEcho> plane_echoes(const Eigen::Vector3d& normal, double distance
   return rays;
 }
 
-/// The same rays' directions, for offsets in multiples of a width.
+/// The directions of the same rays, for offsets in multiples of a width.
 Eigen::Matrix3Xf directions_of(double width_rad, const std::vector<Eigen::Vector2d>& offsets) {
   Eigen::Matrix3Xf directions(3, static_cast<Eigen::Index>(offsets.size()));
   for (std::size_t k = 0; k < offsets.size(); ++k) {
@@ -103,7 +103,8 @@ TEST(AxisRange, IsUnknownWhereTheAxisIsNotAmongTheRays) {
   EXPECT_TRUE(std::isnan(axis_range_m({one_side.data(), 2}, beam)));
 }
 
-/// An oblique plane's echo, weaker with range by exp(-per_m (r - r axis)), whose points have an extent of point_m.
+/// The echo of an oblique plane, attenuated with range by exp(-per_m (r - r axis)); each point has an extent of
+/// point_m.
 BeamEcho oblique_echo(std::vector<RayEcho>& rays, double axis_m, double per_m, float point_m) {
   for (RayEcho& ray : rays) {
     ray.energy = static_cast<float>(std::exp(-per_m * (ray.range_m - axis_m)) / static_cast<double>(rays.size()));
@@ -127,7 +128,7 @@ TEST(AxisEcho, HasTheGaussiansDensityForAnyNumberOfRaysAndTheEnergyOnTheAxis) {
         const AxisEcho echo = axis_echo(oblique_echo(rays, axis_m, per_m, point_m), beam, axis_m, kCell);
         const double extent_m = std::hypot(point_m, std::sqrt(2 * std::numbers::pi) * deviation_m);
         EXPECT_NEAR(echo.extent_m, extent_m, 0.01 * extent_m) << count;
-        // Not exact: ranges curve over the offsets (per_m var(x) r'' / 2 = 1.4 %), and rays have no tails.
+        // Not exact, because ranges are curved over the offsets (per_m var(x) r'' / 2 = 1.4 %), and rays have no tails.
         EXPECT_NEAR(echo.level, kCell / extent_m, 0.03 * kCell / extent_m) << count << " rays, " << per_m;
       }
     }

@@ -20,7 +20,7 @@ using testing::quiet_forward_looking;
 constexpr int kBeams = 61, kMiddle = 30;
 constexpr double kHeight_m = 5;
 
-/// level_db[bin * kBeams + beam].
+/// Returns level_db[bin * kBeams + beam].
 std::vector<float> look(const ImagingModel& model, const World& world, const Pose& pose) {
   return testing::values_of(model, world, {.poses = {pose}}, "level_db");
 }
@@ -53,11 +53,12 @@ TEST(ForwardLooking, ASmallTargetAppearsAtItsRangeAndBearing) {
   }
 }
 
-/// Echo level of a level bed by the active sonar equation: spreading, absorption, Lambert, the cell's area.
+/// The echo level of a level bed by the active sonar equation: spreading, absorption, Lambert's law, and the cell's
+/// area.
 double bed_level_db(const ImagingModel& model, const Water& water, double z_m, double range_m) {
   const double sine = kHeight_m / range_m;
   const BeamPattern across(model["beam_width_rad"], model["taper"], 0);
-  double width_rad = 0;  // of an ideal rectangular beam that receives as much power
+  double width_rad = 0;  // of an ideal rectangular beam that receives the same power
   for (double angle = -0.15; angle < 0.15; angle += 1e-5) width_rad += 1e-5 * across.power(angle);
   const double area_m2 = range_m * width_rad * model.acoustics().bin_m();  // rho d(rho) = R dR on a level bed
   const double vertical = BeamPattern(model["vertical_width_rad"], 0.46, 0).power(std::asin(sine));
@@ -106,7 +107,8 @@ TEST(ForwardLooking, AbsorptionAppliesTwice) {
 
 TEST(ForwardLooking, TheShadowOfABoxEndsWhereTheRayOverItsTopMeetsTheBed) {
   ImagingModel model = quiet_forward_looking();
-  model["beam_width_rad"] = 0.3 * kDegree;  // with wider beams, side lobes see the box's far edge a little farther away
+  model["beam_width_rad"] = 0.3 * kDegree;  // with wider beams, side lobes receive the box's far edge a little farther
+                                            // away
   model["columns_per_beam"] = 8;
   const double top = 1.5, front = 12, back = 13;
   const World world = with_box(flat_bed(-20), {(front + back) / 2, 0, -20 + top / 2}, {back - front, 8, top});
@@ -177,7 +179,7 @@ TEST(ForwardLooking, LabelsTellWhichSurfaceACellShows) {
   const auto label_at = [&](double range_m) {
     return labels[static_cast<std::size_t>(range_m / model.acoustics().bin_m()) * kBeams + kMiddle];
   };
-  EXPECT_EQ(label_at(3), kNothing);  // water alone, above the bed
+  EXPECT_EQ(label_at(3), kNothing);  // only water, above the bed
   EXPECT_EQ(label_at(7), kTerrain);
   EXPECT_EQ(label_at(9.55), kTerrain + 1);  // the box's face
   EXPECT_EQ(label_at(30), kTerrain);

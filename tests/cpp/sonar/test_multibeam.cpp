@@ -140,7 +140,7 @@ TEST(Multibeam, ThePingRateIsLimitedByTheTwoWayTravelTime) {
   water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10;
   water.salinity_psu = 35;
   for (const auto& [number, range] : {std::pair{1, 95.0}, {2, 55.0}}) {
-    // Mackenzie's own figure at 10 deg C, 35 psu and the surface is 1489.8 m/s.
+    // Mackenzie's own value at 10 deg C, 35 psu and the surface is 1489.8 m/s.
     EXPECT_NEAR(Multibeam(em2040(number)).ping_rate_max_hz(water, 0), 1489.8 / (2 * range), 0.01);
   }
   MultibeamModel near = em2040(1);

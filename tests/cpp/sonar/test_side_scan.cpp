@@ -66,7 +66,7 @@ TEST(SideScan, ATargetToPortAppearsToPortAtItsSlantRangeWithAShadowBehindIt) {
   world.add_solid("wall", wall);
   const Lines lines = ping(model, world, {{at({0, 0, -12})}});
   const auto level = [&](double range) { return lines.port_db[static_cast<std::size_t>(range / 0.1)]; };
-  // From the foot of its face to where the ray over its far upper edge meets the bed.
+  // From the foot of the box's face to the point where the ray over its far upper edge hits the bed.
   const double begins = std::hypot(20, 8), ends = std::hypot(20.5 * 8 / 6, 8);
   for (double range = begins + 0.15; range < ends - 0.15; range += 0.1) EXPECT_LT(level(range), 0) << range;
   EXPECT_GT(level(ends + 0.2), 20);

@@ -14,7 +14,7 @@ using testing::ImagingModel;
 using testing::kDegree;
 using testing::quiet_single_beam;
 
-/// A head that steps in the vertical plane: its x axis straight down, its y axis to port.
+/// The pose of a head that steps in the vertical plane, with its x axis straight down and its y axis to port.
 Pose downwards(double z_m) { return at({0, 0, z_m}, 90 * kDegree); }
 
 std::vector<float> ranges_m(const ImagingModel& model, const World& world, const Pose& pose,

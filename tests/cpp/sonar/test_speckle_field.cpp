@@ -19,7 +19,7 @@ EchoFootprint footprint(float y_m, float z_m, float deviation_y_m, float deviati
   return {{60, y_m, z_m}, {0.01f, deviation_y_m, deviation_z_m}};
 }
 
-/// The correlation of draws for footprints that are apart by a share of their deviation, over many places.
+/// The correlation of draws for footprints whose distance is a given fraction of their deviation, over many positions.
 double correlation(const SpeckleField& field, float apart_y, float apart_z, float deviation_y_m, float deviation_z_m,
                    std::size_t draw = 0) {
   double together = 0, one = 0, two = 0;
@@ -72,7 +72,8 @@ TEST(SpeckleField, BeamsCorrelateByTheOverlapOfTheirFootprints) {
 TEST(SpeckleField, ScatterersAreFixedInTheWorld) {
   const SpeckleField field(7, 400e3);
   const auto here = field.view(looking_down(100, 40)).draws(footprint(2, 1, 0.3f, 0.2f));
-  // The same footprint from another head of the same heading: 3 m along the fan's y, the world's, and 2 m along its z.
+  // The same footprint from another head with the same heading: 3 m along the fan's y axis, which is the world's, and 2
+  // m along its z axis.
   const auto again = field.view(looking_down(98, 43)).draws(footprint(-1, -1, 0.3f, 0.2f));
   const auto other_way = field.view(looking_down(102, 43)).draws(footprint(-1, -1, 0.3f, 0.2f));
   const bool same = std::abs(here[0] - again[0]) < 1e-4, mirrored = std::abs(here[0] - other_way[0]) < 1e-4;

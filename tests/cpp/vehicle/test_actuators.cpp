@@ -19,7 +19,7 @@ FinParameters tail_fin(const char* name, const Eigen::Vector3d& span) {
   return p;
 }
 
-/// A propeller and four fins in a cross.
+/// A propeller and four fins arranged in a cross.
 ActuatorsSpec torpedo() {
   ThrusterParameters propeller;
   propeller.name = "propeller";

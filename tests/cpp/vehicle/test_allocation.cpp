@@ -39,7 +39,7 @@ Eigen::VectorXd for_all(const Columns& columns, double value) {
 
 Allocation t200s(const Columns& columns) { return {columns, for_all(columns, -39.9), for_all(columns, 51.5)}; }
 
-/// Random thrusts within the limits, so that their wrench can be given.
+/// Random thrusts within the limits, so that their wrench is achievable.
 Eigen::VectorXd drawn(const Columns& columns, std::uint64_t tick) {
   static const RandomStream stream(7, "allocation");
   Eigen::VectorXd thrusts(columns.cols());

@@ -18,7 +18,7 @@ Buoyancy buoyancy(const BuoyantHull& hull, const Pose& pose, const WaterField& w
   return hull.buoyancy(pose.position_m, pose.rotation(), water, time_s);
 }
 
-/// Density linear between knots from the surface down, constant beyond them.
+/// Water whose density is linear between knots from the surface down, and constant beyond them.
 class LayeredWater : public EvenWater {
  public:
   std::vector<double> z_m = {0, -1, -1.5, -3};
@@ -64,7 +64,7 @@ TEST(BuoyantHull, AnUprightBoxDisplacesTheVolumeBelowItsWaterline) {
 TEST(BuoyantHull, ABoxTurnedOnItsEdgeDisplacesATriangularPrism) {
   const BuoyantHull hull(testing::box(2, 1, 1));
   const Eigen::Quaterniond roll(Eigen::AngleAxisd(std::numbers::pi / 4, Eigen::Vector3d::UnitX()));
-  const double z = 0.3;  // the lower edge is at z - sqrt(1/2): a right triangle of height h is wet, its width 2h
+  const double z = 0.3;  // the lower edge is at z - sqrt(1/2); a right triangle of height h and width 2h is wet
   const double h = std::sqrt(0.5) - z;
   const Displacement wet = hull.displacement({{0, 0, z}, roll});
   EXPECT_NEAR(wet.volume_m3, 2 * h * h, 1e-12);
@@ -76,7 +76,7 @@ TEST(BuoyantHull, ASphereCentredAtTheSurfaceDisplacesHalfItsVolumeAtAnyAttitude)
   const double whole = solid_properties(hull.mesh_body()).volume_m3;
   for (const double angle : {0.0, 0.4, 1.1, 2.9}) {
     const Displacement wet = hull.displacement({{0, 0, 0}, tilted(angle)});
-    EXPECT_NEAR(wet.volume_m3, whole / 2, 1e-9 * whole);  // point symmetry
+    EXPECT_NEAR(wet.volume_m3, whole / 2, 1e-9 * whole);  // by point symmetry
   }
 }
 

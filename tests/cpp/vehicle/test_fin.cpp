@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A fin to port, its centre of pressure at the origin.
+/// A fin to port, with its centre of pressure at the origin.
 FinParameters plane() {
   FinParameters p;
   p.name = "port";
@@ -24,7 +24,7 @@ FinParameters plane() {
   return p;
 }
 
-/// (Upward lift, drag) on a fin that moves at 2 m/s, ahead and downward so that its angle of attack is `attack_rad`.
+/// (Upward lift, drag) on a fin that moves at 2 m/s, ahead and downward, with an angle of attack of `attack_rad`.
 Eigen::Vector2d lift_and_drag(const Fin& fin, double attack_rad) {
   Vector6d moving = Vector6d::Zero();
   moving(0) = 2 * std::cos(attack_rad);

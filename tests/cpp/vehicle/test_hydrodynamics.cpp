@@ -107,7 +107,7 @@ TEST(Craft, InvalidCoefficientsAreRefused) {
   p.inertia_kg_m2.diagonal() << 1, 1, 5;
   EXPECT_THROW(p.check(), InvalidValue);
   p = neutral_box();
-  p.inertia_kg_m2(0, 1) = 9;  // without (1, 0)
+  p.inertia_kg_m2(0, 1) = 9;  // without its counterpart (1, 0)
   EXPECT_THROW(p.check(), InvalidValue);
   p = neutral_box();
   p.quadratic_damping.topLeftCorner<2, 2>() << 1, 0.1, 0.1, 0.01;  // semi-definite, yet v = (1, -5) gains energy
@@ -119,7 +119,7 @@ TEST(Craft, InvalidCoefficientsAreRefused) {
 
 TEST(Craft, ACentreOfMassOutsideTheHullsBoundingBoxIsRefused) {
   CraftParameters p = neutral_box();
-  p.centre_of_mass_body_m = {0, 0.4, -0.3};  // on its surface
+  p.centre_of_mass_body_m = {0, 0.4, -0.3};  // on the hull's surface
   EXPECT_NO_THROW(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))));
   p.centre_of_mass_body_m.z() = -0.31;
   EXPECT_THROW(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))), InvalidValue);

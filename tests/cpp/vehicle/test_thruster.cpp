@@ -27,7 +27,7 @@ Vector6d wrench(const Thruster& thruster, const Vector6d& through_water = Vector
   return tau;
 }
 
-/// A thruster at full thrust ahead.
+/// A thruster that is already at full thrust ahead.
 Thruster running(ThrusterParameters p) {
   p.time_constant_s = 0;
   Thruster thruster(p);

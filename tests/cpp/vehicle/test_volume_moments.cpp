@@ -16,7 +16,7 @@
 namespace uwsim {
 namespace {
 
-/// An asymmetric egg of 2,024 triangles.
+/// An asymmetric egg with 2,024 triangles.
 TriangleMesh egg() {
   TriangleMesh mesh = testing::sphere(1, 23);
   for (Eigen::Vector3d& v : mesh.vertices_m)
@@ -24,8 +24,8 @@ TriangleMesh egg() {
   return mesh;
 }
 
-/// Reference: moments of the mesh's wet part about the origin, triangle by triangle. Each is clipped corner by corner
-/// (Sutherland and Hodgman 1974), and the cut face is a fan from some point of the plane.
+/// Reference: moments of the wet part of the mesh about the origin, triangle by triangle. Each triangle is clipped
+/// corner by corner (Sutherland and Hodgman 1974), and the cut face is a fan from some point of the plane.
 VolumeMoments clipped(const TriangleMesh& mesh, const Eigen::Vector3d& up, double level_m) {
   VolumeMoments sum;
   const auto add = [&sum](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -39,7 +39,7 @@ VolumeMoments clipped(const TriangleMesh& mesh, const Eigen::Vector3d& up, doubl
   const Eigen::Vector3d on_plane = level_m * up + 0.1 * up.unitOrthogonal();
   for (const Triangle& t : mesh.triangles) {
     std::vector<Eigen::Vector3d> wet;
-    Eigen::Vector3d leaves = on_plane, enters = on_plane;  // where its outline leaves the water and enters it
+    Eigen::Vector3d leaves = on_plane, enters = on_plane;  // where its outline leaves and enters the water
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d &a = mesh.vertices_m[t[k]], &b = mesh.vertices_m[t[(k + 1) % 3]];
       const double h = up.dot(a) - level_m, g = up.dot(b) - level_m;
@@ -77,7 +77,7 @@ TEST(CutVolume, APlaneAnywhereInItsCellEqualsTheSumOfClippedTriangles) {
   const TriangleMesh mesh = egg();
   const CutVolume volume(mesh);
   const RandomStream random(3, "planes");
-  const double pitch_m = 0.3 / 128;  // of cells in level
+  const double pitch_m = 0.3 / 128;  // pitch of cells in level
   for (std::uint64_t k = 0; k < 300; ++k) {
     const auto draw = [&](std::uint64_t index) { return 2 * random.uniform(k, index) - 1; };
     const Eigen::Vector3d up = Eigen::Vector3d(draw(0), draw(1), draw(2)).normalized();
@@ -131,7 +131,7 @@ TEST(CutVolume, TheTwoSidesOfAPlaneAddUpToTheWhole) {
     const CutVolume volume(mesh);
     for (const Eigen::Vector3d& tilt : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(2, 1, 0), Eigen::Vector3d(1, 1, 5)}) {
       const Eigen::Vector3d up = tilt.normalized();
-      for (const double level_m : {0.0, 0.1, 0.25}) {  // through vertices and along faces too
+      for (const double level_m : {0.0, 0.1, 0.25}) {  // includes planes through vertices and along faces
         VolumeMoments both = volume.below(up, level_m, true);
         both += volume.below(-up, -level_m, true);
         expect_same(both, volume.whole(), volume.whole());

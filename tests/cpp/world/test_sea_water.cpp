@@ -22,8 +22,9 @@ TEST(SeaWater, HasTheDensitiesOfTheUnescoTable) {  // Fofonoff and Millard 1983,
   EXPECT_NEAR(sea_water_density_kg_m3(40, 40, 1e8), 1059.82037, 1e-5);
 }
 
-/// 10000 dbar are 9712.653 m deep at 30 degrees of latitude in the standard ocean of 0 deg C and 35 psu (Saunders 1981;
-/// UNESCO 44's check value), where gravity, 9.79324 m/s^2 at the surface, has a mean of 9.80416 m/s^2 over that depth.
+/// According to Saunders 1981 (UNESCO 44's check value), 10000 dbar are 9712.653 m deep at 30 degrees of latitude in
+/// the standard ocean of 0 deg C and 35 psu, where gravity, 9.79324 m/s^2 at the surface, has a mean of 9.80416 m/s^2
+/// over that depth.
 TEST(SeaWater, PressureGrowsWithDepthAsInTheUnescoTable) {
   Water ocean;
   ocean.gravity_m_s2 = 9.80416;

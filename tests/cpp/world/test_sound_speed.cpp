@@ -15,7 +15,7 @@ using enum SoundSpeedEquation;
 constexpr double kBar = 1e5;
 constexpr double kT68PerT90 = 1.00024;
 
-/// The equation of 1974 as published, for temperatures of the scale of 1968; pressure in kg/cm^2.
+/// The equation of 1974 as published, for temperatures on the 1968 scale; pressure in kg/cm^2.
 double del_grosso_1974(double t, double s, double p) {
   return 1402.392 + (0.501109398873e1 - (0.550946843172e-1 - 0.221535969240e-3 * t) * t) * t +
          (0.132952290781e1 + 0.128955756844e-3 * s) * s +

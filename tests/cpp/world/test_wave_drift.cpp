@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-struct Regular {  // a wave on deep water that runs east
+struct Regular {  // an eastward wave on deep water
   double amplitude_m, period_s;
 
   double omega() const { return 2 * kPi / period_s; }
@@ -23,9 +23,9 @@ struct Regular {  // a wave on deep water that runs east
   }
 };
 
-/// The mean velocity of a particle of water over many periods, between its mean places in the first and the last one.
+/// The mean velocity of a water particle over many periods, between its mean positions in the first and the last one.
 Eigen::Vector3d drift_m_s(const Water& water, Eigen::Vector3d place, double period_s, int periods) {
-  constexpr int kSteps = 100;  // in a period
+  constexpr int kSteps = 100;  // per period
   const double h = period_s / kSteps;
   const auto velocity = [&](const Eigen::Vector3d& at, double t) { return water.flow_at(at, t).velocity_m_s; };
   Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = first;
@@ -51,7 +51,7 @@ TEST(WaveDrift, BelowTheTroughsTheOrbitalVelocityIsThatOfLinearTheory) {
   }
 }
 
-/// Stokes 1847: a^2 omega k exp(2 k z), to second order, along the wave and not up or down.
+/// Stokes 1847: a^2 omega k exp(2 k z), to second order, along the wave and without a vertical component.
 TEST(WaveDrift, ParticlesDriftAsStokesSays) {
   const Regular wave{0.1, 4};
   const Water water = wave.water();
@@ -91,7 +91,7 @@ TEST(WaveDrift, TheAccelerationIsThatOfAParticleAtEveryDepthAndInACurrent) {
   }
 }
 
-/// Longuet-Higgins and Stewart 1964: the mean vertical flux of momentum carries a part of the weight of the water.
+/// Longuet-Higgins and Stewart 1964: the mean vertical flux of momentum carries part of the weight of the water.
 TEST(WaveDrift, TheMeanPressureIsHydrostaticLessTheFluxOfVerticalMomentum) {
   const Regular wave{0.4, 5};
   Water water = wave.water();

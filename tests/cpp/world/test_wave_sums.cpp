@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDepth_m = 12, kGravity_m_s2 = 9.81;
 
-/// Rows of amplitude, frequency, number, its x and y, phase, deep, shallow.
+/// Rows of amplitude, frequency, wave number, its x and y components, phase, deep, shallow.
 std::vector<double> random_waves(std::size_t count) {
   const RandomStream random(3, "waves");
   std::vector<double> rows;
@@ -82,7 +82,7 @@ TEST(WaveSums, CrestsAreSinesAndCosinesToRounding) {
   EXPECT_FALSE(wave_sum_kernels().crests(random_waves(8).data(), 8, 0, 0, 1e7, crests.data(), height));
 }
 
-// Each wave's potential is the real part of -i (g / omega) (cos + i sin) cosh(k (z + h)) / cosh(k h).
+// The potential of each wave is the real part of -i (g / omega) (cos + i sin) cosh(k (z + h)) / cosh(k h).
 TEST(WaveSums, VelocityAndItsGradientAreThoseOfLinearTheory) {
   const std::vector<double> waves = random_waves(40);
   const Sums sums = sums_by(wave_sum_kernels(), waves, 17.25);
@@ -104,8 +104,8 @@ TEST(WaveSums, VelocityAndItsGradientAreThoseOfLinearTheory) {
   EXPECT_NEAR(sums.motion.local_m_s2[2], accelerates_up, 1e-14);
 }
 
-// The pressure gradient of each wave, integrated over the volume to second order: kappa (V + kappa^T C kappa / 2), and
-// its moment (C kappa) x kappa, kappa = (i k_x, i k_y, +-k).
+// The pressure gradient of each wave, integrated over the volume to second order, is kappa (V + kappa^T C kappa / 2),
+// and its moment is (C kappa) x kappa, with kappa = (i k_x, i k_y, +-k).
 TEST(WaveSums, LoadIsThePressureGradientOverTheVolume) {
   using Complex = std::complex<double>;
   const std::vector<double> waves = random_waves(40);

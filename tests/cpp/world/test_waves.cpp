@@ -156,7 +156,7 @@ TEST(Waves, HeadsOfManyPointsEqualThoseOfEachAlone) {
 TEST(Waves, EveryInstructionSetGivesTheSameBits) {
   const RandomStream random(5, "waves");
   std::array<WaveTerms, 3> terms{};
-  std::array<double, 3 * 13> points{};  // no multiple of the lanes
+  std::array<double, 3 * 13> points{};  // not a multiple of the number of lanes
   for (std::uint64_t k = 0; k < 3 * kWaveLanes; ++k) {
     WaveTerms& at = terms[k / kWaveLanes];
     std::uint64_t draw = 0;
@@ -188,7 +188,7 @@ TEST(Waves, EveryInstructionSetGivesTheSameBits) {
   }
 }
 
-/// The autocorrelation of the surface at a place, over all times.
+/// The autocorrelation of the surface at one position, over all times.
 double correlation(const std::vector<WaveComponent>& waves, double lag_s) {
   double sum = 0, all = 0;
   for (const WaveComponent& w : waves) {
@@ -204,14 +204,14 @@ TEST(Waves, ASeaDoesNotRecurWithinTwoHours) {
     EXPECT_DOUBLE_EQ(correlation(waves, 0), 1);
     double most = 0;
     for (double lag = 150; lag < 7200; lag += 0.5) most = std::max(most, std::abs(correlation(waves, lag)));
-    EXPECT_LT(most, 0.5) << seed;  // that of evenly spaced frequencies is 1 after 205 s
+    EXPECT_LT(most, 0.5) << seed;  // with evenly spaced frequencies, it is 1 after 205 s
   }
 }
 
 TEST(Waves, ASeaHasTheSpectrumsMeanFrequencies) {
   const auto waves = Waves::jonswap({.peak_period_s = 8, .component_count = 512, .seed = 1}, 1000).components();
   double energy = 0, first = 0, second = 0;
-  for (double x = 0.5005; x < 3; x += 0.001) {  // over the band, in units of the peak's frequency
+  for (double x = 0.5005; x < 3; x += 0.001) {  // over the band, in units of the peak frequency
     const double sigma = x <= 1 ? 0.07 : 0.09, off = (x - 1) / sigma;
     const double density =
         std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(3.3, std::exp(-off * off / 2));
