@@ -4,7 +4,6 @@
 
 namespace uwsim {
 
-inline constexpr double kGrazing = 1.75e-3;  ///< sine of 0.1 degree, rounded up; closer to tangency nothing is
-                                             ///< guaranteed
+inline constexpr double kGrazing = 1.75e-3;  // sine of 0.1 degree, rounded up; no guarantees closer to tangency
 
 }  // namespace uwsim

@@ -107,8 +107,7 @@ TEST(ForwardLooking, AbsorptionAppliesTwice) {
 
 TEST(ForwardLooking, TheShadowOfABoxEndsWhereTheRayOverItsTopMeetsTheBed) {
   ImagingModel model = quiet_forward_looking();
-  model["beam_width_rad"] = 0.3 * kDegree;  // with wider beams, side lobes receive the box's far edge a little farther
-                                            // away
+  model["beam_width_rad"] = 0.3 * kDegree;  // with wider beams, side lobes receive the box's far edge from farther away
   model["columns_per_beam"] = 8;
   const double top = 1.5, front = 12, back = 13;
   const World world = with_box(flat_bed(-20), {(front + back) / 2, 0, -20 + top / 2}, {back - front, 8, top});
