@@ -144,19 +144,19 @@ __all__: list[str] = [
 
 class Parameter:
     """
-    A figure of a kind of sensor or imaging sonar.
+    A parameter of a kind of sensor or imaging sonar.
     """
     @property
     def by_default(self) -> float:
         """
-        The default of each value; NaN: must be given.
+        default of each value; NaN if the parameter is required
         """
     @property
     def high(self) -> float: ...
     @property
     def low(self) -> float:
         """
-        Least value; the least positive number where 0 is excluded.
+        smallest value; the smallest positive number if 0 is excluded
         """
     @property
     def meaning(self) -> str: ...
@@ -170,12 +170,12 @@ class Parameter:
     @property
     def width(self) -> int:
         """
-        Number of values.
+        number of values
         """
 
 class BodyState:
     """
-    Pose and velocity of a body, in read-only arrays; six-vectors (linear, angular) in the body frame.
+    Pose and velocity of a body, in read-only arrays; six-vectors are (linear, angular) in the body frame.
     """
     def __init__(self, position_m: typing.Any, orientation_xyzw: typing.Any, velocity_body: typing.Any) -> None: ...
     @property
@@ -208,7 +208,7 @@ class SolidProperties:
     @property
     def inertia_per_density_m5(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
         """
-        (3, 3) [m^5], about the centroid; times density gives kg m^2
+        (3, 3) [m^5], about the centroid; multiplied by the density, in kg m^2
         """
     @property
     def volume_m3(self) -> float: ...
@@ -227,7 +227,8 @@ class Waves:
         gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> Waves:
         """
-        One wave that runs towards heading_rad (from east, counter-clockwise). Raises ValueError.
+        Return a single wave that propagates towards heading_rad (from east, counter-clockwise). Raises
+        ValueError.
         """
     @staticmethod
     def jonswap(
@@ -242,12 +243,12 @@ class Waves:
         gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> Waves:
         """
-        A sea of component_count waves with a JONSWAP spectrum. Raises ValueError.
+        Return a sea of component_count waves with a JONSWAP spectrum. Raises ValueError.
         """
     @property
     def bound_m(self) -> float:
         """
-        The sum of the amplitudes: no crest is higher, no trough deeper.
+        the sum of the amplitudes: no crest is higher, no trough deeper
         """
     @property
     def depth_m(self) -> float: ...
@@ -259,12 +260,13 @@ class Waves:
 
 class Current:
     """
-    A current: a function of place and time. Its constructors raise ValueError.
+    A current: a function of position and time. Its constructors raise ValueError.
     """
     @staticmethod
     def gridded(x_m: typing.Any, y_m: typing.Any, z_m: typing.Any, velocity_m_s: typing.Any) -> Current:
         """
-        A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, constant beyond the edges.
+        Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes: trilinear, constant beyond the
+        edges.
         """
     @staticmethod
     def gusty(
@@ -273,12 +275,12 @@ class Current:
         seed: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> Current:
         """
-        Gauss-Markov gusts of standard deviation sigma_m_s (3,) with zero mean.
+        Return Gauss-Markov gusts with standard deviation sigma_m_s (3,) and zero mean.
         """
     @staticmethod
     def layered(depth_m: typing.Any, velocity_m_s: typing.Any) -> Current:
         """
-        depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between levels.
+        Return a steady current, linear between levels. depth_m: (n,), increasing; velocity_m_s: (n, 3).
         """
     @staticmethod
     def tidal(
@@ -287,7 +289,7 @@ class Current:
         phase_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> Current:
         """
-        amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).
+        Return a tidal current: amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).
         """
     def velocity_m_s(
         self, point_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
@@ -309,53 +311,56 @@ class WaterProfile:
         sound_speed_m_s: typing.Any = None,
     ) -> None:
         """
-        Each (n,), depths rising; without sound_speed_m_s it follows from the others. Raises ValueError.
+        Create a profile from arrays (n,), with increasing depths. Without sound_speed_m_s, the sound speed is
+        computed from the other properties. Raises ValueError.
         """
 
 class Water:
     """
-    The water: calm, uniform and with one steady current, unless waves, a profile or currents are set.
+    The water of a world: calm and uniform with one steady current, unless waves, a profile or currents
+    are set.
     """
     def __init__(self) -> None: ...
     def add_current(self, current: Current) -> None:
         """
-        Adds a current to current_world_m_s and to those added before.
+        Add a current to current_world_m_s and to those added earlier.
         """
     def check(self) -> None:
         """
-        Raises ValueError that names the field, its value, unit and rule.
+        Raise ValueError naming the field, its value, unit and rule if a parameter is invalid.
         """
     def density_at_kg_m3(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Density of still water.
+        Return the density of still water.
         """
     def pressure_at_pa(
         self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n,) absolute pressure under the waves of the moment.
+        Return the absolute pressure (n,) at points (n, 3) under the waves at this time.
         """
     def pressure_pa(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Absolute pressure of still water: p_atm + the integral of rho g, with compression.
+        Return the absolute pressure of still water: p_atm + the integral of rho g, with compression.
         """
     def salinity_at_psu(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     def sound_speed_m_s(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        That of the profile, else by temperature, salinity and pressure (sound_speed_equation).
+        Return the speed of sound, from the profile if it specifies one, else by temperature, salinity and
+        pressure (sound_speed_equation).
         """
     def surface_height_m(
         self, xy_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 2) -> (n,)
+        Return the surface height (n,) at positions (n, 2).
         """
     def temperature_deg_c(self, z_world_m: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     def velocity_m_s(
         self, points_world_m: typing.Any, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n, 3), currents and waves together.
+        Return the velocity (n, 3) at points (n, 3), including currents and waves.
         """
     @property
     def atmospheric_pressure_pa(self) -> float: ...
@@ -372,7 +377,7 @@ class Water:
     @property
     def compressible(self) -> bool:
         """
-        Whether pressure includes the compression of the water by its own weight (EOS-80).
+        whether pressure includes the compression of the water by its own weight (EOS-80)
         """
     @compressible.setter
     def compressible(self, arg0: bool) -> None: ...
@@ -391,7 +396,7 @@ class Water:
     @property
     def profile(self) -> WaterProfile | None:
         """
-        None: one density and salinity, temperature linear down to bottom_depth_m
+        None for uniform density and salinity, with temperature linear down to bottom_depth_m
         """
     @profile.setter
     def profile(self, arg1: WaterProfile | None) -> None: ...
@@ -403,7 +408,7 @@ class Water:
     def sound_speed_equation(self) -> str:
         """
         unesco, del_grosso, belogolskii, leroy, mackenzie or medwin; assign "automatic" for the best. Raises
-        ValueError where the water, as it is, exceeds the equation's range.
+        ValueError if the water in its present state exceeds the equation's range.
         """
     @sound_speed_equation.setter
     def sound_speed_equation(self, arg1: str) -> None: ...
@@ -414,31 +419,31 @@ class Water:
     @property
     def waves(self) -> Waves | None:
         """
-        None: a flat surface
+        None for a flat surface
         """
     @waves.setter
     def waves(self, arg1: Waves | None) -> None: ...
 
 class RoundShape:
     """
-    A sphere or a straight piece of round pipe, which rays meet exactly instead of as facets.
+    A sphere or a straight piece of round pipe, on which ray hits are exact, without facets.
     """
     @staticmethod
     def cylinder(
         start_world_m: typing.Any, end_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex
     ) -> RoundShape:
         """
-        Between two points (3,) on its axis, with flat caps. Raises ValueError.
+        Return a cylinder between two points (3,) on its axis, with flat caps. Raises ValueError.
         """
     @staticmethod
     def pipe(line_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex) -> list[RoundShape]:
         """
-        Pieces along a line (n, 3) with caps at both ends and mitred bends. Raises ValueError.
+        Return pieces of pipe along a line (n, 3), with caps at both ends and mitred bends. Raises ValueError.
         """
     @staticmethod
     def sphere(centre_world_m: typing.Any, radius_m: typing.SupportsFloat | typing.SupportsIndex) -> RoundShape:
         """
-        centre_world_m: (3,). Raises ValueError.
+        Return a sphere about centre_world_m (3,). Raises ValueError.
         """
     @property
     def radius_m(self) -> float: ...
@@ -458,24 +463,27 @@ class World:
         shapes: collections.abc.Sequence[RoundShape] = [],
     ) -> int:
         """
-        vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: rays meet these instead of the mesh,
-        which then serves contacts and the true surface. Returns the label. Raises ValueError.
+        Add a solid and return its label. vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes:
+        rays hit these instead of the mesh, which is then used for contacts and as the reference surface.
+        Raises ValueError.
         """
     def height_at(self, xy_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 2) -> (n,) float64, height of the terrain; NaN outside.
+        Return the height (n,) float64 of the terrain at positions (n, 2); NaN outside.
         """
     def set_terrain(
         self, heights_m: typing.Any, spacing_m: typing.SupportsFloat | typing.SupportsIndex, origin_m: typing.Any
     ) -> None:
         """
-        heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). Raises ValueError on shape, non-finite heights or spacing.
+        Set the terrain. heights_m: (ny, nx) float32, where heights_m[j, i] is z at (x0 + i spacing, y0 + j
+        spacing). origin_m: (x0, y0). Raises ValueError for wrong shapes, non-finite heights or an invalid
+        spacing.
         """
     def solid_around(
         self, point_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
     ) -> str | None:
         """
-        (3,) -> the name of a closed solid that encloses the point, or None.
+        Return the name of a closed solid that encloses the point (3,), or None.
         """
     def surface_mesh(
         self, with_terrain: bool = True
@@ -483,22 +491,23 @@ class World:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.uint16]
     ]:
         """
-        (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain, if asked for, and all solids.
+        Return (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16) of the terrain,
+        if requested, and of all solids.
         """
     @property
     def highest_m(self) -> float:
         """
-        Height of the terrain's highest point; -inf without one.
+        Height of the terrain's highest point; -inf without terrain.
         """
     @property
     def label_names(self) -> list[str]:
         """
-        Names by label: nothing, terrain, then the solids.
+        Names by label: nothing, terrain, then the names of the solids.
         """
     @property
     def lowest_m(self) -> float:
         """
-        Height of the terrain's lowest point; -inf without one.
+        Height of the terrain's lowest point; -inf without terrain.
         """
     @property
     def terrain_extent_m(self) -> tuple[float, float, float, float]:
@@ -513,7 +522,7 @@ class FixedWater(Water):
     def __setattr__(self, name: str, value: typing.Any) -> None: ...
     def add_current(self, current: Current) -> None:
         """
-        Raises AttributeError.
+        Raise AttributeError.
         """
     @property
     def current_world_m_s(self) -> numpy.ndarray:
@@ -537,13 +546,13 @@ class FixedWorld(World):
         shapes: collections.abc.Sequence[RoundShape] = [],
     ) -> int:
         """
-        Raises AttributeError.
+        Raise AttributeError.
         """
     def set_terrain(
         self, heights_m: typing.Any, spacing_m: typing.SupportsFloat | typing.SupportsIndex, origin_m: typing.Any
     ) -> None:
         """
-        Raises AttributeError.
+        Raise AttributeError.
         """
     @property
     def water(self) -> Water:
@@ -555,7 +564,7 @@ class FixedWorld(World):
 
 class SurfaceSampler:
     """
-    Samples a world's terrain and solids, where they lie inside a polygon and a box.
+    Samples the parts of a world's terrain and solids that lie inside a polygon and a box.
     """
     def __init__(
         self,
@@ -566,7 +575,8 @@ class SurfaceSampler:
         high_m: typing.Any,
     ) -> None:
         """
-        area_world_m: (k, 2), a simple polygon. low_m, high_m: (3,), the box, which may be infinite. Raises ValueError.
+        area_world_m: (k, 2), a simple polygon. low_m, high_m: (3,), the box, which may be infinite. Raises
+        ValueError.
         """
     def sample(
         self,
@@ -576,9 +586,10 @@ class SurfaceSampler:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64]
     ]:
         """
-        first, end: (3,) integers, voxels floor(x / resolution_m) from first to before end, at most 512 a side.
-        Returns points (n, 3) float64, sorted by voxel, at most one in each octant of a voxel; (n,) int64, the
-        voxel of each; and the voxels (v, 3) int64, sorted. Releases the GIL. Raises ValueError.
+        Sample the voxels floor(x / resolution_m) from first up to, but excluding, end: (3,) integers, at most
+        512 per side. Returns points (n, 3) float64, sorted by voxel, at most one per octant of a voxel; the
+        voxel of each point, (n,) int64; and the voxels (v, 3) int64, sorted. Releases the GIL. Raises
+        ValueError.
         """
     @property
     def box_m(
@@ -591,12 +602,12 @@ class SurfaceSampler:
         | None
     ):
         """
-        Corners (3,) of a box that holds all surface to be sampled; None if there is none.
+        Corners (3,) of a box that encloses all surface to be sampled; None if there is none.
         """
     @property
     def voxels_in_box(self) -> float:
         """
-        About how many voxels the surface runs through in that box.
+        Approximate number of voxels in that box that the surface passes through.
         """
 
 class RayHits:
@@ -608,17 +619,18 @@ class RayHits:
     @property
     def normals_world(self) -> numpy.typing.NDArray[numpy.float32]:
         """
-        (n, 3) float32, unit; zero where nothing was hit
+        (n, 3) float32, unit; zero if nothing was hit
         """
     @property
     def ranges_m(self) -> numpy.typing.NDArray[numpy.float32]:
         """
-        (n,) float32; inf where nothing was hit within range
+        (n,) float32; inf if nothing was hit within range
         """
 
 class RayScene:
     """
-    The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are only in that of Simulation.scene_around.
+    The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not included.
+    Vehicles are only included in that of Simulation.scene_around.
     """
     def __init__(self, world: World) -> None: ...
     def cast(
@@ -629,12 +641,13 @@ class RayScene:
         exact: bool = True,
     ) -> RayHits:
         """
-        origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. exact: False for pictures, in float
-        and faster; distances then err by about 1e-4 m. Returns RayHits. Raises ValueError.
+        Cast rays. origins_m: (n, 3) or (1, 3); directions: (n, 3), of any nonzero length. exact: False for
+        pictures: in float and faster, with errors in distance of about 1e-4 m. Returns RayHits. Raises
+        ValueError.
         """
     def distance_m(self, points_m: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.
+        Return the distances (n,) float64 from points (n, 3) to the nearest triangle, exact to double rounding.
         """
     def seen_groups(
         self,
@@ -646,8 +659,9 @@ class RayScene:
         tolerance_m: typing.SupportsFloat | typing.SupportsIndex = 0.001,
     ) -> numpy.typing.NDArray[numpy.bool]:
         """
-        (group_count,) bool: seen from one of viewpoints_m (v, 3), a point of the group lies within range_m and no
-        surface lies more than tolerance_m before it. points_m: (n, 3); group_of_point: (n,), sorted. Raises ValueError.
+        Return, for each group, whether one of its points is visible from one of viewpoints_m (v, 3): within
+        range_m, with no surface more than tolerance_m in front of it, (group_count,) bool. points_m: (n, 3);
+        group_of_point: (n,), sorted. Raises ValueError.
         """
     def visible(
         self,
@@ -656,12 +670,14 @@ class RayScene:
         tolerance_m: typing.SupportsFloat | typing.SupportsIndex = 0.001,
     ) -> numpy.typing.NDArray[numpy.bool]:
         """
-        (n,) bool: seen from origin_m (3,), no surface lies more than tolerance_m before the point.
+        Return whether points are visible from origin_m (3,), with no surface more than tolerance_m in front
+        of them, (n,) bool.
         """
 
 class VoxelScene:
     """
-    Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at multiples of edge_m.
+    Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at multiples
+    of edge_m.
     """
     def __init__(self, centres_world_m: typing.Any, edge_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
@@ -671,12 +687,13 @@ class VoxelScene:
         self, origins_m: typing.Any, directions: typing.Any, max_range_m: typing.SupportsFloat | typing.SupportsIndex
     ) -> RayHits:
         """
-        As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.
+        Like RayScene.cast; labels are 0. A ray that starts inside a cube hits it at distance 0.
         """
 
 class SurfaceVoxels:
     """
-    How far voxels' centres are from the true surface, and whether it runs through them. What was looked at once is remembered, so that a map can be scored while it grows.
+    Determines how far voxel centres are from the true surface, and whether it passes through the voxels.
+    Results are cached, so that a map can be scored while it grows.
     """
     def __init__(self, rays: RayScene, resolution_m: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
@@ -684,22 +701,23 @@ class SurfaceVoxels:
         """
     def __len__(self) -> int:
         """
-        How many voxels have been looked at.
+        The number of voxels that have been examined.
         """
     def distances_m(self, voxels: typing.Any) -> numpy.typing.NDArray[numpy.float64]:
         """
-        voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Returns (n,) float64, the distances from their
-        centres to the nearest triangle, exact to double rounding; what was looked at before changes nothing but
-        the time it takes. On all threads. Releases the GIL. Raises ValueError.
+        Return the distances from voxel centres to the nearest triangle, (n,) float64, exact to double
+        rounding. voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Voxels that have already been
+        examined take less time. Uses all threads. Releases the GIL. Raises ValueError.
         """
     def hold_surface(self, voxels: typing.Any, distances_m: typing.Any) -> numpy.typing.NDArray[numpy.bool]:
         """
-        voxels and their distances (n,). Returns (n,) bool: whether the surface runs through them or within 1 mm. On
-        all threads. Releases the GIL. Raises ValueError.
+        Return whether the surface passes through voxels, or within 1 mm of them, (n,) bool, given their
+        distances (n,). Uses all threads. Releases the GIL. Raises ValueError.
         """
     def look_at(self, points_world_m: typing.Any) -> None:
         """
-        Looks at the voxels that hold points (n, 3): `distances_m` then need not. Releases the GIL. Raises ValueError.
+        Examine the voxels that contain points (n, 3), in advance of `distances_m`. Releases the GIL. Raises
+        ValueError.
         """
     @property
     def resolution_m(self) -> float: ...
@@ -711,25 +729,25 @@ class SoundSpeedProfile:
     @staticmethod
     def even(speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> SoundSpeedProfile:
         """
-        The same speed at all depths: straight rays.
+        Return a profile with the same speed at all depths, in which rays are straight.
         """
     def __init__(self, depths_m: typing.Any, speeds_m_s: typing.Any) -> None:
         """
-        Each (n,), with increasing depths. Raises ValueError that names the level.
+        Create a profile from two arrays (n,), with increasing depths. Raises ValueError naming the level.
         """
     def at(self, depth_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Speed [m/s] at a depth [m].
+        Return the speed [m/s] at a depth [m].
         """
 
 class SonarFigures:
     """
-    Figures of an active sonar: transmitter, receiver, detector. Levels re 1 uPa (at 1 m).
+    Parameters of an active sonar: transmitter, receiver and detector. Levels re 1 uPa (at 1 m).
     """
     def __init__(self) -> None: ...
     def check(self) -> None:
         """
-        Raises ValueError that names the field.
+        Raise ValueError naming the field if a parameter is invalid.
         """
     def range_cell_m(self, sound_speed_m_s: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     @property
@@ -739,21 +757,21 @@ class SonarFigures:
     @property
     def beam_width_across_rad(self) -> float:
         """
-        -3 dB, one way: a receiving beam's, within the fan's plane
+        -3 dB width, one way, of a receiving beam, within the fan's plane
         """
     @beam_width_across_rad.setter
     def beam_width_across_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def beam_width_along_rad(self) -> float:
         """
-        -3 dB, one way: the transmitter's, across the fan's plane
+        -3 dB width, one way, of the transmitter, across the fan's plane
         """
     @beam_width_along_rad.setter
     def beam_width_along_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def detection_threshold_db(self) -> float:
         """
-        Signal-to-noise ratio of one look with a detection probability of one half.
+        signal-to-noise ratio at which a single look is detected half of the time
         """
     @detection_threshold_db.setter
     def detection_threshold_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -773,14 +791,14 @@ class SonarFigures:
     @property
     def noise_level_db(self) -> float:
         """
-        In the receiver's band.
+        noise level in the receiver's band
         """
     @noise_level_db.setter
     def noise_level_db(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def processing_gain_db(self) -> float:
         """
-        10 log10 (bandwidth x length)
+        10 log10 (bandwidth x pulse length)
         """
     @property
     def pulse_length_s(self) -> float: ...
@@ -793,7 +811,7 @@ class SonarFigures:
 
 class BottomMaterial:
     """
-    How a bottom scatters sound back.
+    The acoustic backscattering properties of a bottom.
     """
     def __init__(
         self,
@@ -808,7 +826,7 @@ class BottomMaterial:
     @property
     def strength_db(self) -> float:
         """
-        Backscatter of a square metre at normal incidence; Lambert's law.
+        backscatter per square metre at normal incidence; other angles follow Lambert's law
         """
 
 class CraftParameters:
@@ -826,7 +844,7 @@ class CraftParameters:
     @property
     def buoyancy_share(self) -> list[float]:
         """
-        Buoyancy as a share of rho(z) g V, at depths from 0 in equal steps; empty: 1.
+        buoyancy as a fraction of rho(z) g V, at depths from 0 in equal steps; if empty, 1
         """
     @buoyancy_share.setter
     def buoyancy_share(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
@@ -885,22 +903,22 @@ class Craft:
         time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
-        nu' (6,) under the actuators' wrench tau_body (6,).
+        Return nu' (6,) under the actuators' wrench tau_body (6,).
         """
     def kinetic_energy_j(self, state: BodyState) -> float:
         """
-        Kinetic energy of the body and the still water around it.
+        Return the kinetic energy of the body and the still water around it.
         """
     def submerged_fraction(
         self, state: BodyState, water: Water | None = None, time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0
     ) -> float:
         """
-        From 0 (dry) to 1 (wholly submerged). Without water: under z = 0.
+        Return the submerged fraction, from 0 (dry) to 1 (fully submerged). Without water, that below z = 0.
         """
     @property
     def volume_m3(self) -> float:
         """
-        The volume displaced when submerged.
+        The volume that is displaced when submerged.
         """
 
 class ThrustCurve:
@@ -914,11 +932,12 @@ class ThrustCurve:
         path: str = "thrust_curve",
     ) -> None:
         """
-        Raises ValueError unless commands increase, thrusts never fall and command 0 gives 0 N.
+        Create a curve. Raises ValueError unless commands increase, thrusts never decrease and command 0 maps
+        to 0 N.
         """
     def command(self, thrust_n: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        A command that gives this thrust.
+        Return a command that produces this thrust.
         """
     def thrust_n(self, command: typing.SupportsFloat | typing.SupportsIndex) -> float: ...
     @property
@@ -952,7 +971,7 @@ class ThrusterParameters:
     @property
     def health(self) -> float:
         """
-        share of the thrust that is left; the allocation does not know of it
+        fraction of the thrust that remains after a fault; the allocation does not account for it
         """
     @health.setter
     def health(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -961,19 +980,19 @@ class ThrusterParameters:
     @property
     def position_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) [m], hub
+        position of the hub (3,) [m]
         """
     @property
     def spin(self) -> int:
         """
-        1 right-handed, -1 left-handed about the axis when it thrusts ahead
+        1 right-handed, -1 left-handed about the axis when thrusting ahead
         """
     @spin.setter
     def spin(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     @property
     def time_constant_s(self) -> float:
         """
-        of the thrust; 0: no lag
+        of the thrust; 0 for no lag
         """
     @time_constant_s.setter
     def time_constant_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -987,7 +1006,7 @@ class ThrusterParameters:
     @property
     def zero_thrust_advance_ratio(self) -> float:
         """
-        inf: no loss of thrust with speed
+        inf if thrust does not decrease with speed
         """
     @zero_thrust_advance_ratio.setter
     def zero_thrust_advance_ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -1008,7 +1027,7 @@ class FinParameters:
     ) -> None: ...
     def lift_slope(self) -> float:
         """
-        dC_L / d alpha at zero lift [1/rad].
+        Return dC_L / d alpha at zero lift [1/rad].
         """
     @property
     def area_m2(self) -> float: ...
@@ -1024,7 +1043,7 @@ class FinParameters:
     @property
     def efficiency(self) -> float:
         """
-        Oswald's efficiency factor
+        Oswald efficiency factor
         """
     @efficiency.setter
     def efficiency(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -1037,7 +1056,7 @@ class FinParameters:
     @property
     def position_body_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) [m], centre of pressure
+        centre of pressure (3,) [m]
         """
     @property
     def rate_max_rad_s(self) -> float: ...
@@ -1059,7 +1078,7 @@ class FinParameters:
 
 class ActuatorsSpec:
     """
-    The thrusters and fins that drive and steer a vehicle.
+    The thrusters and fins of a vehicle.
     """
     def __init__(self) -> None: ...
     @property
@@ -1080,7 +1099,7 @@ class ActuatorsSpec:
 
 class AutopilotGains:
     """
-    Share of full effort for each unit of error.
+    Gains in full effort per unit of error.
     """
     def __init__(
         self,
@@ -1098,7 +1117,7 @@ class AutopilotGains:
 
 class Autopilot:
     """
-    Holds heading, horizontal velocity, height and level without a model.
+    Maintains heading, horizontal velocity and height, and keeps the vehicle level, without a model of it.
     """
 
     gains: AutopilotGains
@@ -1112,13 +1131,13 @@ class Autopilot:
         z_world_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> tuple[float, float, float, float, float, float]:
         """
-        Efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4, 4), velocity has
-        linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.
+        Return the efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4,
+        4); velocity has linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.
         """
     @property
     def integrals(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) surge, sway and height, in effort.
+        Integrals of surge, sway and height (3,), in units of effort.
         """
     @integrals.setter
     def integrals(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None: ...
@@ -1136,7 +1155,7 @@ class PidGains:
 
 class Pid:
     """
-    A PID controller with filtered derivative and anti-windup by back-calculation.
+    A PID controller with a filtered derivative and anti-windup by back-calculation.
     """
     def __init__(self) -> None: ...
     def output(
@@ -1153,7 +1172,7 @@ class Pid:
         period_s: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Ends the period with what the actuators made of the output.
+        Complete the period with the output that the actuators actually delivered.
         """
     @property
     def derivative(self) -> float: ...
@@ -1162,7 +1181,7 @@ class Pid:
 
 class ControlModel:
     """
-    What a controller knows of its vehicle, deep in still water.
+    A controller's model of its vehicle, deep in still water.
     """
     def __init__(
         self, craft: Craft, actuators: ActuatorsSpec, density_kg_m3: typing.SupportsFloat | typing.SupportsIndex
@@ -1173,7 +1192,7 @@ class ControlModel:
         surge_m_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
-        Efforts (6,) for a wrench (6,) that can be reached.
+        Return the efforts (6,) for a reachable wrench (6,).
         """
     def reachable(
         self,
@@ -1182,9 +1201,9 @@ class ControlModel:
         across_first: bool = False,
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
-        The wrench (6,) that thrusters, and fins at a speed ahead, can give when this one is wanted. Torque comes first, and force has
-        what is left; both keep their direction. With across_first, force across the vehicle comes before force
-        along it.
+        Return the part of a requested wrench (6,) that thrusters, and fins at the given speed ahead, can
+        deliver. Torque takes priority over force; both keep their direction. With across_first, force across
+        the vehicle takes priority over force along it.
         """
     def wrench_body(
         self,
@@ -1193,17 +1212,17 @@ class ControlModel:
         acceleration: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
         """
-        The wrench (6,) that gives an acceleration (6,) at a rotation (3, 3) and velocity (6,), body axes.
+        Return the wrench (6,) for an acceleration (6,) at a rotation (3, 3) and velocity (6,), in body axes.
         """
     @property
     def driven(self) -> typing.Annotated[list[bool], "FixedSize(6)"]:
         """
-        Whether thrusters or fins drive an axis, surge to yaw.
+        For each axis, surge to yaw, whether thrusters or fins drive it.
         """
 
 class LoopGains:
     """
-    The cascade of one axis.
+    The cascade of one axis: position, velocity, acceleration.
     """
     def __init__(
         self,
@@ -1233,13 +1252,13 @@ class ControlGains:
 
 class MotionController:
     """
-    Position, depth, heading, attitude and velocity loops.
+    Position, depth, heading, attitude and velocity control.
     """
     def __init__(
         self, model: ControlModel, gains: ControlGains, period_s: typing.SupportsFloat | typing.SupportsIndex
     ) -> None:
         """
-        Raises ValueError for gains that are not valid.
+        Create a controller. Raises ValueError for invalid gains.
         """
     def hold_velocity(
         self,
@@ -1248,7 +1267,8 @@ class MotionController:
         velocity_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
     ) -> tuple[float, float, float, float, float, float]:
         """
-        Efforts of one control period that hold a velocity (6,) in body axes, [m/s] and [rad/s].
+        Return the efforts of one control period for maintaining a velocity (6,) in body axes, [m/s] and
+        [rad/s].
         """
     def reach(
         self,
@@ -1262,60 +1282,61 @@ class MotionController:
         across_first: bool = False,
     ) -> tuple[float, float, float, float, float, float]:
         """
-        Efforts of one control period towards a position (3,) that moves at a velocity (3,); positions that are NaN
-        are free. across_first: see ControlModel.reachable. pose, velocity: see Autopilot.steer.
+        Return the efforts of one control period for reaching a position (3,) that moves at a velocity (3,);
+        positions that are NaN are not controlled. across_first: see ControlModel.reachable. pose, velocity:
+        see Autopilot.steer.
         """
     @property
     def force_share(self) -> float:
         """
-        The share of the wanted force that the thrusters gave in the last period.
+        The fraction of the requested force that the thrusters delivered in the last period.
         """
     @property
     def memory(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (25,) what one period leaves to the next, to be saved.
+        The state (25,) carried from one period to the next, which can be saved.
         """
     @memory.setter
     def memory(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[25, 1]"]) -> None: ...
 
 class Guidance:
     """
-    Where a path leads from a position.
+    Guidance along a path from a given position.
     """
     @property
     def along_m(self) -> float:
         """
-        distance flown along the path
+        distance travelled along the path
         """
     @property
     def course_rad(self) -> float:
         """
-        of the velocity, from the world's x, counter-clockwise
+        direction of the commanded velocity, from the world's x axis, counter-clockwise
         """
     @property
     def cross_track_m(self) -> float:
         """
-        distance from the path, positive to port of it
+        distance from the path, positive to port
         """
     @property
     def is_done(self) -> bool:
         """
-        whether the end is passed
+        whether the end has been passed
         """
     @property
     def left_m(self) -> float:
         """
-        distance to the path's end
+        remaining distance to the path's end
         """
     @property
     def path_rad(self) -> float:
         """
-        direction of the segment
+        direction of the path segment
         """
     @property
     def z_world_m(self) -> float:
         """
-        of the path, beside the vehicle
+        height of the path abeam of the vehicle
         """
 
 class PathFollower:
@@ -1330,11 +1351,11 @@ class PathFollower:
         period_s: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        points_m: (n, 3), at least two corners. Raises ValueError.
+        points_m: (n, 3), at least two vertices. Raises ValueError.
         """
     def guide(self, position_world_m: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> Guidance:
         """
-        Guidance of one control period.
+        Return guidance for one control period.
         """
     @property
     def integral_s(self) -> float: ...
@@ -1352,12 +1373,12 @@ class SensorKind:
     @property
     def channels(self) -> dict[str, tuple[int, str]]:
         """
-        {name: (width, unit)} of the quantities that noise acts on
+        {name: (width, unit)} of the quantities to which noise is added
         """
     @property
     def fields(self) -> dict[str, tuple[int, str]]:
         """
-        {name: (width, unit)} of a reading
+        {name: (width, unit)} of a reading's fields
         """
     @property
     def meaning(self) -> str: ...
@@ -1371,7 +1392,9 @@ class SensorKind:
 
 class NoiseSpec:
     """
-    Errors of one channel of a sensor, in its unit u: white noise (std for each sample, density in u per root hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum, limits. 0: no such error.
+    Errors of one channel of a sensor, in its unit u: white noise (std per sample, density in u per root
+    hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum,
+    limits. 0 disables an error.
     """
     def __init__(
         self,
@@ -1422,7 +1445,8 @@ class SensorSpec:
         drop_out: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
-        parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Checked by Simulation.add_vehicle.
+        parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Validated by
+        Simulation.add_vehicle.
         """
     @property
     def drop_out(self) -> float: ...
@@ -1440,17 +1464,17 @@ class SensorSpec:
     @property
     def orientation_xyzw(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 1]"]:
         """
-        (4,) body from sensor.
+        (4,), body from sensor
         """
     @property
     def parameters(self) -> dict[str, list[float]]:
         """
-        {name: values} of the kind's parameters, defaults included.
+        {name: values} of the kind's parameters, including defaults.
         """
     @property
     def position_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) on the body.
+        position on the body (3,)
         """
     @property
     def rate_hz(self) -> float: ...
@@ -1462,7 +1486,7 @@ class SensorReading:
     @property
     def stamp_ns(self) -> int:
         """
-        Time of the measurement.
+        time of the measurement
         """
     @property
     def valid(self) -> bool: ...
@@ -1493,7 +1517,7 @@ class MultibeamModel:
         gain_db: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
-        Raises ValueError that names the field.
+        Create a model. Raises ValueError naming the field.
         """
     @property
     def angle_increment_rad(self) -> float: ...
@@ -1510,41 +1534,41 @@ class MultibeamModel:
     @property
     def gain_db(self) -> float:
         """
-        Of the receiver's display, added to every intensity.
+        of the receiver's display; added to every intensity
         """
     @property
     def name(self) -> str: ...
     @property
     def number(self) -> int:
         """
-        1..4, as on the wire; 0: not on the wire
+        1..4 in messages; 0 for a model that messages cannot select
         """
     @property
     def ping_rate_max_hz(self) -> float:
         """
-        Limit of the electronics.
+        limit of the electronics
         """
     @property
     def range_limit_m(self) -> float:
         """
-        The published decoder's limit: a range above it is no echo.
+        limit of the published decoder: a range above this counts as no echo
         """
     @property
     def range_max_m(self) -> float:
         """
-        A range at or beyond it is no echo.
+        a range at or beyond this counts as no echo
         """
     @property
     def receiver_tilt_rad(self) -> float:
         """
-        Of each of two receivers from straight ahead to its side; 0: one receiver.
+        angle of each of two receivers from straight ahead to its side; 0 for a single receiver
         """
     @property
     def tilt_rate_rad_s(self) -> float: ...
 
 class Detection:
     """
-    How the range of a beam was detected.
+    The method by which a beam's range was detected.
 
     Members:
 
@@ -1554,7 +1578,7 @@ class Detection:
 
       PHASE
 
-      FALSE : Noise was detected as an echo.
+      FALSE : noise detected as an echo
     """
 
     AMPLITUDE: typing.ClassVar[Detection]
@@ -1585,7 +1609,7 @@ class Detection:
 
 class PhysicsPing:
     """
-    One multibeam ping in physics mode: the arrays of Ping and more, read-only, one value for each beam.
+    One multibeam ping in physics mode: the arrays of Ping and more, read-only, with one value per beam.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -1595,11 +1619,11 @@ class PhysicsPing:
     def _repr_png_(self) -> typing.Any: ...
     def plot(self) -> typing.Any:
         """
-        Draw it: a matplotlib Figure.
+        Return a matplotlib Figure of this object.
         """
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def angles_rad(self) -> numpy.ndarray:
@@ -1614,55 +1638,55 @@ class PhysicsPing:
     @property
     def deviation_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its range's
-        error and the beam's width; inf = no detection
+        (beams,) float32, standard deviation of the echo's position from the instrument's own parameters, due
+        to the range error and the beam width; inf for no detection
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one
+        (beams,) float32 in [0, pi/2], true value; NaN for no detection or a false one
         """
     @property
     def intensity_db(self) -> numpy.ndarray:
         """
-        (beams,) float32, received level less source level, with speckle and noise; -inf = no detection
+        (beams,) float32, received level minus source level, with speckle and noise; -inf for no detection
         """
     @property
     def labels(self) -> numpy.ndarray:
         """
-        (beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one
+        (beams,) uint16, true value, see World.label_names; 0 for no detection or a false one
         """
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4; 0: not on the wire
+        EM 2040 variant 1..4; 0 for a model that messages cannot select
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
         """
-        (beams, 3) float32, the range along the beam's axis; NaN = no detection
+        (beams, 3) float32, the range along the beam's axis; NaN for no detection
         """
     @property
     def ranges_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, sound speed at the head x half the travel time; inf = no detection
+        (beams,) float32, sound speed at the head x half the travel time; inf for no detection
         """
     @property
     def snr_db(self) -> numpy.ndarray:
         """
-        (beams,) float32, signal-to-noise ratio at the detector; -inf = no detection
+        (beams,) float32, signal-to-noise ratio at the detector; -inf for no detection
         """
     @property
     def time_ns(self) -> int: ...
     @property
     def travel_time_s(self) -> numpy.ndarray:
         """
-        (beams,) float32, two-way; inf = no detection
+        (beams,) float32, two-way; inf for no detection
         """
     @property
     def valid(self) -> numpy.ndarray:
         """
-        (beams,) bool: detected, false detections included
+        (beams,) bool: detected, including false detections
         """
     @property
     def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
@@ -1672,7 +1696,7 @@ class PhysicsPing:
 
 class AcousticSpec:
     """
-    The acoustic figures of a multibeam in physics mode.
+    The acoustic parameters of a multibeam in physics mode.
     """
 
     false_detections: bool
@@ -1681,7 +1705,7 @@ class AcousticSpec:
     def __init__(self) -> None: ...
     def check(self) -> None:
         """
-        Raises ValueError that names the field.
+        Raise ValueError naming the field if a parameter is invalid.
         """
     @property
     def acidity_ph(self) -> float: ...
@@ -1697,28 +1721,28 @@ class AcousticSpec:
     @property
     def bottom(self) -> BottomMaterial:
         """
-        For labels beyond `materials`.
+        for labels that `materials` does not cover
         """
     @bottom.setter
     def bottom(self, arg0: BottomMaterial) -> None: ...
     @property
     def materials(self) -> list[BottomMaterial]:
         """
-        By label, see World.label_names.
+        by label, see World.label_names
         """
     @materials.setter
     def materials(self, arg0: collections.abc.Sequence[BottomMaterial]) -> None: ...
     @property
     def rays_per_beam(self) -> int:
         """
-        1, or 4 to 64
+        rays per beam: 1, or 4 to 64
         """
     @rays_per_beam.setter
     def rays_per_beam(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 
 class AcousticMultibeam:
     """
-    A multibeam in physics mode without a vehicle. Pings do not depend on the number of threads.
+    A multibeam in physics mode, independent of any vehicle. Pings do not depend on the number of threads.
     """
     def __init__(
         self,
@@ -1729,7 +1753,7 @@ class AcousticMultibeam:
         name: str = "sonar",
     ) -> None:
         """
-        Raises ValueError that names the field.
+        Create a sonar. Raises ValueError naming the field.
         """
     def ping(
         self,
@@ -1742,13 +1766,13 @@ class AcousticMultibeam:
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> PhysicsPing:
         """
-        Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random draws are
-        keyed by tick. Raises ValueError. Releases the GIL.
+        Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random
+        draws are keyed by tick. Raises ValueError. Releases the GIL.
         """
     @property
     def profile(self) -> SoundSpeedProfile:
         """
-        Sound-speed profile of its water.
+        sound-speed profile of its water
         """
 
 class ImagingKind:
@@ -1762,7 +1786,7 @@ class ImagingKind:
     @property
     def parameters(self) -> dict[str, Parameter]:
         """
-        {name: Parameter}: the shared acoustic figures and the kind's own.
+        {name: Parameter}: the shared acoustic parameters and those of the kind.
         """
 
 class ImagingSonar:
@@ -1776,12 +1800,12 @@ class ImagingSonar:
         strengths_db: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = [],
     ) -> None:
         """
-        figures: by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label, NaN for the bottom's
-        or the solids'. Raises ValueError that names the figure.
+        figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;
+        NaN selects that of the bottom or of solids. Raises ValueError naming the parameter.
         """
     def absorption_db_m(self, water: Water, head_z_m: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
-        Absorption in the water at the head [dB/m].
+        Return the absorption in the water at the head [dB/m].
         """
     def ping(
         self,
@@ -1797,20 +1821,21 @@ class ImagingSonar:
         with_labels: bool = False,
     ) -> dict[str, numpy.typing.NDArray[numpy.float32]]:
         """
-        The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the
-        kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its
-        speckle. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where none
-        is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
+        Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar;
+        the kind determines how many poses there are. angles_rad (m,): of a steered beam. Ping k has the
+        number first_ping + k, which selects its speckle. with_labels: also return, for each cell, the label
+        of the surface with the strongest mean echo, 0 where none exceeds the noise. The result does not
+        depend on the number of threads. Raises ValueError. Releases the GIL.
         """
 
 class DepthCamera:
     """
-    See uwsim.instruments.sonars.depth_map.DepthMap.
+    Parameters of a depth camera; see uwsim.instruments.sonars.depth_map.DepthMap.
     """
     def __init__(self) -> None: ...
     def check(self) -> None:
         """
-        Raises ValueError.
+        Raise ValueError if a parameter is invalid.
         """
     @property
     def depth_bits(self) -> int: ...
@@ -1872,12 +1897,12 @@ class RowReduction:
 
 class WaterOptics:
     """
-    The optical properties of a water [1/m], each (3,): red, green, blue.
+    The optical properties of water [1/m], each (3,): red, green, blue.
     """
     @staticmethod
     def jerlov(type: str) -> WaterOptics:
         """
-        A Jerlov type's (sources in water_optics.h). Raises ValueError for an unknown type.
+        Return the water of a Jerlov type (sources in water_optics.h). Raises ValueError for an unknown type.
         """
     def __init__(
         self,
@@ -1899,7 +1924,8 @@ class WaterOptics:
 
 class Optics:
     """
-    Everything that determines the light: the water, the sun, the wind on the surface, particles in the water.
+    Everything that determines the light: the water, the sun, the wind on the surface, and particles in
+    the water.
     """
     def __init__(
         self,
@@ -1913,7 +1939,8 @@ class Optics:
     ) -> None: ...
     def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) irradiance of daylight on a level surface just below a flat water surface, in units of the sun's outside the atmosphere.
+        Return the irradiance of daylight (3,) on a level surface just below a flat water surface, in units of
+        the sun's irradiance outside the atmosphere.
         """
     @property
     def to_sun_below_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
@@ -1924,7 +1951,7 @@ class Optics:
 
 class Lens:
     """
-    As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.
+    Distortion as in OpenCV and CameraInfo (plumb_bob), in pixels; lens.h contains the equations.
     """
     def __init__(
         self,
@@ -1939,12 +1966,12 @@ class Lens:
         ] = [0.0, 0.0, 0.0, 0.0, 0.0],
     ) -> None:
         """
-        distortion: k1, k2, p1, p2, k3.
+        distortion: k1, k2, p1, p2, k3
         """
 
 class Camera:
     """
-    Lens and image sensor. Raises ValueError that names the field.
+    A camera: lens and image sensor. Raises ValueError naming the field.
     """
     def __init__(
         self,
@@ -1958,14 +1985,15 @@ class Camera:
     ) -> None: ...
     def ray_table(self, distort: bool = True) -> numpy.typing.NDArray[numpy.float32]:
         """
-        (height, width, 2) float32: X/Z and Y/Z of the ray through each pixel's centre, in the optical frame.
+        Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)
+        float32.
         """
     @property
     def name(self) -> str: ...
 
 class SpotLamp:
     """
-    A spot lamp that shines along its x; 1e5 lx count as irradiance 1.
+    A spot lamp that shines along its x axis; an irradiance of 1 is 1e5 lx.
     """
     def __init__(
         self,
@@ -1979,7 +2007,7 @@ class SpotLamp:
 
 class Picture:
     """
-    Read-only arrays from one pass, rows from the top; see picture.h.
+    A rendered picture as read-only arrays from one pass, rows from the top; see picture.h.
     """
     @property
     def classes(self) -> numpy.ndarray:
@@ -1989,7 +2017,7 @@ class Picture:
     @property
     def depth_m(self) -> numpy.ndarray:
         """
-        (H, W) float32 along the optical axis, inf = nothing
+        (H, W) float32 along the optical axis, inf if nothing is hit
         """
     @property
     def gain(self) -> float:
@@ -2004,12 +2032,12 @@ class Picture:
     @property
     def normals_world(self) -> numpy.ndarray:
         """
-        (H, W, 3) float32, 0 = nothing
+        (H, W, 3) float32, 0 if nothing is hit
         """
     @property
     def packets(self) -> bytes:
         """
-        The packets of rays cast, as tools/bench/native/embree_bare_rays reads them, if recorded
+        The ray packets cast, in the format of tools/bench/native/embree_bare_rays, if recorded
         """
     @property
     def radiance(self) -> numpy.ndarray:
@@ -2034,14 +2062,14 @@ class Picture:
 
 class CameraScene:
     """
-    A snapshot of the world with its materials and textures; and the vehicles.
+    A snapshot of the world with its materials and textures, plus vehicles.
     """
     def __init__(self, world: World, rays: RayScene, seed: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def add_vehicle(
         self, name: str, vertices_body_m: typing.Any, triangles: typing.Any, material: str, colour: typing.Any = None
     ) -> int:
         """
-        Adds a hull, vertices (n, 3) and triangles (m, 3), and returns the vehicle's index. Raises ValueError.
+        Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. Raises ValueError.
         """
     def render(
         self,
@@ -2063,7 +2091,9 @@ class CameraScene:
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> Picture:
         """
-        One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. vehicle_positions_m: (n, 3), vehicle_orientations_xyzw: (n, 4), of all vehicles or none. The bytes do not depend on the number of threads. Releases the GIL. Raises ValueError.
+        Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.
+        vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. The bytes do
+        not depend on the number of threads. Releases the GIL. Raises ValueError.
         """
     def set_appearance(
         self,
@@ -2075,21 +2105,22 @@ class CameraScene:
         texture_corners: typing.Any = None,
     ) -> None:
         """
-        Sets a solid's. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, 2), from the lower left. Raises ValueError.
+        Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:
+        (triangles, 3, 2), from the lower left. Raises ValueError.
         """
     def set_ground(self, bed: str, steep: str, land: str) -> None:
         """
-        Sets the terrain's materials: under water, where it is steep, above water. Raises ValueError.
+        Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.
         """
     @property
     def classes_by_label(self) -> list[int]:
         """
-        The class of each label, an index into surface_class_names().
+        The class of each label, as an index into surface_class_names().
         """
     @property
     def label_names(self) -> list[str]:
         """
-        World.label_names, then the vehicles.
+        World.label_names, followed by the vehicles.
         """
 
 class MapEngine:
@@ -2127,7 +2158,7 @@ class MapEngine:
 
 class InstructionSet:
     """
-    The instruction set of the brick engine's kernels; the results are the same.
+    The instruction set of the brick engine's kernels; results do not depend on it.
 
     Members:
 
@@ -2168,7 +2199,7 @@ class InstructionSet:
 
 class MapOptions:
     """
-    The engine of a map, its memory, and its probabilities of hit, miss and clamping.
+    The engine of a map, its memory limit, and its probabilities of hit, miss and clamping.
     """
     def __init__(
         self,
@@ -2191,7 +2222,7 @@ class OccupancyMap:
     @staticmethod
     def read(path: os.PathLike[str] | str | bytes, origin_world_m: typing.Any, options: MapOptions) -> OccupancyMap:
         """
-        Reads a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is not a valid OctoMap
+        Read a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is not a valid OctoMap
         file. Releases the GIL.
         """
     def __init__(
@@ -2205,9 +2236,9 @@ class OccupancyMap:
         max_range_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> tuple[numpy.typing.NDArray[numpy.int8], numpy.typing.NDArray[numpy.float64]]:
         """
-        origins_world_m, directions_world: (n, 3) float64. Returns where the rays end, (n,) int8: 1 occupied, 0 at
-        the maximum range or the cube's edge, -1 unknown; and the centres of the last voxels, (n, 3) float64.
-        Releases the GIL.
+        Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns how the rays
+        end, (n,) int8: 1 occupied, 0 at the maximum range or the cube's edge, -1 unknown; and the centres of
+        the last voxels, (n, 3) float64. Releases the GIL.
         """
     def cells(
         self, depth: typing.SupportsInt | typing.SupportsIndex
@@ -2215,25 +2246,26 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        The cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.
+        Return the cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.
         """
     def changed_occupancy(self) -> tuple[numpy.typing.NDArray[numpy.int16], numpy.typing.NDArray[numpy.uint8]]:
         """
-        The voxels that became occupied, or are so no longer, since the last call: voxels from the origin (n, 3)
-        int16, and whether they are occupied now, (n,) uint8. Releases the GIL.
+        Return the voxels that became occupied, or are no longer occupied, since the last call: voxels from
+        the origin (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the GIL.
         """
     def changed_voxels(self) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int8]]:
         """
-        The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the
-        GIL.
+        Return the voxels whose state has changed since the last call: centres (n, 3) float64, states (n,)
+        int8. Releases the GIL.
         """
     def count(self) -> tuple[int, int]:
         """
-        (occupied voxels, free voxels). Releases the GIL.
+        Return (occupied voxels, free voxels). Releases the GIL.
         """
     def free_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Centres of the free voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the GIL.
+        Return the centres of the free voxels, (n, 3) float64, world frame, at the finest level, in Morton
+        order. Releases the GIL.
         """
     def insert_scan(
         self,
@@ -2242,9 +2274,9 @@ class OccupancyMap:
         max_range_m: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Inserts one ping. points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64.
-        Raises ValueError, inserting nothing, on wrong shapes, a non-finite origin and points outside OctoMap's
-        cube. Releases the GIL.
+        Insert one ping. points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,)
+        float64. Raises ValueError, without inserting anything, for wrong shapes, a non-finite origin and
+        points outside OctoMap's cube. Releases the GIL.
         """
     def insert_scans(
         self,
@@ -2255,9 +2287,9 @@ class OccupancyMap:
         threads: typing.SupportsInt | typing.SupportsIndex,
     ) -> None:
         """
-        Inserts pings in their order. points_world_m: (n, 3) float32, the points of all; counts: (m,) int64,
-        points of each; origins_world_m: (m, 3) float64. Raises ValueError as insert_scan does, inserting none.
-        Releases the GIL.
+        Insert pings in order. points_world_m: (n, 3) float32, the points of all pings; counts: (m,) int64,
+        the number of points in each; origins_world_m: (m, 3) float64. Raises ValueError like insert_scan,
+        without inserting any ping. Releases the GIL.
         """
     def leaves(
         self,
@@ -2265,22 +2297,23 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        The leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,) float32. Releases
-        the GIL.
+        Return the leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,)
+        float32. Releases the GIL.
         """
     def log_odds_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.float32]:
         """
-        points_world_m: (n, 3) float64, finite. Returns (n,) float32, NaN where unknown. Releases the GIL.
+        Return the log-odds at points_world_m, (n, 3) float64, finite: (n,) float32, NaN where unknown.
+        Releases the GIL.
         """
     def merge(self, other: OccupancyMap) -> None:
         """
-        Adds the log-odds of another map. Raises ValueError. Releases the GIL.
+        Add the log-odds of another map. Raises ValueError. Releases the GIL.
         """
     def model(self) -> tuple[float, float, float, float]: ...
     def occupied_voxels(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the
-        GIL.
+        Return the centres of the occupied voxels, (n, 3) float64, world frame, at the finest level, in Morton
+        order. Releases the GIL.
         """
     def set_model(
         self,
@@ -2290,20 +2323,21 @@ class OccupancyMap:
         clamping_max: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Sets the probabilities of later scans. Raises ValueError. Releases the GIL.
+        Set the probabilities for later scans. Raises ValueError. Releases the GIL.
         """
     def state_at(self, points_world_m: typing.Any) -> numpy.typing.NDArray[numpy.int8]:
         """
-        points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the
-        GIL.
+        Return the state at points_world_m, (n, 3) float64, finite: (n,) int8, 1 occupied, 0 free, -1 unknown.
+        Releases the GIL.
         """
     def statistics(self) -> tuple[int, int, int, int, int, int]:
         """
-        (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases the GIL.
+        Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases
+        the GIL.
         """
     def to_bytes(self, format: str) -> bytes:
         """
-        The bytes of a 'bt' or 'ot' file. Releases the GIL.
+        Return the bytes of a 'bt' or 'ot' file. Releases the GIL.
         """
     def voxels_in(
         self, low_world_m: typing.Any, high_world_m: typing.Any
@@ -2311,12 +2345,12 @@ class OccupancyMap:
         numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]
     ]:
         """
-        The finest voxels whose centres are in a box, in the form of leaves(). low_world_m, high_world_m: (3,)
-        float64. Releases the GIL.
+        Return the finest voxels whose centres are in a box, in the form of leaves(). low_world_m,
+        high_world_m: (3,) float64. Releases the GIL.
         """
     def write(self, path: os.PathLike[str] | str | bytes, format: str) -> None:
         """
-        Writes a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.
+        Write a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.
         """
     @property
     def engine(self) -> MapEngine: ...
@@ -2327,7 +2361,7 @@ class OccupancyMap:
 
 class BiasModel:
     """
-    A bias: a constant drawn at the start, a Gauss-Markov drift, a random walk.
+    The model of a bias: a constant drawn at the start, a Gauss-Markov drift and a random walk.
     """
     def __init__(
         self,
@@ -2340,8 +2374,9 @@ class BiasModel:
 
 class NavigationFilter:
     """
-    An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the
-    result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.
+    An error-state Kalman filter (Sola 2017) for an IMU and its aids. Readings may arrive late and in any
+    order: the result depends only on the readings and their times. World ENU; REP 103 body axes; lever
+    arms from the IMU.
     """
 
     save_version: typing.ClassVar[int] = 2
@@ -2360,9 +2395,9 @@ class NavigationFilter:
         averaging_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None:
         """
-        period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,
-        force_limit: the most that an axis can tell. averaging_s: the time before a sample over which its force is
-        the mean; 0: that of an instant.
+        period_s: sampling period of the IMU. rate_std, force_std: white noise of a sample [rad/s, m/s2].
+        rate_limit, force_limit: the largest magnitude that an axis can measure. averaging_s: the time before
+        a sample over which its force is averaged; 0 for an instantaneous value.
         """
     def add_acoustic_fix(
         self,
@@ -2372,7 +2407,7 @@ class NavigationFilter:
         bearing_std: typing.SupportsFloat | typing.SupportsIndex,
     ) -> int:
         """
-        Position from the station, world axes [m].
+        Add an aid that measures the position relative to the station, world axes [m].
         """
     def add_depth(
         self,
@@ -2381,7 +2416,7 @@ class NavigationFilter:
         bias: BiasModel,
     ) -> int:
         """
-        Depth [m].
+        Add an aid that measures depth [m].
         """
     def add_doppler(
         self,
@@ -2391,7 +2426,8 @@ class NavigationFilter:
         bias: BiasModel,
     ) -> int:
         """
-        Velocities along beams (n, 3), unit vectors [m/s]; NaN: lost. Returns the aid's index, as all of these.
+        Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam.
+        Return its index, like all functions that add an aid.
         """
     def add_heading(
         self,
@@ -2402,15 +2438,16 @@ class NavigationFilter:
         north_rad: typing.SupportsFloat | typing.SupportsIndex,
     ) -> int:
         """
-        The angle of axis_body from east, counter-clockwise [rad].
+        Add an aid that measures the angle of axis_body from east, counter-clockwise [rad].
         """
     def add_imu(self, times_ns: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], readings: typing.Any) -> None:
         """
-        times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body axes.
+        Add samples of the IMU. times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body
+        axes.
         """
     def add_orientation(self, std: typing.SupportsFloat | typing.SupportsIndex, bias: BiasModel) -> int:
         """
-        Orientation x, y, z, w, world from body.
+        Add an aid that measures the orientation x, y, z, w, world from body.
         """
     def add_readings(
         self,
@@ -2420,24 +2457,24 @@ class NavigationFilter:
         readings: typing.Any,
     ) -> None:
         """
-        times_ns, arrivals_ns (n,) uint64; readings (n, width).
+        Add readings of an aid. times_ns, arrivals_ns (n,) uint64; readings (n, width).
         """
     def add_silence(self, time_ns: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
-        There was no IMU until then.
+        Record that the IMU provided no samples until this time.
         """
     def catch_up(self) -> None:
         """
-        Work off what was added.
+        Process the readings that have been added.
         """
     def counts(self, aid: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
         """
-        Scalars of its readings that were used, and that were outliers.
+        Return how many scalars of an aid's readings were used, and how many were outliers.
         """
     def restore(self, bytes: bytes, version: typing.SupportsInt | typing.SupportsIndex) -> None:
         """
-        version: of the bytes, save_version of the build that saved them. Raises ValueError for an unknown version
-        and for bytes that are not of a filter with the same aids.
+        Restore a saved state. version: save_version of the build that saved the bytes. Raises ValueError for
+        an unknown version, and for bytes that were not saved by a filter with the same aids.
         """
     def save(self) -> bytes: ...
     def start(
@@ -2452,7 +2489,7 @@ class NavigationFilter:
         velocity_std_m_s: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        After the aids were added. Forgets everything earlier.
+        Start the filter, after all aids have been added. Discards everything earlier.
         """
     @property
     def aid_biases(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]: ...
@@ -2464,34 +2501,34 @@ class NavigationFilter:
     @property
     def covariance(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
-        (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the biases of
-        gyroscope and accelerometer (body axes), and those of the aids; of the IMU's centre
+        Covariance (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the
+        biases of gyroscope and accelerometer (body axes), and the biases of the aids; of the IMU's centre
         """
     @property
     def force_bias_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @property
     def linear_body_m_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) of the body's origin
+        (3,), of the body's origin
         """
     @property
     def orientation_xyzw(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def position_world_m(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        (3,) of the body's origin
+        (3,), of the body's origin
         """
     @property
     def rate_bias_rad_s(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @property
     def time_ns(self) -> int:
         """
-        Of the newest IMU sample.
+        time of the newest IMU sample
         """
     @property
     def too_late(self) -> int:
         """
-        Readings that came too late to be used.
+        number of readings that arrived too late to be used
         """
     @property
     def world_from_body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
@@ -2539,8 +2576,8 @@ class SonarSpec:
         on: bool = True,
     ) -> None:
         """
-        acoustics: makes it a sonar in physics mode; without, it is in geometry mode. strengths_db: backscatter at
-        normal incidence by label, for geometry mode; labels beyond are rock. on: one that is off tilts, but hears
+        acoustics: selects physics mode; if None, geometry mode. strengths_db: backscatter at normal incidence
+        by label, for geometry mode; further labels are rock. on: if False, the sonar tilts but receives
         nothing.
         """
     @property
@@ -2593,7 +2630,7 @@ class VehicleSpec:
     def __init__(self) -> None: ...
     def set_collision_pieces(self, pieces_body_m: collections.abc.Sequence[numpy.ndarray]) -> None:
         """
-        Each (n, 3): corners of a convex piece, body frame [m]. Sets the shape to PIECES.
+        Set the convex pieces, each given by its corners (n, 3), body frame [m], and the shape to PIECES.
         """
     def set_start(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None: ...
     @property
@@ -2615,7 +2652,7 @@ class VehicleSpec:
 
 class Telemetry:
     """
-    The instrument panel of a vehicle, as in the paper.
+    A vehicle's instrument panel, as in the paper.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -2624,7 +2661,7 @@ class Telemetry:
     def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def acceleration_m_s2(self) -> float: ...
@@ -2633,7 +2670,7 @@ class Telemetry:
     @property
     def battery_percent(self) -> float:
         """
-        what is left of the mission time
+        remaining fraction of the mission time
         """
     @property
     def collision_warning(self) -> bool: ...
@@ -2642,7 +2679,7 @@ class Telemetry:
     @property
     def distance_to_seabed_m(self) -> float:
         """
-        straight down; inf where there is nothing
+        straight down; inf if there is no surface below
         """
     @property
     def distance_to_station_m(self) -> float: ...
@@ -2669,7 +2706,7 @@ class Telemetry:
 
 class Simulation:
     """
-    A world with vehicles, which are given by index, advanced by fixed steps.
+    A world with vehicles, which are identified by index, advanced by fixed steps.
     """
     def __init__(self, world: World, scene: RayScene, spec: SimulationSpec) -> None: ...
     def acoustic_ping(
@@ -2683,7 +2720,7 @@ class Simulation:
         """
     def add_vehicle(self, spec: VehicleSpec) -> int:
         """
-        Returns the vehicle's index.
+        Add a vehicle and return its index.
         """
     def aim(
         self,
@@ -2692,22 +2729,22 @@ class Simulation:
         elevation_rad: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Set the elevation to which the head turns as time passes; positive is up. Raises ValueError.
+        Set the elevation to which the head turns over time; positive is up. Raises ValueError.
         """
     def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:
         """
-        Gives everything other figures; it keeps its state. vehicles: one spec for each, in order; their starts are
-        ignored. Raises ValueError, changing nothing.
+        Replace all parameters; all state is kept. vehicles: one spec per vehicle, in order; their start
+        states are ignored. Raises ValueError without changing anything.
         """
     def collisions(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> int:
         """
-        How often the vehicle has begun to touch something.
+        Return the number of times the vehicle has come into contact with anything.
         """
     def controllable(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[list[bool], "FixedSize(6)"]:
         """
-        Whether an effort has an effect, by axis, surge to yaw.
+        Return, for each axis, surge to yaw, whether an effort about it has an effect.
         """
     def dock(
         self,
@@ -2716,20 +2753,22 @@ class Simulation:
         orientation_xyzw: typing.Any,
     ) -> None:
         """
-        Hold it there, at rest, its commands ended and its battery full, until it is released. Raises ValueError.
+        Hold the vehicle at this pose, at rest, with its commands cancelled and its battery full, until it is
+        released. Raises ValueError.
         """
     def effort(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
     def fin_angles_rad(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
-        (name, present deflection [rad]) pairs of the fins that move.
+        Return (name, present deflection [rad]) pairs of the fins that can be deflected.
         """
     def full_wrench_body(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
     ) -> typing.Annotated[list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]], "FixedSize(2)"]:
         """
-        Two (6,): magnitudes of the largest wrench along or about each axis alone, forward and backward [N, N m].
+        Return two arrays (6,): magnitudes of the largest wrench along or about each axis alone, forward and
+        backward [N, N m].
         """
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
@@ -2739,23 +2778,24 @@ class Simulation:
     ) -> TopicCounts: ...
     def link_cut_off(self, node: typing.SupportsInt | typing.SupportsIndex, is_cut_off: bool) -> None:
         """
-        Cuts a node off from now on, or no longer.
+        Disconnect a node from now on, or reconnect it.
         """
     def link_deliveries(
         self, to_node: typing.SupportsInt | typing.SupportsIndex, after_ns: typing.SupportsInt | typing.SupportsIndex
     ) -> list[LinkDelivery]:
         """
-        What has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept.
+        Return the messages that arrived at a node after a time, oldest first; only the newest 512 of all
+        nodes are kept.
         """
     def link_fault_loss(
         self, from_node: typing.SupportsInt | typing.SupportsIndex, to_node: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        Probability that a packet is lost for a fault now.
+        Return the probability that a fault destroys a packet sent now.
         """
     def link_next_arrival_ns(self) -> int:
         """
-        The earliest time at which a message may arrive, as far as is known now.
+        Return a lower bound for the time at which the next message arrives.
         """
     def link_quality(
         self, from_node: typing.SupportsInt | typing.SupportsIndex, at_node: typing.SupportsInt | typing.SupportsIndex
@@ -2764,7 +2804,7 @@ class Simulation:
         self, from_node: typing.SupportsInt | typing.SupportsIndex, to_node: typing.SupportsInt | typing.SupportsIndex
     ) -> Reception:
         """
-        How a packet sent now would arrive.
+        Return how a packet sent now would be received.
         """
     def link_send(
         self,
@@ -2778,20 +2818,21 @@ class Simulation:
         repeats: typing.SupportsInt | typing.SupportsIndex = 0,
     ) -> bool:
         """
-        Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: never. repeats: how often it is sent again. Raises ValueError.
+        Queue a message now and return whether there was room. lifetime_s: time after which it is no longer
+        sent; 0 for no limit. repeats: number of times that it is sent again. Raises ValueError.
         """
     def link_sending_s(self) -> float:
         """
-        For how long somebody has sent, in all [s].
+        Return the total time that nodes have been sending [s].
         """
     def link_topic(self, name: str) -> int:
         """
-        The index of a topic; a new one begins to be counted.
+        Return the index of a topic, creating it if it is new.
         """
     def link_topics(self) -> list[str]: ...
     def link_waiting(self, node: typing.SupportsInt | typing.SupportsIndex) -> tuple[int, int]:
         """
-        (messages, bytes) in a node's queue
+        Return (messages, bytes) in a node's queue.
         """
     def motion(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex
@@ -2803,8 +2844,8 @@ class Simulation:
         numpy.typing.NDArray[numpy.float64],
     ]:
         """
-        position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and
-        angular_body_rad_s (3,): read-only.
+        Return the state as read-only arrays: position_world_m (3,), orientation_xyzw (4,), world_from_body
+        (4, 4), linear_body_m_s (3,) and angular_body_rad_s (3,).
         """
     def ping(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
@@ -2820,9 +2861,9 @@ class Simulation:
         threads: typing.SupportsInt | typing.SupportsIndex | None = None,
     ) -> PingBatch:
         """
-        Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present
-        elevation and the other vehicles where they are now. threads: by default all; results do not depend on it. Raises ValueError. Releases the GIL, answers
-        Ctrl-C.
+        Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its
+        present elevation and the other vehicles at their present poses. threads: all by default; results do
+        not depend on it. Raises ValueError. Releases the GIL. Can be interrupted by Ctrl-C.
         """
     def read_sensor(
         self,
@@ -2831,27 +2872,30 @@ class Simulation:
         with_noise: bool = True,
     ) -> SensorReading:
         """
-        Repeated at one time, the same sample. Without noise: the present value, without rate, latency and drop-outs.
+        Read a sensor. Reading again at the same time returns the same sample. Without noise: the present
+        value, without errors, rate, latency or drop-outs.
         """
     def release(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> None: ...
     def released(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
     def restart(self, world: World, spec: SimulationSpec) -> None:
         """
-        Begins anew with the same vehicles at their starts. world: as before, but for its water. Raises ValueError,
-        changing nothing.
+        Restart with the same vehicles at their start states. world: as before, except for its water. Raises
+        ValueError without changing anything.
         """
     def restore_state(self, state: bytes, scenario: str, build: str) -> str:
         """
-        Returns the notes. Raises ValueError, changing nothing, for a damaged state or other fingerprints.
+        Restore a saved state and return its notes. Raises ValueError, without changing anything, for a
+        damaged state or other fingerprints.
         """
     def save_state(self, scenario: str, build: str, notes: str = "") -> bytes:
         """
-        Everything that the future depends on apart from what the simulation was built from, with fingerprints of that.
-        notes: stored with it.
+        Return everything that future steps depend on, except for the parameters of the simulation, along with
+        fingerprints of those. notes: stored as well.
         """
     def scene_around(self, vehicle: typing.SupportsInt | typing.SupportsIndex | None = None) -> RayScene:
         """
-        The world with all vehicles where they are now, without the one given. A snapshot. Labels of vehicles follow the world's.
+        Return the world with all vehicles at their present poses, except the given one. A snapshot. Labels of
+        vehicles follow those of the world.
         """
     def set_effort(
         self,
@@ -2864,7 +2908,7 @@ class Simulation:
         yaw: typing.SupportsFloat | typing.SupportsIndex,
     ) -> None:
         """
-        Each in [-1, 1]. Raises ValueError.
+        Set the efforts, each in [-1, 1]. Raises ValueError.
         """
     def set_fins(
         self,
@@ -2872,11 +2916,11 @@ class Simulation:
         angles_rad: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
     ) -> None:
         """
-        (name, deflection [rad]) pairs; the others centre. Raises ValueError.
+        Set fin deflections from (name, deflection [rad]) pairs; the others are centred. Raises ValueError.
         """
     def set_link(self, spec: LinkSpec) -> None:
         """
-        Joins the station, node 0, and all vehicles, node 1 + index. Once. Raises ValueError.
+        Connect the station, node 0, and all vehicles, nodes 1 + index. May be called once. Raises ValueError.
         """
     def set_state(self, vehicle: typing.SupportsInt | typing.SupportsIndex, state: BodyState) -> None: ...
     def set_thrusters(
@@ -2885,7 +2929,7 @@ class Simulation:
         commands: collections.abc.Sequence[tuple[str, typing.SupportsFloat | typing.SupportsIndex]],
     ) -> None:
         """
-        (name, command in [-1, 1]) pairs; the others stop. Raises ValueError.
+        Set thruster commands from (name, command in [-1, 1]) pairs; the others stop. Raises ValueError.
         """
     def set_wrench(
         self,
@@ -2893,24 +2937,26 @@ class Simulation:
         wrench_body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"],
     ) -> None:
         """
-        (6,) [N, N m]; beyond the thrusters' limits it keeps its direction. Raises ValueError.
+        Set the wrench (6,) [N, N m]; a wrench beyond the thrusters' limits is scaled down in its direction.
+        Raises ValueError.
         """
     def sonar_elevation_rad(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        The present elevation of the head.
+        Return the present elevation of the head.
         """
     def sonar_ping_rate_max_hz(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> float:
         """
-        Limit by two-way travel time, c / (2 range) with c at the head, and by the electronics.
+        Return the maximum ping rate: the limit by two-way travel time, c / (2 range) with c at the head, and
+        that of the electronics.
         """
     def state(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BodyState: ...
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
-        Advances by fixed steps. Releases the GIL, answers Ctrl-C.
+        Advance by fixed steps. Releases the GIL. Can be interrupted by Ctrl-C.
         """
     def take_samples(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sensor: typing.SupportsInt | typing.SupportsIndex
@@ -2921,17 +2967,17 @@ class Simulation:
         numpy.typing.NDArray[numpy.bool],
     ]:
         """
-        stamps_ns (n,), arrivals_ns (n,), readings (n, width), valid (n,) of the samples that have arrived since
-        the last call, but for dropped ones. Raises ValueError unless the sensor is watched.
+        Return stamps_ns (n,), arrivals_ns (n,), readings (n, width) and valid (n,) of the samples that have
+        arrived since the last call, except dropped ones. Raises ValueError unless the sensor is watched.
         """
     def telemetry(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> Telemetry: ...
     def thruster_commands(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
-        (name, command) pairs.
+        Return (name, command) pairs.
         """
     def thrusts_n(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
         """
-        (name, present still-water thrust [N]) pairs.
+        Return (name, present still-water thrust [N]) pairs.
         """
     def watch_sensor(
         self,
@@ -2940,7 +2986,7 @@ class Simulation:
         from_ns: typing.SupportsInt | typing.SupportsIndex | None,
     ) -> None:
         """
-        Keep each sample that is measured from from_ns on, as it arrives; None: no longer.
+        Start collecting the samples measured at or after from_ns, as they arrive; None stops collecting.
         """
     @property
     def tick(self) -> int: ...
@@ -2949,12 +2995,13 @@ class Simulation:
     @property
     def version(self) -> int:
         """
-        Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.
+        A counter that changes whenever an observation may change: with time, a vehicle's pose or a sonar's
+        elevation.
         """
 
 class Ping:
     """
-    One multibeam ping. Arrays are read-only, one value for each beam.
+    One multibeam ping. Arrays are read-only, with one value per beam.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -2964,11 +3011,11 @@ class Ping:
     def _repr_png_(self) -> typing.Any: ...
     def plot(self) -> typing.Any:
         """
-        Draw it: a matplotlib Figure.
+        Return a matplotlib Figure of this object.
         """
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def angles_rad(self) -> numpy.ndarray:
@@ -2978,12 +3025,12 @@ class Ping:
     @property
     def incidence_rad(self) -> numpy.ndarray:
         """
-        (beams,) float32 in [0, pi/2], NaN = no echo
+        (beams,) float32 in [0, pi/2], NaN for no echo
         """
     @property
     def intensity_db(self) -> numpy.ndarray:
         """
-        (beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo
+        (beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf for no echo
         """
     @property
     def labels(self) -> numpy.ndarray:
@@ -2993,17 +3040,17 @@ class Ping:
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4; 0: another sonar
+        EM 2040 variant 1..4; 0 for another sonar
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
         """
-        (beams, 3) float32, NaN = no echo
+        (beams, 3) float32, NaN for no echo
         """
     @property
     def ranges_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, inf = no echo
+        (beams,) float32, inf for no echo
         """
     @property
     def time_ns(self) -> int: ...
@@ -3020,7 +3067,7 @@ class Ping:
 
 class PingBatch:
     """
-    Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.
+    Several pings of one sonar. Arrays are read-only, with one row per ping; see Ping.
     """
     def __copy__(self) -> typing.Any: ...
     def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
@@ -3029,7 +3076,7 @@ class PingBatch:
     def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
     def to_dict(self) -> dict[str, typing.Any]:
         """
-        Its fields by name; arrays are not copied.
+        Return the fields by name; arrays are not copied.
         """
     @property
     def angles_rad(self) -> numpy.ndarray:
@@ -3039,12 +3086,12 @@ class PingBatch:
     @property
     def incidence_rad(self) -> numpy.ndarray:
         """
-        (n, beams) float32 in [0, pi/2], NaN = no echo
+        (n, beams) float32 in [0, pi/2], NaN for no echo
         """
     @property
     def intensity_db(self) -> numpy.ndarray:
         """
-        (n, beams) float32, -inf = no echo
+        (n, beams) float32, -inf for no echo
         """
     @property
     def labels(self) -> numpy.ndarray:
@@ -3054,17 +3101,17 @@ class PingBatch:
     @property
     def model(self) -> int:
         """
-        EM 2040 variant 1..4; 0: another sonar
+        EM 2040 variant 1..4; 0 for another sonar
         """
     @property
     def points_sonar_m(self) -> numpy.ndarray:
         """
-        (n, beams, 3) float32, NaN = no echo
+        (n, beams, 3) float32, NaN for no echo
         """
     @property
     def ranges_m(self) -> numpy.ndarray:
         """
-        (n, beams) float32, inf = no echo
+        (n, beams) float32, inf for no echo
         """
     @property
     def valid(self) -> numpy.ndarray:
@@ -3181,7 +3228,7 @@ class Modulation:
 
 class ModemSpec:
     """
-    Figures of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.
+    Parameters of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.
     """
 
     access: MediumAccess
@@ -3191,11 +3238,11 @@ class ModemSpec:
     def __init__(self) -> None: ...
     def check(self) -> None:
         """
-        Raises ValueError that names modem.<field>.
+        Raise ValueError naming modem.<field> if a parameter is invalid.
         """
     def packet_s(self, bytes: typing.SupportsInt | typing.SupportsIndex) -> float:
         """
-        Duration of a packet [s].
+        Return the duration of a packet [s].
         """
     @property
     def backoff_s(self) -> float: ...
@@ -3264,7 +3311,7 @@ class ModemSpec:
 
 class LinkFault:
     """
-    A time in which packets are lost with a probability.
+    An interval in which packets are lost with some probability.
     """
     def __init__(
         self,
@@ -3281,7 +3328,7 @@ class LinkFault:
 
 class LinkSpec:
     """
-    What joins the station and the vehicles.
+    Parameters of the link between the station and the vehicles.
     """
 
     modem: ModemSpec
@@ -3317,22 +3364,22 @@ class Reception:
     """
     def packet_loss(self, modem: ModemSpec, bytes: typing.SupportsInt | typing.SupportsIndex) -> float:
         """
-        Probability that a packet of so many bytes is lost in the noise.
+        Return the probability that a packet with this many bytes is lost due to noise.
         """
     @property
     def closing_m_s(self) -> float:
         """
-        speed of the ends towards each other
+        closing speed of the ends
         """
     @property
     def delay_s(self) -> float:
         """
-        of the first arrival
+        delay of the first arrival
         """
     @property
     def noise_db(self) -> float:
         """
-        within the band, with echoes that come too late
+        within the band, including echoes that arrive too late
         """
     @property
     def reached(self) -> bool: ...
@@ -3343,7 +3390,7 @@ class Reception:
     @property
     def spread_s(self) -> float:
         """
-        from the first to the last arrival within 20 dB
+        from the first to the last arrival within 20 dB of the strongest
         """
 
 class LinkDelivery:
@@ -3367,7 +3414,7 @@ class LinkDelivery:
 
 class TopicCounts:
     """
-    What happened to the messages of a topic that a node gave.
+    Outcomes of the messages that a node submitted on a topic.
     """
     @property
     def bytes_delivered(self) -> int: ...
@@ -3376,7 +3423,7 @@ class TopicCounts:
     @property
     def delay_s(self) -> float:
         """
-        sum over all that were delivered
+        sum over all delivered messages
         """
     @property
     def delivered(self) -> int: ...
@@ -3385,29 +3432,29 @@ class TopicCounts:
     @property
     def late(self) -> int:
         """
-        the deadline passed before they could be sent
+        dropped because the deadline passed before they could be sent
         """
     @property
     def lost(self) -> dict[str, int]:
         """
-        dict: by reason. sending: the receiver was sending itself; unheard: no path.
+        Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.
         """
     @property
     def refused(self) -> int:
         """
-        the queue was full
+        refused because the queue was full
         """
     @property
     def replaced(self) -> int:
         """
-        by newer ones, before they were sent
+        replaced by newer messages before they were sent
         """
     @property
     def sent(self) -> int: ...
 
 class LinkQuality:
     """
-    What a node last heard of another.
+    The link quality that a node last observed for another.
     """
     @property
     def closing_m_s(self) -> float: ...
@@ -3416,7 +3463,7 @@ class LinkQuality:
     @property
     def heard_ns(self) -> int:
         """
-        when the last message arrived; 0: none yet
+        when the last message arrived; 0 if none has
         """
     @property
     def packets(self) -> int: ...
@@ -3450,17 +3497,17 @@ class Eigenray:
 
 class LinkWater:
     """
-    How sound gets from one transducer to another.
+    The propagation of sound between transducers.
     """
     def __init__(self, spec: LinkSpec, water: Water) -> None: ...
     def hear(self, scene: RayScene, from_world_m: typing.Any, to_world_m: typing.Any) -> Reception:
         """
-        Between two points at rest.
+        Return how a packet would be received, between two points at rest.
         """
 
 class MemberSpec:
     """
-    What one simulation of a batch is built from, apart from terrain and solids.
+    Everything from which one simulation of a batch is built, apart from terrain and solids.
     """
     def __init__(
         self,
@@ -3470,14 +3517,14 @@ class MemberSpec:
         link: LinkSpec | None = None,
     ) -> None:
         """
-        vehicles: shared, not copied; do not change them afterwards.
+        vehicles: shared, not copied; they must not be changed afterwards.
         """
 
 class Batch:
     """
-    Simulations of one world, advanced and asked together. Arrays that results are written into
-    are C-ordered, with one row for each member; results do not depend on the thread count.
-    Calls release the GIL and raise ValueError, which names the member: batch[3].
+    Simulations of one world, advanced and read together. Arrays that receive results are C-ordered, with
+    one row per member; results do not depend on the number of threads. Calls release the GIL and raise
+    ValueError naming the member, as batch[3].
     """
     def __init__(
         self,
@@ -3509,17 +3556,18 @@ class Batch:
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> int:
         """
-        The number of beams of the first member's sonar.
+        Return the number of beams of the first member's sonar.
         """
     def in_physics_mode(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
     ) -> list[bool]:
         """
-        Whether the sonar of each member is.
+        Return, for each member, whether its sonar is in physics mode.
         """
     def member(self, index: typing.SupportsInt | typing.SupportsIndex) -> Simulation:
         """
-        A member, until it is restarted. Use it when no call to the batch runs; it cannot be restarted by itself.
+        Return a member, valid until it is restarted. Must be used only while no call to the batch is running;
+        a member cannot be restarted separately.
         """
     def motion(
         self,
@@ -3566,17 +3614,17 @@ class Batch:
         specs: collections.abc.Sequence[MemberSpec] = [],
     ) -> None:
         """
-        Begins members anew, by other specs if any are given. Raises ValueError, changing nothing.
+        Restart members, with new specs if any are given. Raises ValueError without changing anything.
         """
     def save_state(
         self, member: typing.SupportsInt | typing.SupportsIndex, scenario: str, build: str, notes: str
     ) -> bytes:
         """
-        As Simulation.save_state of that member.
+        Like Simulation.save_state of that member.
         """
     def set_efforts(self, vehicle: typing.SupportsInt | typing.SupportsIndex, efforts: typing.Any) -> None:
         """
-        (n, 6), each in [-1, 1]. Raises ValueError, changing nothing.
+        Set efforts (n, 6), each in [-1, 1]. Raises ValueError without changing anything.
         """
     def set_states(
         self,
@@ -3586,11 +3634,11 @@ class Batch:
     ) -> None: ...
     def step(self, count: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
         """
-        Answers Ctrl-C.
+        Advance all members by fixed steps. Can be interrupted by Ctrl-C.
         """
     def step_each(self, counts: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
         """
-        Advances each member by a count of its own, (n,). Answers Ctrl-C.
+        Advance each member by its own number of steps, (n,). Can be interrupted by Ctrl-C.
         """
 
 def absorption_db_km(
@@ -3601,7 +3649,7 @@ def absorption_db_km(
     acidity_ph: typing.SupportsFloat | typing.SupportsIndex = 8.0,
 ) -> float:
     """
-    Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.
+    Return the absorption of sound in water [dB/km] by Francois and Garrison 1982. Raises ValueError.
     """
 
 def ambient_noise_db_hz(
@@ -3620,8 +3668,9 @@ def bottom_echo(
     absorption_db_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple[float, float, float]:
     """
-    The echo of a plane bottom: its signal-to-noise ratio [dB] by the active sonar equation, the looks that the
-    detector averages, and the ratio [dB] with which one half of such echoes are detected.
+    Return, for the echo of a plane bottom, its signal-to-noise ratio [dB] by the active sonar equation,
+    the number of looks that the detector averages, and the ratio [dB] at which half of such echoes are
+    detected.
     """
 
 def bottom_loss_db(
@@ -3636,8 +3685,9 @@ def decode_depth_string(
     range_limit_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become inf.
-    Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.
+    Return the ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become
+    inf. Raises ValueError naming the beam unless the text consists of exactly `beams` plain decimals,
+    each followed by a.
     """
 
 def depth_image(
@@ -3648,19 +3698,21 @@ def depth_image(
     threads: typing.SupportsInt | typing.SupportsIndex = 1,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    (height, width) float32 along the camera's x axis, inf = nothing. Raises ValueError. Releases the GIL.
+    Return a depth image, (height, width) float32 along the camera's x axis, inf if nothing is hit. Raises
+    ValueError. Releases the GIL.
     """
 
 def depth_image_ranges(
     camera: DepthCamera, depth_m: typing.Any, angles_rad: typing.Any, reduction: RowReduction, interpolate: bool
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.
+    Return the ranges (n,) float32, inf for no echo, from depth_m (height, width) and angles_rad (n,).
+    Raises ValueError.
     """
 
 def effect_names() -> list[str]:
     """
-    The names of the effects.
+    Return the names of the effects.
     """
 
 def eigenrays(
@@ -3672,14 +3724,14 @@ def eigenrays(
     with_bounces: bool = True,
 ) -> list[Eigenray]:
     """
-    The rays between two points, by travel time. Raises ValueError.
+    Return the rays between two points, sorted by travel time. Raises ValueError.
     """
 
 def encode_depth_string(ranges_m: typing.Any, range_max_m: typing.SupportsFloat | typing.SupportsIndex) -> str:
     """
-    The published depthArray text: each range in C#'s G7 format, followed by the letter a.
+    Return the published depthArray text: each range in C#'s G7 format, followed by the letter a.
     ranges_m: (n,) float32, in [0, range_max_m], or inf for no echo, which is written as range_max_m.
-    Raises ValueError that names the beam on anything else.
+    Raises ValueError naming the beam for any other value.
     """
 
 def filter_range(
@@ -3688,8 +3740,8 @@ def filter_range(
     max_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The points whose distance to the origin is in [min_m, max_m]; (n, 3) float32. Raises ValueError. Releases the
-    GIL.
+    Return the points whose distance to the origin is in [min_m, max_m], (n, 3) float32. Raises
+    ValueError. Releases the GIL.
     """
 
 def ground_plane(
@@ -3698,8 +3750,9 @@ def ground_plane(
     max_slope_rad: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"], float, numpy.ndarray]:
     """
-    pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward normal (3,), the offset [m]
-    with normal . p + offset = 0, and the inliers (n,) bool. Raises ValueError. Releases the GIL.
+    Fit a ground plane by pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward
+    normal (3,), the offset [m] with normal . p + offset = 0, and the inliers (n,) bool. Raises
+    ValueError. Releases the GIL.
     """
 
 def highest_in_corridor(
@@ -3711,35 +3764,37 @@ def highest_in_corridor(
     ahead_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> tuple[float, float, float] | None:
     """
-    x, y, z in the world of the highest point in the corridor from half_width_m behind a position to ahead_m before
-    it, half_width_m to either side of the heading; None if there is none. points_m: (n, 3), those with NaN are left
-    out. world_from_points: (4, 4). position_world_m: (3,). Raises ValueError.
+    Return x, y, z in the world of the highest point in the corridor from half_width_m behind a position
+    to ahead_m in front of it, half_width_m to either side of the heading; None if there is none.
+    points_m: (n, 3); points with NaN are ignored. world_from_points: (4, 4). position_world_m: (3,).
+    Raises ValueError.
     """
 
 def imaging_kind(name: str) -> ImagingKind:
     """
-    Raises ValueError with the known names.
+    Return the kind with this name. Raises ValueError listing the known names.
     """
 
 def imaging_kinds() -> list[str]:
     """
-    The kinds of imaging sonar that are built in.
+    Return the built-in kinds of imaging sonar.
     """
 
 def instruction_set() -> str:
     """
-    What kernels use: avx512, avx2 or portable; the widest of this processor, or what UWSIM_INSTRUCTION_SET chooses.
-    Raises ValueError if that is none, or the processor lacks it.
+    Return the instruction set that kernels use: avx512, avx2 or portable. It is the widest that this
+    processor supports, or the one that UWSIM_INSTRUCTION_SET selects. Raises ValueError if that is not an
+    instruction set, or the processor does not support it.
     """
 
 def jerlov_types() -> list[str]:
     """
-    The names of the Jerlov water types.
+    Return the names of the Jerlov water types.
     """
 
 def material_names() -> list[str]:
     """
-    The names of the materials.
+    Return the names of the materials.
     """
 
 def mounted_pose(
@@ -3753,12 +3808,13 @@ def mounted_pose(
     typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"],
 ]:
     """
-    The pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).
+    Return the pose of an object mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and
+    both as (4, 4).
     """
 
 def multibeam_model(number: typing.SupportsInt | typing.SupportsIndex) -> MultibeamModel:
     """
-    The EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
+    Return the EM 2040 MKII variant 1..4. Raises ValueError for other numbers.
     """
 
 def network_trial(
@@ -3771,8 +3827,9 @@ def network_trial(
     seed: typing.SupportsInt | typing.SupportsIndex = 0,
 ) -> TopicCounts:
     """
-    Counts of a network under random load: all nodes but the first send messages of one packet to that, a Poisson
-    process each; all are heard alike, 54 dB above the noise. Raises ValueError. Releases the GIL.
+    Return the counts of a network under random load: all nodes except the first send single-packet
+    messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB
+    above the noise. Raises ValueError. Releases the GIL.
     """
 
 def packet_error(
@@ -3785,16 +3842,16 @@ def pass_through(
     max_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::PassThrough: the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32.
-    Discards non-finite points. Raises ValueError. Releases the GIL.
+    Return the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m], by pcl::PassThrough; (n,
+    3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
     """
 
 def points_above(
     points_m: typing.Any, world_from_points: typing.Any, z_world_m: typing.SupportsFloat | typing.SupportsIndex
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    The points that are higher than z_world_m, (k, 3) float64, world, in their order. points_m: (n, 3), those with
-    NaN are left out. world_from_points: (4, 4). Raises ValueError.
+    Return the points that are higher than z_world_m, (k, 3) float64, world frame, in their original
+    order. points_m: (n, 3); points with NaN are ignored. world_from_points: (4, 4). Raises ValueError.
     """
 
 def refracted(
@@ -3804,7 +3861,8 @@ def refracted(
     n_to: typing.SupportsFloat | typing.SupportsIndex,
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
     """
-    Snell's law: the refracted direction (3,), None if totally reflected. normal: (3,), towards the side that the ray comes from.
+    Return the direction refracted by Snell's law, (3,), or None for total reflection. normal: (3,),
+    towards the side that the ray comes from.
     """
 
 def register_cloud(
@@ -3815,24 +3873,25 @@ def register_cloud(
     max_iterations: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"], float, float, int, bool]:
     """
-    pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Returns
-    target_from_source (4, 4), the rms distance [m] of the points within max_distance_m, their share of all, the
-    iterations and whether they converged. Raises ValueError. Releases the GIL.
+    Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess:
+    (4, 4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within
+    max_distance_m, their fraction of all points, the number of iterations and whether they converged.
+    Raises ValueError. Releases the GIL.
     """
 
 def relative_transform(
     world_from_target: typing.Any, world_from_source: typing.Any
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
     """
-    target_from_source, (4, 4) float64, of rigid transforms. Raises ValueError.
+    Return target_from_source, (4, 4) float64, from rigid transforms. Raises ValueError.
     """
 
 def remove_box(
     points_m: typing.Any, box_min_m: typing.Any, box_max_m: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)
-    float64. Discards non-finite points. Raises ValueError. Releases the GIL.
+    Return the points outside a box, whose faces count as inside, by a negative pcl::CropBox; (n, 3)
+    float32. box_*_m: (3,) float64. Discards non-finite points. Raises ValueError. Releases the GIL.
     """
 
 def remove_outliers(
@@ -3841,24 +3900,24 @@ def remove_outliers(
     deviations: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises ValueError. Releases the
-    GIL.
+    Remove outliers by pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises
+    ValueError. Releases the GIL.
     """
 
 def remove_unfinished_files() -> None:
     """
-    Removes the temporary files of the maps that are being written, for a process that ends while other threads
-    write.
+    Remove the temporary files of all maps being written, for a process that ends while other threads are
+    writing.
     """
 
 def saved_build(state: bytes) -> str:
     """
-    The fingerprint of the build that saved a state. Raises ValueError for a damaged one.
+    Return the fingerprint of the build that saved a state. Raises ValueError for a damaged state.
     """
 
 def saved_notes(state: bytes, scenario: str, build: str) -> str:
     """
-    The notes in a saved state. Raises ValueError for a damaged state or another scenario.
+    Return the notes in a saved state. Raises ValueError for a damaged state or another scenario.
     """
 
 def scan_to_points(
@@ -3869,9 +3928,9 @@ def scan_to_points(
     range_max_m: typing.SupportsFloat | typing.SupportsIndex,
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in the order of the beams. As
-    in laser_geometry only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError.
-    Releases the GIL.
+    Return the points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in beam order.
+    As in laser_geometry, only ranges with range_min <= range < range_max are used. ranges_m: (beams,)
+    float32. Raises ValueError. Releases the GIL.
     """
 
 def sea_water_density_kg_m3(
@@ -3880,22 +3939,24 @@ def sea_water_density_kg_m3(
     gauge_pressure_pa: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> float:
     """
-    Density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: above that of the atmosphere. Raises ValueError.
+    Return the density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: pressure above atmospheric. Raises
+    ValueError.
     """
 
 def sensor_kind(name: str) -> SensorKind:
     """
-    Raises ValueError with the known names.
+    Return the kind with this name. Raises ValueError listing the known names.
     """
 
 def sensor_kinds() -> list[str]:
     """
-    The kinds of sensor that are built in.
+    Return the built-in kinds of sensor.
     """
 
 def solid_properties(vertices_m: typing.Any, triangles: typing.Any) -> SolidProperties:
     """
-    Volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError when it is open or inverted.
+    Return volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError if the mesh is
+    open or inverted.
     """
 
 def sound_speed_m_s(
@@ -3905,33 +3966,34 @@ def sound_speed_m_s(
     equation: str = "automatic",
 ) -> float:
     """
-    Speed of sound in water [m/s]: unesco (Chen and Millero 1977), del_grosso (1974; both with Wong and Zhu's
-    coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie (1981), medwin (1975), or the
-    one whose range of validity fits best. Raises ValueError.
+    Return the speed of sound in water [m/s] by unesco (Chen and Millero 1977), del_grosso (1974; both
+    with Wong and Zhu's coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie
+    (1981), medwin (1975), or the equation whose range of validity fits best. Raises ValueError.
     """
 
 def sound_speed_profile(water: Water) -> SoundSpeedProfile:
     """
-    The speed of sound by depth: as given by the water's profile, else Mackenzie's.
+    Return the speed of sound by depth: that of the water's profile if it specifies one, else by its equation.
     """
 
 def soundings(
     directions_world: typing.Any, travel_time_s: typing.Any, origin_world_m: typing.Any, profile: SoundSpeedProfile
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Soundings as a survey computes them, (n, 3) float64, world: rays traced from the transmitted directions_world
-    (n, 3) for half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN for a
-    time that is not finite. Raises ValueError. Releases the GIL.
+    Return soundings as a survey computes them, (n, 3) float64, world frame: rays are traced from the
+    transmitted directions_world (n, 3) for half of the two-way travel_time_s (n,), through `profile`,
+    which may differ from the true one. The result is NaN for a time that is not finite. Raises
+    ValueError. Releases the GIL.
     """
 
 def stream_name(owner: str, part: str) -> str:
     """
-    The name of the random stream of a vehicle's sensor, sonar or camera.
+    Return the name of the random stream of a vehicle's sensor, sonar or camera.
     """
 
 def surface_class_names() -> list[str]:
     """
-    The names of the surface classes, by the numbers in Picture.classes.
+    Return the names of the surface classes, indexed by the numbers in Picture.classes.
     """
 
 def surface_loss_db(
@@ -3944,16 +4006,16 @@ def transform_points(
     points_source_m: typing.Any, target_from_source: typing.Any
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4, 4) float64, rigid. Returns
-    (n, 3) float32. Raises ValueError. Releases the GIL.
+    Transform points by pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4,
+    4) float64, rigid. Returns (n, 3) float32. Raises ValueError. Releases the GIL.
     """
 
 def voxel_grid(
     points_m: typing.Any, voxel_m: typing.SupportsFloat | typing.SupportsIndex
 ) -> numpy.typing.NDArray[numpy.float32]:
     """
-    pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m. points_m: (n, 3) float32. Returns (k,
-    3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
+    Return the centroid of the points in each cube with edge voxel_m, by pcl::VoxelGrid. points_m: (n, 3)
+    float32. Returns (k, 3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.
     """
 
 RANGING_PING_BYTES: int = 2

@@ -61,47 +61,47 @@ py::array_t<double> soundings(const py::object& directions_world, const py::obje
 void bind_water_sound(py::module_& m) {
   m.def("absorption_db_km", &absorption_db_km, py::arg("frequency_hz"), py::arg("temperature_deg_c"),
         py::arg("salinity_psu"), py::arg("depth_m"), py::arg("acidity_ph") = 8.0,
-        "Absorption of sound in water [dB/km], Francois and Garrison 1982. Raises ValueError.");
+        "Return the absorption of sound in water [dB/km] by Francois and Garrison 1982. Raises ValueError.");
   py::class_<SoundSpeedProfile>(m, "SoundSpeedProfile",
                                 "Speed of sound by depth: linear between levels, constant above and below them.")
       .def(py::init(&profile), py::arg("depths_m"), py::arg("speeds_m_s"),
-           "Each (n,), with increasing depths. Raises ValueError that names the level.")
+           "Create a profile from two arrays (n,), with increasing depths. Raises ValueError naming the level.")
       .def_static("even", &SoundSpeedProfile::even, py::arg("speed_m_s"),
-                  "The same speed at all depths: straight rays.")
-      .def("at", &SoundSpeedProfile::at, py::arg("depth_m"), "Speed [m/s] at a depth [m].");
-  m.def(
-      "soundings", &soundings, py::arg("directions_world"), py::arg("travel_time_s"), py::arg("origin_world_m"),
-      py::arg("profile"),
-      "Soundings as a survey computes them, (n, 3) float64, world: rays traced from the transmitted directions_world\n"
-      "(n, 3) for half of the two-way travel_time_s (n,), through `profile`, which need not be the true one. NaN for "
-      "a\n"
-      "time that is not finite. Raises ValueError. Releases the GIL.");
+                  "Return a profile with the same speed at all depths, in which rays are straight.")
+      .def("at", &SoundSpeedProfile::at, py::arg("depth_m"), "Return the speed [m/s] at a depth [m].");
+  m.def("soundings", &soundings, py::arg("directions_world"), py::arg("travel_time_s"), py::arg("origin_world_m"),
+        py::arg("profile"),
+        "Return soundings as a survey computes them, (n, 3) float64, world frame: rays are traced from the\n"
+        "transmitted directions_world (n, 3) for half of the two-way travel_time_s (n,), through `profile`,\n"
+        "which may differ from the true one. The result is NaN for a time that is not finite. Raises\n"
+        "ValueError. Releases the GIL.");
 }
 
 void bind_sonar_equation(py::module_& m) {
-  py::class_<SonarFigures>(m, "SonarFigures",
-                           "Figures of an active sonar: transmitter, receiver, detector. Levels re 1 uPa (at 1 m).")
+  py::class_<SonarFigures>(
+      m, "SonarFigures", "Parameters of an active sonar: transmitter, receiver and detector. Levels re 1 uPa (at 1 m).")
       .def(py::init<>())
       .def_readwrite("frequency_hz", &SonarFigures::frequency_hz)
       .def_readwrite("beam_width_along_rad", &SonarFigures::beam_width_along_rad,
-                     "-3 dB, one way: the transmitter's, across the fan's plane")
+                     "-3 dB width, one way, of the transmitter, across the fan's plane")
       .def_readwrite("beam_width_across_rad", &SonarFigures::beam_width_across_rad,
-                     "-3 dB, one way: a receiving beam's, within the fan's plane")
+                     "-3 dB width, one way, of a receiving beam, within the fan's plane")
       .def_readwrite("pulse_length_s", &SonarFigures::pulse_length_s)
       .def_readwrite("bandwidth_hz", &SonarFigures::bandwidth_hz)
       .def_readwrite("source_level_db", &SonarFigures::source_level_db)
       .def_readwrite("directivity_index_db", &SonarFigures::directivity_index_db)
-      .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "In the receiver's band.")
+      .def_readwrite("noise_level_db", &SonarFigures::noise_level_db, "noise level in the receiver's band")
       .def_readwrite("detection_threshold_db", &SonarFigures::detection_threshold_db,
-                     "Signal-to-noise ratio of one look with a detection probability of one half.")
-      .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db, "10 log10 (bandwidth x length)")
+                     "signal-to-noise ratio at which a single look is detected half of the time")
+      .def_property_readonly("processing_gain_db", &SonarFigures::processing_gain_db,
+                             "10 log10 (bandwidth x pulse length)")
       .def_property_readonly("figure_db", &SonarFigures::figure_db, "SL + processing gain + DI - NL")
       .def("range_cell_m", &SonarFigures::range_cell_m, py::arg("sound_speed_m_s"))
-      .def("check", &SonarFigures::check, "Raises ValueError that names the field.");
-  py::class_<BottomMaterial>(m, "BottomMaterial", "How a bottom scatters sound back.")
+      .def("check", &SonarFigures::check, "Raise ValueError naming the field if a parameter is invalid.");
+  py::class_<BottomMaterial>(m, "BottomMaterial", "The acoustic backscattering properties of a bottom.")
       .def(py::init<double, double>(), py::arg("strength_db") = -30.0, py::arg("relief") = 0.1)
       .def_readonly("strength_db", &BottomMaterial::strength_db,
-                    "Backscatter of a square metre at normal incidence; Lambert's law.")
+                    "backscatter per square metre at normal incidence; other angles follow Lambert's law")
       .def_readonly("relief", &BottomMaterial::relief, "rms slope of the relief across a footprint");
   m.def(
       "bottom_echo",
@@ -116,8 +116,9 @@ void bind_sonar_equation(py::module_& m) {
       },
       py::arg("sonar"), py::arg("bottom"), py::arg("range_m"), py::arg("incidence_rad"), py::arg("steering_rad"),
       py::arg("sound_speed_m_s"), py::arg("absorption_db_m"),
-      "The echo of a plane bottom: its signal-to-noise ratio [dB] by the active sonar equation, the looks that the\n"
-      "detector averages, and the ratio [dB] with which one half of such echoes are detected.");
+      "Return, for the echo of a plane bottom, its signal-to-noise ratio [dB] by the active sonar equation,\n"
+      "the number of looks that the detector averages, and the ratio [dB] at which half of such echoes are\n"
+      "detected.");
 }
 
 }  // namespace

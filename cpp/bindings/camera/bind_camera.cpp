@@ -33,16 +33,17 @@ py::array_t<float> ray_table_of(const Camera& camera, bool distort) {
 }
 
 void bind_lens(py::module_& m) {
-  py::class_<Lens>(m, "Lens", "As OpenCV's and CameraInfo's plumb_bob; pixels; see lens.h for the equations.")
+  py::class_<Lens>(m, "Lens",
+                   "Distortion as in OpenCV and CameraInfo (plumb_bob), in pixels; lens.h contains the equations.")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
                        const std::array<double, 5>& distortion) {
              const auto& [k1, k2, p1, p2, k3] = distortion;
              return Lens{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3};
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"),
-           py::arg("distortion") = std::array<double, 5>{}, "distortion: k1, k2, p1, p2, k3.");
+           py::arg("distortion") = std::array<double, 5>{}, "distortion: k1, k2, p1, p2, k3");
   py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera",
-                                              "Lens and image sensor. Raises ValueError that names the field.")
+                                              "A camera: lens and image sensor. Raises ValueError naming the field.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
                        double vignetting, std::optional<double> wobble_rad) {
              const GilReleased unlocked;  // building the ray tables takes a while
@@ -54,7 +55,8 @@ void bind_lens(py::module_& m) {
            py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none())
       .def_property_readonly("name", &Camera::name)
       .def("ray_table", &ray_table_of, py::arg("distort") = true,
-           "(height, width, 2) float32: X/Z and Y/Z of the ray through each pixel's centre, in the optical frame.");
+           "Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)\n"
+           "float32.");
 }
 
 void bind_lamp(py::module_& m) {
@@ -68,8 +70,9 @@ void bind_lamp(py::module_& m) {
       },
       py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("mount_position_m"),
       py::arg("mount_orientation_xyzw"),
-      "The pose of what is mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and both as (4, 4).");
-  py::class_<SpotLamp>(m, "SpotLamp", "A spot lamp that shines along its x; 1e5 lx count as irradiance 1.")
+      "Return the pose of an object mounted on a carrier: position (3,), orientation (4,) as x, y, z, w, and\n"
+      "both as (4, 4).");
+  py::class_<SpotLamp>(m, "SpotLamp", "A spot lamp that shines along its x axis; an irradiance of 1 is 1e5 lx.")
       .def(py::init([](const py::object& position_m, const py::object& orientation_xyzw, double flux_lm,
                        double half_angle_rad, double soft_share, const py::object& colour) {
              SpotLamp lamp{as_pose(position_m, orientation_xyzw, "lamp"), flux_lm, half_angle_rad, soft_share,

@@ -71,14 +71,14 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
 }
 
 void bind_names(py::module_& m) {
-  m.def("material_names", &material_names, "The names of the materials.");
+  m.def("material_names", &material_names, "Return the names of the materials.");
   m.def(
       "effect_names", [] { return std::vector<std::string>(kEffectNames.begin(), kEffectNames.end()); },
-      "The names of the effects.");
+      "Return the names of the effects.");
   m.def(
       "surface_class_names",
       [] { return std::vector<std::string>(kSurfaceClassNames.begin(), kSurfaceClassNames.end()); },
-      "The names of the surface classes, by the numbers in Picture.classes.");
+      "Return the names of the surface classes, indexed by the numbers in Picture.classes.");
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void bind_names(py::module_& m) {
 void bind_camera_scene(py::module_& m) {
   bind_names(m);
   py::class_<CameraScene, std::shared_ptr<CameraScene>>(
-      m, "CameraScene", "A snapshot of the world with its materials and textures; and the vehicles.")
+      m, "CameraScene", "A snapshot of the world with its materials and textures, plus vehicles.")
       .def(py::init([](const World& world, std::shared_ptr<RayScene> rays, std::uint64_t seed) {
              return std::make_shared<CameraScene>(world, std::move(rays), seed);
            }),
@@ -100,16 +100,15 @@ void bind_camera_scene(py::module_& m) {
           },
           py::arg("label"), py::arg("material"), py::arg("surface_class"), py::arg("colour") = py::none(),
           py::arg("texture_image") = py::none(), py::arg("texture_corners") = py::none(),
-          "Sets a solid's. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners: (triangles, 3, "
-          "2), "
-          "from the lower left. Raises ValueError.")
+          "Set a solid's appearance. colour: (3,) albedo. texture_image: (H, W, 3) uint8 sRGB; texture_corners:\n"
+          "(triangles, 3, 2), from the lower left. Raises ValueError.")
       .def(
           "set_ground",
           [](CameraScene& scene, const std::string& bed, const std::string& steep, const std::string& land) {
             scene.set_ground(material(bed), material(steep), material(land));
           },
           py::arg("bed"), py::arg("steep"), py::arg("land"),
-          "Sets the terrain's materials: under water, where it is steep, above water. Raises ValueError.")
+          "Set the terrain's materials: under water, where it is steep, and above water. Raises ValueError.")
       .def(
           "add_vehicle",
           [](CameraScene& scene, std::string name, const py::object& vertices_body_m, const py::object& triangles,
@@ -120,24 +119,24 @@ void bind_camera_scene(py::module_& m) {
           },
           py::arg("name"), py::arg("vertices_body_m"), py::arg("triangles"), py::arg("material"),
           py::arg("colour") = py::none(),
-          "Adds a hull, vertices (n, 3) and triangles (m, 3), and returns the vehicle's index. Raises ValueError.")
+          "Add a hull, vertices (n, 3) and triangles (m, 3), and return the vehicle's index. Raises ValueError.")
       .def_property_readonly(
           "classes_by_label",
           [](const CameraScene& scene) {
             const std::vector<std::uint8_t> classes = scene.classes_by_label();
             return std::vector<int>(classes.begin(), classes.end());
           },
-          "The class of each label, an index into surface_class_names().")
-      .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, then the vehicles.")
+          "The class of each label, as an index into surface_class_names().")
+      .def_property_readonly("label_names", &CameraScene::label_names, "World.label_names, followed by the vehicles.")
       .def("render", &render_picture, py::arg("camera"), py::arg("optics"), py::arg("position_m"),
            py::arg("orientation_xyzw"), py::arg("time_s"), py::arg("tick"), py::arg("effects"),
            py::arg("lamps") = std::vector<SpotLamp>{}, py::arg("vehicle_positions_m") = py::none(),
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
            py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
            py::arg("record") = false, py::arg("threads") = 1,
-           "One picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on. "
-           "vehicle_positions_m: (n, 3), vehicle_orientations_xyzw: (n, 4), of all vehicles or none. The bytes do not "
-           "depend on the number of threads. Releases the GIL. Raises ValueError.");
+           "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.\n"
+           "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. The bytes do\n"
+           "not depend on the number of threads. Releases the GIL. Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

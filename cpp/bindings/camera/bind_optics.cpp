@@ -16,18 +16,17 @@ DaylightBelow daylight_under_water(const Optics& optics) {
 }  // namespace
 
 void bind_optics(py::module_& m) {
-  m.def("jerlov_types", &jerlov_types, "The names of the Jerlov water types.");
+  m.def("jerlov_types", &jerlov_types, "Return the names of the Jerlov water types.");
   m.def(
       "refracted",
       [](const Eigen::Vector3d& direction, const Eigen::Vector3d& normal, double n_from, double n_to) {
         return refracted(direction.normalized(), normal.normalized(), n_from, n_to);
       },
       py::arg("direction"), py::arg("normal"), py::arg("n_from"), py::arg("n_to"),
-      "Snell's law: the refracted direction (3,), None if totally reflected. normal: (3,), towards the side that the "
-      "ray "
-      "comes from.");
+      "Return the direction refracted by Snell's law, (3,), or None for total reflection. normal: (3,),\n"
+      "towards the side that the ray comes from.");
 
-  py::class_<WaterOptics>(m, "WaterOptics", "The optical properties of a water [1/m], each (3,): red, green, blue.")
+  py::class_<WaterOptics>(m, "WaterOptics", "The optical properties of water [1/m], each (3,): red, green, blue.")
       .def(py::init([](const py::object& kd, const py::object& a, const py::object& b, double index) {
              WaterOptics water{as_bands(kd, "diffuse_attenuation"), as_bands(a, "absorption"),
                                as_bands(b, "scattering"), index};
@@ -36,8 +35,9 @@ void bind_optics(py::module_& m) {
            }),
            py::arg("diffuse_attenuation"), py::arg("absorption"), py::arg("scattering"),
            py::arg("refractive_index") = 1.333)
-      .def_static("jerlov", &jerlov_water, py::arg("type"),
-                  "A Jerlov type's (sources in water_optics.h). Raises ValueError for an unknown type.")
+      .def_static(
+          "jerlov", &jerlov_water, py::arg("type"),
+          "Return the water of a Jerlov type (sources in water_optics.h). Raises ValueError for an unknown type.")
       .def_property_readonly("diffuse_attenuation",
                              [](const WaterOptics& w) { return bands_out(w.diffuse_attenuation); })
       .def_property_readonly("absorption", [](const WaterOptics& w) { return bands_out(w.absorption); })
@@ -47,7 +47,8 @@ void bind_optics(py::module_& m) {
 
   py::class_<Optics>(
       m, "Optics",
-      "Everything that determines the light: the water, the sun, the wind on the surface, particles in the water.")
+      "Everything that determines the light: the water, the sun, the wind on the surface, and particles in\n"
+      "the water.")
       .def(py::init([](const WaterOptics& water, double elevation_rad, double azimuth_rad, double wind_m_s,
                        double wind_towards_rad, double particles_per_m3, double turbulence_k) {
              const Optics optics{
@@ -66,9 +67,8 @@ void bind_optics(py::module_& m) {
             const DaylightBelow below = daylight_under_water(o);
             return bands_out(below.beam_level + below.sky_level);
           },
-          "(3,) irradiance of daylight on a level surface just below a flat water surface, in units of the sun's "
-          "outside "
-          "the atmosphere.");
+          "Return the irradiance of daylight (3,) on a level surface just below a flat water surface, in units of\n"
+          "the sun's irradiance outside the atmosphere.");
 }
 
 }  // namespace uwsim::bindings

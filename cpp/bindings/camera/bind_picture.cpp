@@ -43,17 +43,18 @@ PictureArrays::PictureArrays(Picture&& picture, const RenderCost& render_cost, c
 }
 
 void bind_picture(py::module_& m) {
-  py::class_<PictureArrays>(m, "Picture", "Read-only arrays from one pass, rows from the top; see picture.h.")
+  py::class_<PictureArrays>(m, "Picture",
+                            "A rendered picture as read-only arrays from one pass, rows from the top; see picture.h.")
       .def_readonly("rgb", &PictureArrays::rgb, "(H, W, 3) uint8, sRGB; (0, W, 3) if only geometry was requested")
       .def_readonly("radiance", &PictureArrays::radiance, "(H, W, 3) float32 before exposure, if requested")
-      .def_readonly("depth_m", &PictureArrays::depth_m, "(H, W) float32 along the optical axis, inf = nothing")
-      .def_readonly("normals_world", &PictureArrays::normals_world, "(H, W, 3) float32, 0 = nothing")
+      .def_readonly("depth_m", &PictureArrays::depth_m, "(H, W) float32 along the optical axis, inf if nothing is hit")
+      .def_readonly("normals_world", &PictureArrays::normals_world, "(H, W, 3) float32, 0 if nothing is hit")
       .def_readonly("labels", &PictureArrays::labels, "(H, W) uint16, see CameraScene.label_names")
       .def_readonly("classes", &PictureArrays::classes, "(H, W) uint8, see surface_class_names()")
       .def_readonly("gain", &PictureArrays::gain, "factor from radiance to exposed signal")
       .def_property_readonly("rays", &ray_counts, "The number of rays cast, by kind.")
       .def_readonly("packets", &PictureArrays::packets,
-                    "The packets of rays cast, as tools/bench/native/embree_bare_rays reads them, if recorded")
+                    "The ray packets cast, in the format of tools/bench/native/embree_bare_rays, if recorded")
       .def_property_readonly("task_s", &task_seconds, "Seconds by rendering task, summed over threads, if measured.");
 }
 

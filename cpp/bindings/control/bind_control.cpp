@@ -18,7 +18,7 @@ Eigen::Vector2d as_pair(const py::object& object, const char* name) {
 }  // namespace
 
 void bind_control(py::module_& m) {
-  py::class_<AutopilotGains>(m, "AutopilotGains", "Share of full effort for each unit of error.")
+  py::class_<AutopilotGains>(m, "AutopilotGains", "Gains in full effort per unit of error.")
       .def(py::init([](double speed, double speed_integral, double heading, double heading_rate, double height,
                        double height_rate, double height_integral, double level, double level_rate) {
              return AutopilotGains{speed,       speed_integral,  heading, heading_rate, height,
@@ -28,10 +28,13 @@ void bind_control(py::module_& m) {
            py::arg("height"), py::arg("height_rate"), py::arg("height_integral"), py::arg("level"),
            py::arg("level_rate"));
 
-  py::class_<Autopilot>(m, "Autopilot", "Holds heading, horizontal velocity, height and level without a model.")
+  py::class_<Autopilot>(
+      m, "Autopilot",
+      "Maintains heading, horizontal velocity and height, and keeps the vehicle level, without a model of it.")
       .def(py::init<double, const AutopilotGains&>(), py::arg("period_s"), py::arg("gains"))
       .def_readwrite("gains", &Autopilot::gains)
-      .def_readwrite("integrals", &Autopilot::integrals, "(3,) surge, sway and height, in effort.")
+      .def_readwrite("integrals", &Autopilot::integrals,
+                     "Integrals of surge, sway and height (3,), in units of effort.")
       .def(
           "steer",
           [](Autopilot& autopilot, const py::object& pose, const py::object& velocity, double heading_rad,
@@ -41,9 +44,8 @@ void bind_control(py::module_& m) {
           },
           py::arg("pose"), py::arg("velocity"), py::arg("heading_rad"), py::arg("velocity_world_m_s"),
           py::arg("z_world_m"),
-          "Efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4, 4), velocity "
-          "has\n"
-          "linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.");
+          "Return the efforts of one control period, surge to yaw, each in [-1, 1]. pose has world_from_body (4,\n"
+          "4); velocity has linear_body_m_s (3,) and angular_body_rad_s (3,). Raises ValueError for other shapes.");
   bind_motion_controller(m);
   bind_path_follower(m);
 }

@@ -40,7 +40,7 @@ void bind_motion_controller(py::module_& m) {
            }),
            py::kw_only(), py::arg("proportional"), py::arg("integral") = 0.0, py::arg("derivative") = 0.0,
            py::arg("filter_s") = 0.1, py::arg("tracking_s") = 1.0);
-  py::class_<Pid>(m, "Pid", "A PID controller with filtered derivative and anti-windup by back-calculation.")
+  py::class_<Pid>(m, "Pid", "A PID controller with a filtered derivative and anti-windup by back-calculation.")
       .def(py::init<>())
       .def(
           "output",
@@ -49,32 +49,32 @@ void bind_motion_controller(py::module_& m) {
           },
           py::arg("error"), py::arg("measured"), py::arg("gains"), py::arg("period_s"))
       .def("settle", &Pid::settle, py::arg("applied"), py::arg("gains"), py::arg("period_s"),
-           "Ends the period with what the actuators made of the output.")
+           "Complete the period with the output that the actuators actually delivered.")
       .def_readonly("integral", &Pid::integral)
       .def_readonly("derivative", &Pid::derivative);
 
-  py::class_<ControlModel>(m, "ControlModel", "What a controller knows of its vehicle, deep in still water.")
+  py::class_<ControlModel>(m, "ControlModel", "A controller's model of its vehicle, deep in still water.")
       .def(py::init([](std::shared_ptr<Craft> craft, const ActuatorsSpec& actuators, double density_kg_m3) {
              return ControlModel(std::move(craft), actuators, density_kg_m3);
            }),
            py::arg("craft").none(false), py::arg("actuators"), py::arg("density_kg_m3"))
-      .def_property_readonly("driven", &ControlModel::driven, "Whether thrusters or fins drive an axis, surge to yaw.")
+      .def_property_readonly("driven", &ControlModel::driven,
+                             "For each axis, surge to yaw, whether thrusters or fins drive it.")
       .def("reachable", &ControlModel::reachable, py::arg("wrench_body"), py::arg("surge_m_s") = 0.0,
            py::arg("across_first") = false,
-           "The wrench (6,) that thrusters, and fins at a speed ahead, can give when this one is wanted. Torque comes "
-           "first, and force has\n"
-           "what is left; both keep their direction. With across_first, force across the vehicle comes before force\n"
-           "along it.")
+           "Return the part of a requested wrench (6,) that thrusters, and fins at the given speed ahead, can\n"
+           "deliver. Torque takes priority over force; both keep their direction. With across_first, force across\n"
+           "the vehicle takes priority over force along it.")
       .def("effort", &ControlModel::effort, py::arg("wrench_body"), py::arg("surge_m_s") = 0.0,
-           "Efforts (6,) for a wrench (6,) that can be reached.")
+           "Return the efforts (6,) for a reachable wrench (6,).")
       .def(
           "wrench_body",
           [](const ControlModel& model, const Eigen::Matrix3d& world_from_body, const Vector6d& velocity,
              const Vector6d& acceleration) { return model.wrench_body(world_from_body, velocity, acceleration); },
           py::arg("world_from_body"), py::arg("velocity"), py::arg("acceleration"),
-          "The wrench (6,) that gives an acceleration (6,) at a rotation (3, 3) and velocity (6,), body axes.");
+          "Return the wrench (6,) for an acceleration (6,) at a rotation (3, 3) and velocity (6,), in body axes.");
 
-  py::class_<LoopGains>(m, "LoopGains", "The cascade of one axis.")
+  py::class_<LoopGains>(m, "LoopGains", "The cascade of one axis: position, velocity, acceleration.")
       .def(py::init([](double position_1_s, double velocity_1_s, double integral_1_s2, double acceleration_1) {
              return LoopGains{position_1_s, velocity_1_s, integral_1_s2, acceleration_1};
            }),
@@ -97,9 +97,9 @@ void bind_motion_controller(py::module_& m) {
            py::arg("climb_max_m_s"), py::arg("turn_max_rad_s"), py::arg("acceleration_max_m_s2"),
            py::arg("turn_acceleration_max_rad_s2"));
 
-  py::class_<MotionController>(m, "MotionController", "Position, depth, heading, attitude and velocity loops.")
+  py::class_<MotionController>(m, "MotionController", "Position, depth, heading, attitude and velocity control.")
       .def(py::init<ControlModel, const ControlGains&, double>(), py::arg("model"), py::arg("gains"),
-           py::arg("period_s"), "Raises ValueError for gains that are not valid.")
+           py::arg("period_s"), "Create a controller. Raises ValueError for invalid gains.")
       .def(
           "reach",
           [](MotionController& controller, const py::object& pose, const py::object& velocity,
@@ -111,9 +111,9 @@ void bind_motion_controller(py::module_& m) {
           },
           py::arg("pose"), py::arg("velocity"), py::arg("position_world_m"), py::arg("velocity_world_m_s"),
           py::arg("roll_rad"), py::arg("pitch_rad"), py::arg("heading_rad"), py::arg("across_first") = false,
-          "Efforts of one control period towards a position (3,) that moves at a velocity (3,); positions that are "
-          "NaN\n"
-          "are free. across_first: see ControlModel.reachable. pose, velocity: see Autopilot.steer.")
+          "Return the efforts of one control period for reaching a position (3,) that moves at a velocity (3,);\n"
+          "positions that are NaN are not controlled. across_first: see ControlModel.reachable. pose, velocity:\n"
+          "see Autopilot.steer.")
       .def(
           "hold_velocity",
           [](MotionController& controller, const py::object& pose, const py::object& velocity,
@@ -121,10 +121,12 @@ void bind_motion_controller(py::module_& m) {
             return as_efforts(controller.hold_velocity(as_estimate(pose, velocity), velocity_body));
           },
           py::arg("pose"), py::arg("velocity"), py::arg("velocity_body"),
-          "Efforts of one control period that hold a velocity (6,) in body axes, [m/s] and [rad/s].")
+          "Return the efforts of one control period for maintaining a velocity (6,) in body axes, [m/s] and\n"
+          "[rad/s].")
       .def_property_readonly("force_share", &MotionController::force_share,
-                             "The share of the wanted force that the thrusters gave in the last period.")
-      .def_property("memory", &memory_out, &memory_in, "(25,) what one period leaves to the next, to be saved.");
+                             "The fraction of the requested force that the thrusters delivered in the last period.")
+      .def_property("memory", &memory_out, &memory_in,
+                    "The state (25,) carried from one period to the next, which can be saved.");
 }
 
 }  // namespace uwsim::bindings

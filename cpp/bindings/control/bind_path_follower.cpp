@@ -6,21 +6,22 @@
 
 namespace uwsim::bindings {
 void bind_path_follower(py::module_& m) {
-  py::class_<Guidance>(m, "Guidance", "Where a path leads from a position.")
-      .def_readonly("course_rad", &Guidance::course_rad, "of the velocity, from the world's x, counter-clockwise")
-      .def_readonly("path_rad", &Guidance::path_rad, "direction of the segment")
-      .def_readonly("cross_track_m", &Guidance::cross_track_m, "distance from the path, positive to port of it")
-      .def_readonly("along_m", &Guidance::along_m, "distance flown along the path")
-      .def_readonly("left_m", &Guidance::left_m, "distance to the path's end")
-      .def_readonly("z_world_m", &Guidance::z_world_m, "of the path, beside the vehicle")
-      .def_readonly("is_done", &Guidance::is_done, "whether the end is passed");
+  py::class_<Guidance>(m, "Guidance", "Guidance along a path from a given position.")
+      .def_readonly("course_rad", &Guidance::course_rad,
+                    "direction of the commanded velocity, from the world's x axis, counter-clockwise")
+      .def_readonly("path_rad", &Guidance::path_rad, "direction of the path segment")
+      .def_readonly("cross_track_m", &Guidance::cross_track_m, "distance from the path, positive to port")
+      .def_readonly("along_m", &Guidance::along_m, "distance travelled along the path")
+      .def_readonly("left_m", &Guidance::left_m, "remaining distance to the path's end")
+      .def_readonly("z_world_m", &Guidance::z_world_m, "height of the path abeam of the vehicle")
+      .def_readonly("is_done", &Guidance::is_done, "whether the end has been passed");
   py::class_<PathFollower>(m, "PathFollower", "Line-of-sight guidance along straight segments.")
       .def(py::init([](const py::object& points_m, double lookahead_m, double integral_m_s, double period_s) {
              return PathFollower(as_points(points_m, "points_m"), lookahead_m, integral_m_s, period_s);
            }),
            py::arg("points_m"), py::arg("lookahead_m"), py::arg("integral_m_s"), py::arg("period_s"),
-           "points_m: (n, 3), at least two corners. Raises ValueError.")
-      .def("guide", &PathFollower::guide, py::arg("position_world_m"), "Guidance of one control period.")
+           "points_m: (n, 3), at least two vertices. Raises ValueError.")
+      .def("guide", &PathFollower::guide, py::arg("position_world_m"), "Return guidance for one control period.")
       .def_readwrite("segment", &PathFollower::segment)
       .def_readwrite("integral_s", &PathFollower::integral_s);
 }

@@ -44,11 +44,12 @@ void bind_core(py::module_& m) {
   bind_parameter(m);
   m.def(
       "stream_name", [](const std::string& owner, const std::string& part) { return stream_name(owner, part); },
-      py::arg("owner"), py::arg("part"), "The name of the random stream of a vehicle's sensor, sonar or camera.");
+      py::arg("owner"), py::arg("part"),
+      "Return the name of the random stream of a vehicle's sensor, sonar or camera.");
 
   py::class_<BodyState>(
       m, "BodyState",
-      "Pose and velocity of a body, in read-only arrays; six-vectors (linear, angular) in the body frame.")
+      "Pose and velocity of a body, in read-only arrays; six-vectors are (linear, angular) in the body frame.")
       .def(py::init(&as_state), py::arg("position_m"), py::arg("orientation_xyzw"), py::arg("velocity_body"))
       .def_property_readonly(
           "position_world_m", [](const BodyState& s) { return fixed(s.world_from_body.position_m); }, "(3,) [m]")
@@ -63,7 +64,7 @@ void bind_core(py::module_& m) {
       .def_readonly("volume_m3", &SolidProperties::volume_m3)
       .def_readonly("centroid_m", &SolidProperties::centroid_m, "(3,) [m]")
       .def_readonly("inertia_per_density_m5", &SolidProperties::inertia_per_density_m5,
-                    "(3, 3) [m^5], about the centroid; times density gives kg m^2");
+                    "(3, 3) [m^5], about the centroid; multiplied by the density, in kg m^2");
   m.def(
       "solid_properties",
       [](const py::object& vertices_m, const py::object& triangles) {
@@ -72,12 +73,13 @@ void bind_core(py::module_& m) {
         return solid_properties(mesh);
       },
       py::arg("vertices_m"), py::arg("triangles"),
-      "Volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError when it is open or inverted.");
+      "Return volume, centroid and inertia of a closed mesh (n, 3), (m, 3). Raises ValueError if the mesh is\n"
+      "open or inverted.");
   m.def(
       "instruction_set", [] { return instruction_set_name(widest_instruction_set()); },
-      "What kernels use: avx512, avx2 or portable; the widest of this processor, or what UWSIM_INSTRUCTION_SET "
-      "chooses.\n"
-      "Raises ValueError if that is none, or the processor lacks it.");
+      "Return the instruction set that kernels use: avx512, avx2 or portable. It is the widest that this\n"
+      "processor supports, or the one that UWSIM_INSTRUCTION_SET selects. Raises ValueError if that is not an\n"
+      "instruction set, or the processor does not support it.");
 }
 
 }  // namespace uwsim::bindings

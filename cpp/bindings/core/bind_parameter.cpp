@@ -22,10 +22,10 @@ const char* type_name(ParameterType type) {
 }  // namespace
 
 void bind_parameter(py::module_& m) {
-  py::class_<Parameter>(m, "Parameter", "A figure of a kind of sensor or imaging sonar.")
-      .def_readonly("width", &Parameter::width, "Number of values.")
-      .def_readonly("by_default", &Parameter::by_default, "The default of each value; NaN: must be given.")
-      .def_readonly("low", &Parameter::low, "Least value; the least positive number where 0 is excluded.")
+  py::class_<Parameter>(m, "Parameter", "A parameter of a kind of sensor or imaging sonar.")
+      .def_readonly("width", &Parameter::width, "number of values")
+      .def_readonly("by_default", &Parameter::by_default, "default of each value; NaN if the parameter is required")
+      .def_readonly("low", &Parameter::low, "smallest value; the smallest positive number if 0 is excluded")
       .def_readonly("high", &Parameter::high)
       .def_property_readonly(
           "type", [](const Parameter& p) { return type_name(p.type); }, "\"number\", \"whole number\" or \"flag\"")

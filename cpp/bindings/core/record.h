@@ -46,7 +46,7 @@ class Record {
     class_
         .def(
             "plot", [module](const py::object& self) { return py::module_::import(module).attr("plot")(self); },
-            "Draw it: a matplotlib Figure.")
+            "Return a matplotlib Figure of this object.")
         .def("_repr_png_", [module](const py::object& self) { return py::module_::import(module).attr("png")(self); });
     return *this;
   }
@@ -55,7 +55,7 @@ class Record {
     class_
         .def(
             "to_dict", [fields = fields_](const T& value) { return as_dict(fields, value); },
-            "Its fields by name; arrays are not copied.")
+            "Return the fields by name; arrays are not copied.")
         .def("__copy__", [](const py::object& self) { return self; })
         .def(
             "__deepcopy__", [](const py::object& self, const py::object&) { return self; }, py::arg("memo"))

@@ -45,8 +45,9 @@ py::array_t<double> copied(const double* values, py::ssize_t n) { return py::arr
 void bind_state(py::class_<NavigationFilter>& filter) {
   filter
       .def_property_readonly(
-          "time_ns", [](const NavigationFilter& f) { return f.state().time_ns; }, "Of the newest IMU sample.")
-      .def_property_readonly("position_world_m", &NavigationFilter::position_body_origin_m, "(3,) of the body's origin")
+          "time_ns", [](const NavigationFilter& f) { return f.state().time_ns; }, "time of the newest IMU sample")
+      .def_property_readonly("position_world_m", &NavigationFilter::position_body_origin_m,
+                             "(3,), of the body's origin")
       .def_property_readonly("orientation_xyzw",
                              [](const NavigationFilter& f) { return copied(f.state().orientation.coeffs().data(), 4); })
       .def_property_readonly(
@@ -55,18 +56,19 @@ void bind_state(py::class_<NavigationFilter>& filter) {
             return Pose{f.position_body_origin_m(), f.state().orientation}.matrix();
           },
           "(4, 4)")
-      .def_property_readonly("linear_body_m_s", &NavigationFilter::velocity_body_m_s, "(3,) of the body's origin")
+      .def_property_readonly("linear_body_m_s", &NavigationFilter::velocity_body_m_s, "(3,), of the body's origin")
       .def_property_readonly(
           "angular_body_rad_s", [](const NavigationFilter& f) { return f.state().rate_rad_s(); }, "(3,)")
       .def_property_readonly(
           "covariance", [](const NavigationFilter& f) { return Eigen::MatrixXd(f.state().covariance); },
-          "(n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the biases of\n"
-          "gyroscope and accelerometer (body axes), and those of the aids; of the IMU's centre")
+          "Covariance (n, n) of the errors of position and velocity (world axes), attitude (body axes, rad), the\n"
+          "biases of gyroscope and accelerometer (body axes), and the biases of the aids; of the IMU's centre")
       .def_property_readonly("rate_bias_rad_s", [](const NavigationFilter& f) { return f.state().rate_bias_rad_s; })
       .def_property_readonly("force_bias_m_s2", [](const NavigationFilter& f) { return f.state().force_bias_m_s2; })
       .def_property_readonly("aid_biases",
                              [](const NavigationFilter& f) { return Eigen::VectorXd(f.state().aid_bias); })
-      .def_property_readonly("too_late", &NavigationFilter::too_late, "Readings that came too late to be used.")
+      .def_property_readonly("too_late", &NavigationFilter::too_late,
+                             "number of readings that arrived too late to be used")
       .def(
           "counts",
           [](const NavigationFilter& f, int aid) {
@@ -74,7 +76,7 @@ void bind_state(py::class_<NavigationFilter>& filter) {
             const AidCounts& c = f.state().counts[static_cast<std::size_t>(aid)];
             return std::make_pair(c.accepted, c.rejected);
           },
-          py::arg("aid"), "Scalars of its readings that were used, and that were outliers.");
+          py::arg("aid"), "Return how many scalars of an aid's readings were used, and how many were outliers.");
 }
 
 void bind_aids(py::class_<NavigationFilter>& filter) {
@@ -84,35 +86,37 @@ void bind_aids(py::class_<NavigationFilter>& filter) {
           [](NavigationFilter& f, const Eigen::MatrixX3d& beams, const Eigen::Vector3d& lever, double std,
              const BiasModel& bias) { return f.add_aid(doppler_aid(beams, lever, std, bias)); },
           py::arg("beams_body"), py::arg("lever_body_m"), py::arg("std"), py::arg("bias"),
-          "Velocities along beams (n, 3), unit vectors [m/s]; NaN: lost. Returns the aid's index, as all of these.")
+          "Add an aid that measures velocities along beams (n, 3), unit vectors [m/s]; NaN for a lost beam.\n"
+          "Return its index, like all functions that add an aid.")
       .def(
           "add_depth",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, double std, const BiasModel& bias) {
             return f.add_aid(depth_aid(lever, std, bias));
           },
-          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), "Depth [m].")
+          py::arg("lever_body_m"), py::arg("std"), py::arg("bias"), "Add an aid that measures depth [m].")
       .def(
           "add_heading",
           [](NavigationFilter& f, const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std,
              double north_rad) { return f.add_aid(heading_aid(axis, std, bias, iron_std, north_rad)); },
           py::arg("axis_body"), py::arg("std"), py::arg("bias"), py::arg("iron_std"), py::arg("north_rad"),
-          "The angle of axis_body from east, counter-clockwise [rad].")
+          "Add an aid that measures the angle of axis_body from east, counter-clockwise [rad].")
       .def(
           "add_acoustic_fix",
           [](NavigationFilter& f, const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std,
              double bearing_std) { return f.add_aid(acoustic_fix_aid(lever, station, range_std, bearing_std)); },
           py::arg("lever_body_m"), py::arg("station_world_m"), py::arg("range_std"), py::arg("bearing_std"),
-          "Position from the station, world axes [m].")
+          "Add an aid that measures the position relative to the station, world axes [m].")
       .def(
           "add_orientation",
           [](NavigationFilter& f, double std, const BiasModel& bias) { return f.add_aid(orientation_aid(std, bias)); },
-          py::arg("std"), py::arg("bias"), "Orientation x, y, z, w, world from body.");
+          py::arg("std"), py::arg("bias"), "Add an aid that measures the orientation x, y, z, w, world from body.");
 }
 
 }  // namespace
 
 void bind_estimation(py::module_& m) {
-  py::class_<BiasModel>(m, "BiasModel", "A bias: a constant drawn at the start, a Gauss-Markov drift, a random walk.")
+  py::class_<BiasModel>(m, "BiasModel",
+                        "The model of a bias: a constant drawn at the start, a Gauss-Markov drift and a random walk.")
       .def(py::init([](double turn_on_std, double drift_std, double drift_time_s, double walk) {
              return BiasModel{turn_on_std, drift_std, drift_time_s, walk};
            }),
@@ -120,24 +124,24 @@ void bind_estimation(py::module_& m) {
            py::arg("walk") = 0.0);
   py::class_<NavigationFilter> filter(
       m, "NavigationFilter",
-      "An error-state Kalman filter (Sola 2017) on an IMU and its aids. Readings may come late and in any order: the\n"
-      "result depends on them and their times alone. World ENU; body axes of REP 103; lever arms from the IMU.");
+      "An error-state Kalman filter (Sola 2017) for an IMU and its aids. Readings may arrive late and in any\n"
+      "order: the result depends only on the readings and their times. World ENU; REP 103 body axes; lever\n"
+      "arms from the IMU.");
   filter
-      .def(
-          py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
-                      double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
-                      double force_limit, double averaging_s) {
-            const ImuErrors imu{rate_std,  force_std,  period_s,   averaging_s,
-                                rate_bias, force_bias, rate_limit, force_limit};
-            return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
-          }),
-          py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
-          py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
-          py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
-          py::arg("force_limit") = std::numeric_limits<double>::infinity(), py::arg("averaging_s") = 0.0,
-          "period_s: of the IMU's samples. rate_std, force_std: white noise of a sample [rad/s, m/s2]. rate_limit,\n"
-          "force_limit: the most that an axis can tell. averaging_s: the time before a sample over which its force is\n"
-          "the mean; 0: that of an instant.")
+      .def(py::init([](const Eigen::Vector3d& imu_body_m, double gravity_m_s2, double period_s, double rate_std,
+                       double force_std, const BiasModel& rate_bias, const BiasModel& force_bias, double rate_limit,
+                       double force_limit, double averaging_s) {
+             const ImuErrors imu{rate_std,  force_std,  period_s,   averaging_s,
+                                 rate_bias, force_bias, rate_limit, force_limit};
+             return std::make_unique<NavigationFilter>(imu, imu_body_m, gravity_m_s2);
+           }),
+           py::kw_only(), py::arg("imu_body_m"), py::arg("gravity_m_s2"), py::arg("period_s"), py::arg("rate_std"),
+           py::arg("force_std"), py::arg("rate_bias"), py::arg("force_bias"),
+           py::arg("rate_limit") = std::numeric_limits<double>::infinity(),
+           py::arg("force_limit") = std::numeric_limits<double>::infinity(), py::arg("averaging_s") = 0.0,
+           "period_s: sampling period of the IMU. rate_std, force_std: white noise of a sample [rad/s, m/s2].\n"
+           "rate_limit, force_limit: the largest magnitude that an axis can measure. averaging_s: the time before\n"
+           "a sample over which its force is averaged; 0 for an instantaneous value.")
       .def(
           "start",
           [](NavigationFilter& f, std::uint64_t time_ns, const py::object& position_world_m,
@@ -149,13 +153,15 @@ void bind_estimation(py::module_& m) {
           },
           py::kw_only(), py::arg("time_ns"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
           py::arg("position_std_m"), py::arg("attitude_std_rad"), py::arg("velocity_world_m_s"),
-          py::arg("velocity_std_m_s"), "After the aids were added. Forgets everything earlier.")
+          py::arg("velocity_std_m_s"), "Start the filter, after all aids have been added. Discards everything earlier.")
       .def("add_imu", &add_imu, py::arg("times_ns"), py::arg("readings"),
-           "times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body axes.")
+           "Add samples of the IMU. times_ns (n,) uint64; readings (n, 6): angular velocity, specific force, body\n"
+           "axes.")
       .def("add_readings", &add_readings, py::arg("aid"), py::arg("times_ns"), py::arg("arrivals_ns"),
-           py::arg("readings"), "times_ns, arrivals_ns (n,) uint64; readings (n, width).")
-      .def("add_silence", &NavigationFilter::add_silence, py::arg("time_ns"), "There was no IMU until then.")
-      .def("catch_up", &NavigationFilter::catch_up, "Work off what was added.")
+           py::arg("readings"), "Add readings of an aid. times_ns, arrivals_ns (n,) uint64; readings (n, width).")
+      .def("add_silence", &NavigationFilter::add_silence, py::arg("time_ns"),
+           "Record that the IMU provided no samples until this time.")
+      .def("catch_up", &NavigationFilter::catch_up, "Process the readings that have been added.")
       .def("save", [](NavigationFilter& f) { return py::bytes(f.save()); })
       .def(
           "restore",
@@ -163,8 +169,8 @@ void bind_estimation(py::module_& m) {
             f.restore(std::string_view(bytes), version);
           },
           py::arg("bytes"), py::arg("version"),
-          "version: of the bytes, save_version of the build that saved them. Raises ValueError for an unknown version\n"
-          "and for bytes that are not of a filter with the same aids.");
+          "Restore a saved state. version: save_version of the build that saved the bytes. Raises ValueError for\n"
+          "an unknown version, and for bytes that were not saved by a filter with the same aids.");
   filter.attr("save_version") = NavigationFilter::kVersion;
   bind_aids(filter);
   bind_state(filter);

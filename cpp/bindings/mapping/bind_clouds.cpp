@@ -25,9 +25,9 @@ void bind_links(py::module_& m) {
       },
       py::arg("ranges_m"), py::arg("angle_min_rad"), py::arg("angle_increment_rad"), py::arg("range_min_m"),
       py::arg("range_max_m"),
-      "The points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in the order of the beams. As\n"
-      "in laser_geometry only range_min <= range < range_max counts. ranges_m: (beams,) float32. Raises ValueError.\n"
-      "Releases the GIL.");
+      "Return the points of a LaserScan in its own frame (x forward, y left), (n, 3) float32, in beam order.\n"
+      "As in laser_geometry, only ranges with range_min <= range < range_max are used. ranges_m: (beams,)\n"
+      "float32. Raises ValueError. Releases the GIL.");
   m.def(
       "transform_points",
       [](const py::object& points_source_m, const py::object& target_from_source) {
@@ -36,8 +36,8 @@ void bind_links(py::module_& m) {
         return rows_out(without_gil([&] { return transform_points(span_of(points), transform); }));
       },
       py::arg("points_source_m"), py::arg("target_from_source"),
-      "pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4, 4) float64, rigid. Returns\n"
-      "(n, 3) float32. Raises ValueError. Releases the GIL.");
+      "Transform points by pcl::transformPointCloud. points_source_m: (n, 3) float32. target_from_source: (4,\n"
+      "4) float64, rigid. Returns (n, 3) float32. Raises ValueError. Releases the GIL.");
   m.def(
       "relative_transform",
       [](const py::object& world_from_target, const py::object& world_from_source) {
@@ -46,7 +46,7 @@ void bind_links(py::module_& m) {
         return Eigen::Matrix4d(target.inverse().matrix() * source);
       },
       py::arg("world_from_target"), py::arg("world_from_source"),
-      "target_from_source, (4, 4) float64, of rigid transforms. Raises ValueError.");
+      "Return target_from_source, (4, 4) float64, from rigid transforms. Raises ValueError.");
   m.def(
       "filter_range",
       [](const py::object& points_m, double min_m, double max_m) {
@@ -54,8 +54,8 @@ void bind_links(py::module_& m) {
         return rows_out(without_gil([&] { return filter_range(span_of(points), min_m, max_m); }));
       },
       py::arg("points_m"), py::arg("min_m"), py::arg("max_m"),
-      "The points whose distance to the origin is in [min_m, max_m]; (n, 3) float32. Raises ValueError. Releases the\n"
-      "GIL.");
+      "Return the points whose distance to the origin is in [min_m, max_m], (n, 3) float32. Raises\n"
+      "ValueError. Releases the GIL.");
   m.def(
       "remove_box",
       [](const py::object& points_m, const py::object& box_min_m, const py::object& box_max_m) {
@@ -64,8 +64,8 @@ void bind_links(py::module_& m) {
         return rows_out(without_gil([&] { return remove_box(span_of(points), low, high); }));
       },
       py::arg("points_m"), py::arg("box_min_m"), py::arg("box_max_m"),
-      "pcl::CropBox, negative: the points outside the box, whose faces belong to it; (n, 3) float32. box_*_m: (3,)\n"
-      "float64. Discards non-finite points. Raises ValueError. Releases the GIL.");
+      "Return the points outside a box, whose faces count as inside, by a negative pcl::CropBox; (n, 3)\n"
+      "float32. box_*_m: (3,) float64. Discards non-finite points. Raises ValueError. Releases the GIL.");
 }
 
 void bind_filters(py::module_& m) {
@@ -76,8 +76,8 @@ void bind_filters(py::module_& m) {
         return rows_out(without_gil([&] { return voxel_grid(span_of(points), voxel_m); }));
       },
       py::arg("points_m"), py::arg("voxel_m"),
-      "pcl::VoxelGrid: the centroid of the points in each cube of edge voxel_m. points_m: (n, 3) float32. Returns (k,\n"
-      "3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.");
+      "Return the centroid of the points in each cube with edge voxel_m, by pcl::VoxelGrid. points_m: (n, 3)\n"
+      "float32. Returns (k, 3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.");
   m.def(
       "pass_through",
       [](const py::object& points_m, int axis, double min_m, double max_m) {
@@ -85,8 +85,8 @@ void bind_filters(py::module_& m) {
         return rows_out(without_gil([&] { return pass_through(span_of(points), axis, min_m, max_m); }));
       },
       py::arg("points_m"), py::arg("axis"), py::arg("min_m"), py::arg("max_m"),
-      "pcl::PassThrough: the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m]; (n, 3) float32.\n"
-      "Discards non-finite points. Raises ValueError. Releases the GIL.");
+      "Return the points whose coordinate along axis 0, 1 or 2 is in [min_m, max_m], by pcl::PassThrough; (n,\n"
+      "3) float32. Discards non-finite points. Raises ValueError. Releases the GIL.");
   m.def(
       "remove_outliers",
       [](const py::object& points_m, int neighbours, double deviations) {
@@ -94,8 +94,8 @@ void bind_filters(py::module_& m) {
         return rows_out(without_gil([&] { return remove_outliers(span_of(points), neighbours, deviations); }));
       },
       py::arg("points_m"), py::arg("neighbours"), py::arg("deviations"),
-      "pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises ValueError. Releases the\n"
-      "GIL.");
+      "Remove outliers by pcl::StatisticalOutlierRemoval; (n, 3) float32. Discards non-finite points. Raises\n"
+      "ValueError. Releases the GIL.");
 }
 
 void bind_fits(py::module_& m) {
@@ -108,8 +108,9 @@ void bind_fits(py::module_& m) {
         return std::make_tuple(fit.normal, fit.offset_m, inliers.view("bool"));
       },
       py::arg("points_m"), py::arg("distance_m"), py::arg("max_slope_rad"),
-      "pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward normal (3,), the offset [m]\n"
-      "with normal . p + offset = 0, and the inliers (n,) bool. Raises ValueError. Releases the GIL.");
+      "Fit a ground plane by pcl::RandomSampleConsensus. points_m: (n, 3) float32, finite. Returns the upward\n"
+      "normal (3,), the offset [m] with normal . p + offset = 0, and the inliers (n,) bool. Raises\n"
+      "ValueError. Releases the GIL.");
   m.def(
       "register_cloud",
       [](const py::object& source_m, const py::object& target_m, const py::object& guess, double max_distance_m,
@@ -121,9 +122,10 @@ void bind_fits(py::module_& m) {
         return std::make_tuple(r.target_from_source, r.rms_m, r.overlap, r.iterations, r.converged);
       },
       py::arg("source_m"), py::arg("target_m"), py::arg("guess"), py::arg("max_distance_m"), py::arg("max_iterations"),
-      "pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess: (4, 4), rigid. Returns\n"
-      "target_from_source (4, 4), the rms distance [m] of the points within max_distance_m, their share of all, the\n"
-      "iterations and whether they converged. Raises ValueError. Releases the GIL.");
+      "Register two clouds by pcl::IterativeClosestPoint. source_m, target_m: (n, 3) float32, finite. guess:\n"
+      "(4, 4), rigid. Returns target_from_source (4, 4), the rms distance [m] of the points within\n"
+      "max_distance_m, their fraction of all points, the number of iterations and whether they converged.\n"
+      "Raises ValueError. Releases the GIL.");
 }
 
 }  // namespace

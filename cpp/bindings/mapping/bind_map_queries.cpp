@@ -21,8 +21,8 @@ void bind_points(MapClass& map) {
            return move_out(without_gil([&] { return self.state_at(span_of(points)); }));
          },
          py::arg("points_world_m"),
-         "points_world_m: (n, 3) float64, finite. Returns (n,) int8: 1 occupied, 0 free, -1 unknown. Releases the\n"
-         "GIL.")
+         "Return the state at points_world_m, (n, 3) float64, finite: (n,) int8, 1 occupied, 0 free, -1 unknown.\n"
+         "Releases the GIL.")
       .def(
           "log_odds_at",
           [](const OccupancyMap& self, const py::object& points_world_m) {
@@ -30,7 +30,8 @@ void bind_points(MapClass& map) {
             return move_out(without_gil([&] { return self.log_odds_at(span_of(points)); }));
           },
           py::arg("points_world_m"),
-          "points_world_m: (n, 3) float64, finite. Returns (n,) float32, NaN where unknown. Releases the GIL.")
+          "Return the log-odds at points_world_m, (n, 3) float64, finite: (n,) float32, NaN where unknown.\n"
+          "Releases the GIL.")
       .def(
           "cast_rays",
           [](const OccupancyMap& self, const py::object& origins_world_m, const py::object& directions_world,
@@ -42,20 +43,21 @@ void bind_points(MapClass& map) {
             return std::make_tuple(move_out(std::move(casts.ends)), rows_out(std::move(casts.voxel_centres_world_m)));
           },
           py::arg("origins_world_m"), py::arg("directions_world"), py::arg("ignore_unknown"), py::arg("max_range_m"),
-          "origins_world_m, directions_world: (n, 3) float64. Returns where the rays end, (n,) int8: 1 occupied, 0 at\n"
-          "the maximum range or the cube's edge, -1 unknown; and the centres of the last voxels, (n, 3) float64.\n"
-          "Releases the GIL.");
+          "Cast rays through the map. origins_world_m, directions_world: (n, 3) float64. Returns how the rays\n"
+          "end, (n,) int8: 1 occupied, 0 at the maximum range or the cube's edge, -1 unknown; and the centres of\n"
+          "the last voxels, (n, 3) float64. Releases the GIL.");
 }
 
 void bind_cubes(MapClass& map) {
   map.def(
          "leaves", [](const OccupancyMap& self) { return columns(without_gil([&] { return self.leaves(); })); },
-         "The leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,) float32. Releases\n"
-         "the GIL.")
+         "Return the leaves of the pruned tree: centres (n, 3) float64, edges (n,) float64, log-odds (n,)\n"
+         "float32. Releases the GIL.")
       .def(
           "cells",
           [](const OccupancyMap& self, int depth) { return columns(without_gil([&] { return self.cells(depth); })); },
-          py::arg("depth"), "The cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.")
+          py::arg("depth"),
+          "Return the cubes at a depth of the tree, 1 to 16, in the form of leaves(). Releases the GIL.")
       .def(
           "voxels_in",
           [](const OccupancyMap& self, const py::object& low_world_m, const py::object& high_world_m) {
@@ -64,8 +66,8 @@ void bind_cubes(MapClass& map) {
             return columns(without_gil([&] { return self.voxels_in(low, high); }));
           },
           py::arg("low_world_m"), py::arg("high_world_m"),
-          "The finest voxels whose centres are in a box, in the form of leaves(). low_world_m, high_world_m: (3,)\n"
-          "float64. Releases the GIL.")
+          "Return the finest voxels whose centres are in a box, in the form of leaves(). low_world_m,\n"
+          "high_world_m: (3,) float64. Releases the GIL.")
       .def(
           "changed_voxels",
           [](OccupancyMap& self) {
@@ -73,16 +75,16 @@ void bind_cubes(MapClass& map) {
             return std::make_tuple(rows_out(std::move(changes.voxel_centres_world_m)),
                                    move_out(std::move(changes.states)));
           },
-          "The voxels whose state changed since the last call: centres (n, 3) float64, states (n,) int8. Releases the\n"
-          "GIL.")
+          "Return the voxels whose state has changed since the last call: centres (n, 3) float64, states (n,)\n"
+          "int8. Releases the GIL.")
       .def(
           "changed_occupancy",
           [](OccupancyMap& self) {
             OccupancyMap::OccupancyChanges changes = without_gil([&] { return self.changed_occupancy(); });
             return std::make_tuple(rows_out(std::move(changes.cells)), move_out(std::move(changes.occupied)));
           },
-          "The voxels that became occupied, or are so no longer, since the last call: voxels from the origin (n, 3)\n"
-          "int16, and whether they are occupied now, (n,) uint8. Releases the GIL.");
+          "Return the voxels that became occupied, or are no longer occupied, since the last call: voxels from\n"
+          "the origin (n, 3) int16, and whether they are occupied now, (n,) uint8. Releases the GIL.");
 }
 
 }  // namespace
@@ -92,7 +94,7 @@ void bind_map_queries(MapClass& map) {
   bind_cubes(map);
   map.def(
          "merge", [](OccupancyMap& self, const OccupancyMap& other) { without_gil([&] { self.merge(other); }); },
-         py::arg("other"), "Adds the log-odds of another map. Raises ValueError. Releases the GIL.")
+         py::arg("other"), "Add the log-odds of another map. Raises ValueError. Releases the GIL.")
       .def("model",
            [](const OccupancyMap& self) {
              const OccupancyModel model = without_gil([&] { return self.model(); });
@@ -104,7 +106,7 @@ void bind_map_queries(MapClass& map) {
             without_gil([&] { self.set_model({hit, miss, clamping_min, clamping_max}); });
           },
           py::arg("hit"), py::arg("miss"), py::arg("clamping_min"), py::arg("clamping_max"),
-          "Sets the probabilities of later scans. Raises ValueError. Releases the GIL.");
+          "Set the probabilities for later scans. Raises ValueError. Releases the GIL.");
 }
 
 }  // namespace uwsim::bindings

@@ -36,13 +36,13 @@ void bind_options(py::module_& m) {
       .value("OCTOMAP", MapEngineKind::octomap)
       .value("BRICKS", MapEngineKind::bricks);
   py::enum_<InstructionSet>(m, "InstructionSet",
-                            "The instruction set of the brick engine's kernels; the results are the same.")
+                            "The instruction set of the brick engine's kernels; results do not depend on it.")
       .value("BEST", InstructionSet::best)
       .value("PORTABLE", InstructionSet::portable)
       .value("AVX2", InstructionSet::avx2)
       .value("AVX512", InstructionSet::avx512);
   py::class_<MapOptions>(m, "MapOptions",
-                         "The engine of a map, its memory, and its probabilities of hit, miss and clamping.")
+                         "The engine of a map, its memory limit, and its probabilities of hit, miss and clamping.")
       .def(py::init([](MapEngineKind engine, double hit, double miss, double clamping_min, double clamping_max,
                        InstructionSet instruction_set, bool count_outside, std::optional<double> memory_limit_mb,
                        const std::string& spill_folder) {
@@ -73,7 +73,7 @@ void bind_map(py::module_& m) {
             return without_gil([&] { return OccupancyMap::read(path.string(), origin, options); });
           },
           py::arg("path"), py::arg("origin_world_m"), py::arg("options"),
-          "Reads a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is not a valid OctoMap\n"
+          "Read a .bt or .ot file. Raises OSError if it cannot be read, ValueError if it is not a valid OctoMap\n"
           "file. Releases the GIL.")
       .def_property_readonly("resolution_m", &OccupancyMap::resolution_m)
       .def_property_readonly("engine", &OccupancyMap::engine)
@@ -91,9 +91,9 @@ void bind_map(py::module_& m) {
             without_gil([&] { map.insert_scan(span_of(points), origin, max_range_m); });
           },
           py::arg("points_world_m"), py::arg("origin_world_m"), py::arg("max_range_m"),
-          "Inserts one ping. points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,) float64.\n"
-          "Raises ValueError, inserting nothing, on wrong shapes, a non-finite origin and points outside OctoMap's\n"
-          "cube. Releases the GIL.")
+          "Insert one ping. points_world_m: (n, 3) float32; NaN and inf are skipped. origin_world_m: (3,)\n"
+          "float64. Raises ValueError, without inserting anything, for wrong shapes, a non-finite origin and\n"
+          "points outside OctoMap's cube. Releases the GIL.")
       .def(
           "insert_scans",
           [](OccupancyMap& map, const py::object& points_world_m, const py::object& counts,
@@ -107,18 +107,19 @@ void bind_map(py::module_& m) {
           },
           py::arg("points_world_m"), py::arg("counts"), py::arg("origins_world_m"), py::arg("max_range_m"),
           py::arg("threads"),
-          "Inserts pings in their order. points_world_m: (n, 3) float32, the points of all; counts: (m,) int64,\n"
-          "points of each; origins_world_m: (m, 3) float64. Raises ValueError as insert_scan does, inserting none.\n"
-          "Releases the GIL.")
+          "Insert pings in order. points_world_m: (n, 3) float32, the points of all pings; counts: (m,) int64,\n"
+          "the number of points in each; origins_world_m: (m, 3) float64. Raises ValueError like insert_scan,\n"
+          "without inserting any ping. Releases the GIL.")
       .def(
           "occupied_voxels",
           [](const OccupancyMap& map) { return rows_out(without_gil([&] { return map.occupied_voxels_world_m(); })); },
-          "Centres of the occupied voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the\n"
-          "GIL.")
+          "Return the centres of the occupied voxels, (n, 3) float64, world frame, at the finest level, in Morton\n"
+          "order. Releases the GIL.")
       .def(
           "free_voxels",
           [](const OccupancyMap& map) { return rows_out(without_gil([&] { return map.free_voxels_world_m(); })); },
-          "Centres of the free voxels, (n, 3) float64, world, at the finest level, in Morton order. Releases the GIL.")
+          "Return the centres of the free voxels, (n, 3) float64, world frame, at the finest level, in Morton\n"
+          "order. Releases the GIL.")
       .def(
           "statistics",
           [](const OccupancyMap& map) {
@@ -126,21 +127,22 @@ void bind_map(py::module_& m) {
             return std::make_tuple(s.occupied_voxels, s.free_voxels, s.nodes, s.memory_bytes, s.outside_points,
                                    s.evictions);
           },
-          "(occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases the GIL.")
+          "Return (occupied voxels, free voxels, nodes, bytes of memory, discarded points, evictions). Releases\n"
+          "the GIL.")
       .def(
           "count",
           [](const OccupancyMap& map) {
             const VoxelCounts counts = without_gil([&] { return map.count(); });
             return std::make_tuple(counts.occupied, counts.free);
           },
-          "(occupied voxels, free voxels). Releases the GIL.")
+          "Return (occupied voxels, free voxels). Releases the GIL.")
       .def(
           "to_bytes",
           [](const OccupancyMap& map, const std::string& format) {
             const MapFormat wanted = format_named(format);
             return py::bytes(without_gil([&] { return map.to_bytes(wanted); }));
           },
-          py::arg("format"), "The bytes of a 'bt' or 'ot' file. Releases the GIL.")
+          py::arg("format"), "Return the bytes of a 'bt' or 'ot' file. Releases the GIL.")
       .def(
           "write",
           [](const OccupancyMap& map, const std::filesystem::path& path, const std::string& format) {
@@ -148,7 +150,7 @@ void bind_map(py::module_& m) {
             without_gil([&] { map.write(path.string(), wanted); });
           },
           py::arg("path"), py::arg("format"),
-          "Writes a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.");
+          "Write a 'bt' or 'ot' file atomically. Raises OSError. Releases the GIL.");
   bind_map_queries(map);
 }
 
@@ -156,8 +158,8 @@ void bind_map(py::module_& m) {
 
 void bind_occupancy_map(py::module_& m) {
   m.def("remove_unfinished_files", &remove_unfinished_files,
-        "Removes the temporary files of the maps that are being written, for a process that ends while other threads\n"
-        "write.");
+        "Remove the temporary files of all maps being written, for a process that ends while other threads are\n"
+        "writing.");
   bind_options(m);
   bind_map(m);
 }

@@ -193,13 +193,14 @@ py::array_t<bool> hold_surface(const SurfaceVoxels& voxels, const py::object& pa
 }
 
 void bind_surface_voxels(py::module_& m) {
-  py::class_<SurfaceVoxels>(m, "SurfaceVoxels",
-                            "How far voxels' centres are from the true surface, and whether it runs through them. What "
-                            "was looked at once is remembered, so that a map can be scored while it grows.")
+  py::class_<SurfaceVoxels>(
+      m, "SurfaceVoxels",
+      "Determines how far voxel centres are from the true surface, and whether it passes through the voxels.\n"
+      "Results are cached, so that a map can be scored while it grows.")
       .def(py::init(&make_surface_voxels), py::arg("rays"), py::arg("resolution_m"),
            "rays: RayScene of the world. Voxels are floor(x / resolution_m) on each axis. Raises ValueError.")
       .def_property_readonly("resolution_m", &SurfaceVoxels::resolution_m)
-      .def("__len__", &SurfaceVoxels::known, "How many voxels have been looked at.")
+      .def("__len__", &SurfaceVoxels::known, "The number of voxels that have been examined.")
       .def(
           "look_at",
           [](SurfaceVoxels& voxels, const py::object& points_world_m) {
@@ -208,53 +209,53 @@ void bind_surface_voxels(py::module_& m) {
             voxels.look_at(span_of(points));
           },
           py::arg("points_world_m"),
-          "Looks at the voxels that hold points (n, 3): `distances_m` then need not. Releases the GIL. Raises "
+          "Examine the voxels that contain points (n, 3), in advance of `distances_m`. Releases the GIL. Raises\n"
           "ValueError.")
       .def("distances_m", &voxel_distances, py::arg("voxels"),
-           "voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Returns (n,) float64, the distances from their\n"
-           "centres to the nearest triangle, exact to double rounding; what was looked at before changes nothing but\n"
-           "the time it takes. On all threads. Releases the GIL. Raises ValueError.")
+           "Return the distances from voxel centres to the nearest triangle, (n,) float64, exact to double\n"
+           "rounding. voxels: (n,) int64, packed as by uwsim.mapping.voxel_keys. Voxels that have already been\n"
+           "examined take less time. Uses all threads. Releases the GIL. Raises ValueError.")
       .def("hold_surface", &hold_surface, py::arg("voxels"), py::arg("distances_m"),
-           "voxels and their distances (n,). Returns (n,) bool: whether the surface runs through them or within 1 mm. "
-           "On\n"
-           "all threads. Releases the GIL. Raises ValueError.");
+           "Return whether the surface passes through voxels, or within 1 mm of them, (n,) bool, given their\n"
+           "distances (n,). Uses all threads. Releases the GIL. Raises ValueError.");
 }
 
 }  // namespace
 
 void bind_rays(py::module_& m) {
   py::class_<RayHits>(m, "RayHits")
-      .def_readonly("ranges_m", &RayHits::ranges_m, "(n,) float32; inf where nothing was hit within range")
-      .def_readonly("normals_world", &RayHits::normals_world, "(n, 3) float32, unit; zero where nothing was hit")
+      .def_readonly("ranges_m", &RayHits::ranges_m, "(n,) float32; inf if nothing was hit within range")
+      .def_readonly("normals_world", &RayHits::normals_world, "(n, 3) float32, unit; zero if nothing was hit")
       .def_readonly("labels", &RayHits::labels, "(n,) uint16, see World.label_names; vehicles follow");
 
   py::class_<RayScene, std::shared_ptr<RayScene>>(
       m, "RayScene",
-      "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not in it; vehicles are "
-      "only in that of Simulation.scene_around.")
+      "The world's surfaces, prepared for rays (Embree). A snapshot: solids added later are not included.\n"
+      "Vehicles are only included in that of Simulation.scene_around.")
       .def(py::init([](World world) {  // a copy, since other threads may add to the original meanwhile
              const GilReleased unlocked;
              return std::make_shared<RayScene>(world);
            }),
            py::arg("world"))
       .def("cast", &cast, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"), py::arg("exact") = true,
-           "origins_m: (n, 3) or (1, 3); directions: (n, 3), of any length but zero. exact: False for pictures, in "
-           "float\n"
-           "and faster; distances then err by about 1e-4 m. Returns RayHits. Raises ValueError.")
+           "Cast rays. origins_m: (n, 3) or (1, 3); directions: (n, 3), of any nonzero length. exact: False for\n"
+           "pictures: in float and faster, with errors in distance of about 1e-4 m. Returns RayHits. Raises\n"
+           "ValueError.")
       .def("visible", &visible, py::arg("origin_m"), py::arg("points_m"), py::arg("tolerance_m") = 1e-3,
-           "(n,) bool: seen from origin_m (3,), no surface lies more than tolerance_m before the point.")
-      .def(
-          "seen_groups", &seen, py::arg("viewpoints_m"), py::arg("points_m"), py::arg("group_of_point"),
-          py::arg("group_count"), py::arg("range_m"), py::arg("tolerance_m") = 1e-3,
-          "(group_count,) bool: seen from one of viewpoints_m (v, 3), a point of the group lies within range_m and no\n"
-          "surface lies more than tolerance_m before it. points_m: (n, 3); group_of_point: (n,), sorted. Raises "
-          "ValueError.")
+           "Return whether points are visible from origin_m (3,), with no surface more than tolerance_m in front\n"
+           "of them, (n,) bool.")
+      .def("seen_groups", &seen, py::arg("viewpoints_m"), py::arg("points_m"), py::arg("group_of_point"),
+           py::arg("group_count"), py::arg("range_m"), py::arg("tolerance_m") = 1e-3,
+           "Return, for each group, whether one of its points is visible from one of viewpoints_m (v, 3): within\n"
+           "range_m, with no surface more than tolerance_m in front of it, (group_count,) bool. points_m: (n, 3);\n"
+           "group_of_point: (n,), sorted. Raises ValueError.")
       .def("distance_m", &distance, py::arg("points_m"),
-           "(n, 3) -> (n,) float64, the distance to the nearest triangle, exact to double rounding.");
+           "Return the distances (n,) float64 from points (n, 3) to the nearest triangle, exact to double rounding.");
 
-  py::class_<VoxelScene>(m, "VoxelScene",
-                         "Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at "
-                         "multiples of edge_m.")
+  py::class_<VoxelScene>(
+      m, "VoxelScene",
+      "Cubes, such as a map's occupied voxels, prepared for the rays of pictures. The cubes lie at multiples\n"
+      "of edge_m.")
       .def(py::init([](const py::object& centres_world_m, double edge_m) {
              const auto centres = as_points(centres_world_m, "centres_world_m");
              return without_gil([&] { return std::make_unique<VoxelScene>(centres, edge_m); });
@@ -262,7 +263,7 @@ void bind_rays(py::module_& m) {
            py::arg("centres_world_m"), py::arg("edge_m"),
            "centres_world_m: (n, 3), less than 2^17 cubes apart. Raises ValueError.")
       .def("cast", &cast_at_voxels, py::arg("origins_m"), py::arg("directions"), py::arg("max_range_m"),
-           "As RayScene.cast; labels are 0. A ray that starts inside a cube hits it at 0.");
+           "Like RayScene.cast; labels are 0. A ray that starts inside a cube hits it at distance 0.");
   bind_surface_voxels(m);
 }
 

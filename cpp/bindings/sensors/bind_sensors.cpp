@@ -32,26 +32,26 @@ void bind_kinds(py::module_& m) {
       .def_property_readonly("name", [](const SensorKind& k) { return std::string(k.name); })
       .def_property_readonly("meaning", [](const SensorKind& k) { return std::string(k.meaning); })
       .def_property_readonly(
-          "fields", [](const SensorKind& k) { return parts(k.fields); }, "{name: (width, unit)} of a reading")
+          "fields", [](const SensorKind& k) { return parts(k.fields); }, "{name: (width, unit)} of a reading's fields")
       .def_property_readonly(
           "channels", [](const SensorKind& k) { return parts(k.channels); },
-          "{name: (width, unit)} of the quantities that noise acts on")
+          "{name: (width, unit)} of the quantities to which noise is added")
       .def_property_readonly(
           "parameters", [](const SensorKind& k) { return by_name(k.parameters); }, "{name: Parameter}");
   m.def(
-      "sensor_kinds", [] { return kind_names(sensor_kinds()); }, "The kinds of sensor that are built in.");
+      "sensor_kinds", [] { return kind_names(sensor_kinds()); }, "Return the built-in kinds of sensor.");
   m.def(
       "sensor_kind", [](const std::string& name) { return &sensor_kind(name); }, py::arg("name"),
-      py::return_value_policy::reference, "Raises ValueError with the known names.");
+      py::return_value_policy::reference, "Return the kind with this name. Raises ValueError listing the known names.");
 }
 
 void bind_noise(py::module_& m) {
   const NoiseSpec none;
   py::class_<NoiseSpec>(
       m, "NoiseSpec",
-      "Errors of one channel of a sensor, in its unit u: white noise (std for each sample, density in u "
-      "per root hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root "
-      "second), quantum, limits. 0: no such error.")
+      "Errors of one channel of a sensor, in its unit u: white noise (std per sample, density in u per root\n"
+      "hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum,\n"
+      "limits. 0 disables an error.")
       .def(py::init([](double std, double density, double turn_on_std, double bias_std, double bias_time_s, double walk,
                        double quantum, double limit_low, double limit_high) {
              return NoiseSpec{std, density, turn_on_std, bias_std, bias_time_s, walk, quantum, limit_low, limit_high};
@@ -109,18 +109,19 @@ void bind_sensors(py::module_& m) {
            py::arg("parameters") = std::map<std::string, std::vector<double>>{},
            py::arg("noise") = std::map<std::string, NoiseSpec>{}, py::arg("rate_hz") = 0.0, py::arg("latency_s") = 0.0,
            py::arg("drop_out") = 0.0,
-           "parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Checked by Simulation.add_vehicle.")
+           "parameters: of the kind; noise: by channel; rate_hz: 0 for every step. Validated by\n"
+           "Simulation.add_vehicle.")
       .def_readonly("name", &SensorSpec::name)
       .def_readonly("kind", &SensorSpec::kind)
       .def_readonly("rate_hz", &SensorSpec::rate_hz)
       .def_readonly("latency_s", &SensorSpec::latency_s)
       .def_readonly("drop_out", &SensorSpec::drop_out)
       .def_property_readonly(
-          "position_m", [](const SensorSpec& s) { return s.body_from_sensor.position_m; }, "(3,) on the body.")
+          "position_m", [](const SensorSpec& s) { return s.body_from_sensor.position_m; }, "position on the body (3,)")
       .def_property_readonly(
           "orientation_xyzw",
           [](const SensorSpec& s) { return Eigen::Vector4d(s.body_from_sensor.orientation.coeffs()); },
-          "(4,) body from sensor.")
+          "(4,), body from sensor")
       .def_property_readonly(
           "noise",
           [](const SensorSpec& s) {
@@ -133,11 +134,11 @@ void bind_sensors(py::module_& m) {
             const ParameterValues values = completed(s, sensor_kind(s.kind)).parameters;
             return std::map<std::string, std::vector<double>>{values.begin(), values.end()};
           },
-          "{name: values} of the kind's parameters, defaults included.");
+          "{name: values} of the kind's parameters, including defaults.");
 
   py::class_<SensorReading>(m, "SensorReading", "One sample of a sensor.")
       .def_readonly("values", &SensorReading::values, "{field: float or (n,) float64}")
-      .def_readonly("stamp_ns", &SensorReading::stamp_ns, "Time of the measurement.")
+      .def_readonly("stamp_ns", &SensorReading::stamp_ns, "time of the measurement")
       .def_readonly("valid", &SensorReading::valid);
 }
 

@@ -163,18 +163,19 @@ void write_acoustic_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t so
 
 void bind_batch(py::module_& m) {
   py::class_<MemberSpec>(m, "MemberSpec",
-                         "What one simulation of a batch is built from, apart from terrain and solids.")
+                         "Everything from which one simulation of a batch is built, apart from terrain and solids.")
       .def(py::init([](const Water& water, const SimulationSpec& simulation,
                        const std::vector<std::shared_ptr<VehicleSpec>>& vehicles, const std::optional<LinkSpec>& link) {
              return MemberSpec{water, simulation, {vehicles.begin(), vehicles.end()}, link};
            }),
            py::arg("water"), py::arg("simulation"), py::arg("vehicles"), py::arg("link") = py::none(),
-           "vehicles: shared, not copied; do not change them afterwards.");
+           "vehicles: shared, not copied; they must not be changed afterwards.");
 
-  py::class_<OwnedBatch>(m, "Batch",
-                         "Simulations of one world, advanced and asked together. Arrays that results are written into\n"
-                         "are C-ordered, with one row for each member; results do not depend on the thread count.\n"
-                         "Calls release the GIL and raise ValueError, which names the member: batch[3].")
+  py::class_<OwnedBatch>(
+      m, "Batch",
+      "Simulations of one world, advanced and read together. Arrays that receive results are C-ordered, with\n"
+      "one row per member; results do not depend on the number of threads. Calls release the GIL and raise\n"
+      "ValueError naming the member, as batch[3].")
       .def(py::init<const World&, std::shared_ptr<RayScene>, std::vector<MemberSpec>, int>(), py::arg("world"),
            py::arg("scene").none(false), py::arg("members"), py::arg("threads"))
       .def(
@@ -183,7 +184,7 @@ void bind_batch(py::module_& m) {
             o.with([&](Batch& b) { b.restart(checked(std::move(members), b), std::move(specs)); });
           },
           py::arg("members"), py::arg("specs") = std::vector<MemberSpec>{},
-          "Begins members anew, by other specs if any are given. Raises ValueError, changing nothing.")
+          "Restart members, with new specs if any are given. Raises ValueError without changing anything.")
       .def(
           "release",
           [](OwnedBatch& o, std::size_t vehicle, std::vector<std::size_t> members) {
@@ -198,10 +199,12 @@ void bind_batch(py::module_& m) {
             const std::span<const double> flat(rows.data(), static_cast<std::size_t>(rows.size()));
             o.with([&](Batch& b) { b.set_efforts(vehicle, flat); });
           },
-          py::arg("vehicle"), py::arg("efforts"), "(n, 6), each in [-1, 1]. Raises ValueError, changing nothing.")
-      .def("step", &OwnedBatch::step, py::arg("count") = 1, "Answers Ctrl-C.")
+          py::arg("vehicle"), py::arg("efforts"),
+          "Set efforts (n, 6), each in [-1, 1]. Raises ValueError without changing anything.")
+      .def("step", &OwnedBatch::step, py::arg("count") = 1,
+           "Advance all members by fixed steps. Can be interrupted by Ctrl-C.")
       .def("step_each", &OwnedBatch::step_each, py::arg("counts"),
-           "Advances each member by a count of its own, (n,). Answers Ctrl-C.")
+           "Advance each member by its own number of steps, (n,). Can be interrupted by Ctrl-C.")
       .def("motion", &write_motion, py::arg("vehicle"), py::arg("times_ns").noconvert(),
            py::arg("positions_world_m").noconvert(), py::arg("orientations_xyzw").noconvert(),
            py::arg("velocities_body").noconvert(), py::arg("collisions").noconvert(), py::arg("released").noconvert())
@@ -217,13 +220,13 @@ void bind_batch(py::module_& m) {
               return modes;
             });
           },
-          py::arg("vehicle"), py::arg("sonar"), "Whether the sonar of each member is.")
+          py::arg("vehicle"), py::arg("sonar"), "Return, for each member, whether its sonar is in physics mode.")
       .def(
           "beams",
           [](OwnedBatch& o, std::size_t vehicle, std::size_t sonar) {
             return o.with([&](Batch& b) { return b.member(0)->sonar(vehicle, sonar).multibeam().beams(); });
           },
-          py::arg("vehicle"), py::arg("sonar"), "The number of beams of the first member's sonar.")
+          py::arg("vehicle"), py::arg("sonar"), "Return the number of beams of the first member's sonar.")
       .def("ping", &write_pings, py::arg("vehicle"), py::arg("sonar"), py::arg("ranges_m").noconvert(),
            py::arg("points_sonar_m").noconvert(), py::arg("incidence_rad").noconvert(),
            py::arg("intensity_db").noconvert(), py::arg("labels").noconvert(), py::arg("valid").noconvert(),
@@ -241,7 +244,8 @@ void bind_batch(py::module_& m) {
                 o.with([&](Batch& b) { return b.member(checked({index}, b).front()); }));
           },
           py::arg("index"),
-          "A member, until it is restarted. Use it when no call to the batch runs; it cannot be restarted by itself.")
+          "Return a member, valid until it is restarted. Must be used only while no call to the batch is running;\n"
+          "a member cannot be restarted separately.")
       .def(
           "save_state",
           [](OwnedBatch& o, std::size_t member, const std::string& scenario, const std::string& build,
@@ -249,7 +253,7 @@ void bind_batch(py::module_& m) {
             return py::bytes(o.with([&](Batch& b) { return b.member(member)->save_state({scenario, build}, notes); }));
           },
           py::arg("member"), py::arg("scenario"), py::arg("build"), py::arg("notes"),
-          "As Simulation.save_state of that member.");
+          "Like Simulation.save_state of that member.");
 }
 
 }  // namespace uwsim::bindings

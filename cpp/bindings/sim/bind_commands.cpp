@@ -42,7 +42,7 @@ void bind_commands(py::class_<OwnedSimulation>& simulation) {
             o.with_briefly([&](Simulation& s) { s.actuators(v).set_effort(effort); });
           },
           vehicle, py::arg("surge"), py::arg("sway"), py::arg("heave"), py::arg("roll"), py::arg("pitch"),
-          py::arg("yaw"), "Each in [-1, 1]. Raises ValueError.")
+          py::arg("yaw"), "Set the efforts, each in [-1, 1]. Raises ValueError.")
       .def("effort", reading([](const Actuators& a) { return Vector6d(a.effort()); }), vehicle)
       .def(
           "set_wrench",
@@ -50,38 +50,42 @@ void bind_commands(py::class_<OwnedSimulation>& simulation) {
             o.with([&](Simulation& s) { s.actuators(v).set_wrench(wrench_body); });
           },
           vehicle, py::arg("wrench_body"),
-          "(6,) [N, N m]; beyond the thrusters' limits it keeps its direction. Raises ValueError.")
+          "Set the wrench (6,) [N, N m]; a wrench beyond the thrusters' limits is scaled down in its direction.\n"
+          "Raises ValueError.")
       .def(
           "set_thrusters",
           [](OwnedSimulation& o, std::size_t v, const Actuators::Named& commands) {
             o.with([&](Simulation& s) { s.actuators(v).set_thrusters(commands); });
           },
-          vehicle, py::arg("commands"), "(name, command in [-1, 1]) pairs; the others stop. Raises ValueError.")
+          vehicle, py::arg("commands"),
+          "Set thruster commands from (name, command in [-1, 1]) pairs; the others stop. Raises ValueError.")
       .def(
           "set_fins",
           [](OwnedSimulation& o, std::size_t v, const Actuators::Named& angles_rad) {
             o.with([&](Simulation& s) { s.actuators(v).set_fins(angles_rad); });
           },
-          vehicle, py::arg("angles_rad"), "(name, deflection [rad]) pairs; the others centre. Raises ValueError.")
+          vehicle, py::arg("angles_rad"),
+          "Set fin deflections from (name, deflection [rad]) pairs; the others are centred. Raises ValueError.")
       .def("controllable", reading([](const Actuators& a) { return a.controllable(); }), vehicle,
-           "Whether an effort has an effect, by axis, surge to yaw.")
+           "Return, for each axis, surge to yaw, whether an effort about it has an effect.")
       .def("full_wrench_body", reading([](const Actuators& a) { return a.full_wrench_body(); }), vehicle,
-           "Two (6,): magnitudes of the largest wrench along or about each axis alone, forward and backward [N, N m].")
+           "Return two arrays (6,): magnitudes of the largest wrench along or about each axis alone, forward and\n"
+           "backward [N, N m].")
       .def("thruster_commands", reading([](const Actuators& a) {
              return by_name(a.thrusters(), [](const Thruster& t) { return t.command(); });
            }),
-           vehicle, "(name, command) pairs.")
+           vehicle, "Return (name, command) pairs.")
       .def("thrusts_n", reading([](const Actuators& a) {
              return by_name(a.thrusters(), [](const Thruster& t) { return t.thrust_n(); });
            }),
-           vehicle, "(name, present still-water thrust [N]) pairs.")
+           vehicle, "Return (name, present still-water thrust [N]) pairs.")
       .def("fin_angles_rad", reading([](const Actuators& a) {
              std::vector<Fin> movable;
              std::copy_if(a.fins().begin(), a.fins().end(), std::back_inserter(movable),
                           [](const Fin& f) { return f.parameters().deflection_max_rad > 0; });
              return by_name(movable, [](const Fin& f) { return f.angle_rad(); });
            }),
-           vehicle, "(name, present deflection [rad]) pairs of the fins that move.");
+           vehicle, "Return (name, present deflection [rad]) pairs of the fins that can be deflected.");
 }
 
 }  // namespace uwsim::bindings

@@ -22,7 +22,7 @@ void bind_link_figures(py::module_& m) {
       .value("MODEM", LinkKind::kModem);
   py::enum_<MediumAccess>(m, "MediumAccess").value("ALOHA", MediumAccess::kAloha).value("TDMA", MediumAccess::kTdma);
   py::enum_<Modulation>(m, "Modulation").value("PSK", Modulation::kPsk).value("FSK", Modulation::kFsk);
-  py::class_<ModemSpec>(m, "ModemSpec", "Figures of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.")
+  py::class_<ModemSpec>(m, "ModemSpec", "Parameters of a modem; see cpp/uwsim/acoustics/modem/modem_spec.h.")
       .def(py::init<>())
       .def_readwrite("kind", &ModemSpec::kind)
       .def_readwrite("bit_rate_bit_s", &ModemSpec::bit_rate_bit_s)
@@ -44,14 +44,14 @@ void bind_link_figures(py::module_& m) {
       .def_readwrite("guard_s", &ModemSpec::guard_s)
       .def_readwrite("backoff_s", &ModemSpec::backoff_s)
       .def_readwrite("queue_bytes", &ModemSpec::queue_bytes)
-      .def("packet_s", &ModemSpec::packet_s, py::arg("bytes"), "Duration of a packet [s].")
-      .def("check", &ModemSpec::check, "Raises ValueError that names modem.<field>.");
-  py::class_<LinkFault>(m, "LinkFault", "A time in which packets are lost with a probability.")
+      .def("packet_s", &ModemSpec::packet_s, py::arg("bytes"), "Return the duration of a packet [s].")
+      .def("check", &ModemSpec::check, "Raise ValueError naming modem.<field> if a parameter is invalid.");
+  py::class_<LinkFault>(m, "LinkFault", "An interval in which packets are lost with some probability.")
       .def(py::init<double, double, double>(), py::arg("from_s"), py::arg("until_s"), py::arg("loss"))
       .def_readonly("from_s", &LinkFault::from_s)
       .def_readonly("until_s", &LinkFault::until_s)
       .def_readonly("loss", &LinkFault::loss);
-  py::class_<LinkSpec>(m, "LinkSpec", "What joins the station and the vehicles.")
+  py::class_<LinkSpec>(m, "LinkSpec", "Parameters of the link between the station and the vehicles.")
       .def(py::init<>())
       .def_readwrite("modem", &LinkSpec::modem)
       .def_readwrite("station_transducer_world_m", &LinkSpec::station_transducer_world_m)
@@ -88,7 +88,7 @@ void bind_link_physics(py::module_& m) {
         return eigenrays(profile, {from_depth_m, to_depth_m, across_m, bottom_m}, with_bounces);
       },
       py::arg("profile"), py::arg("from_depth_m"), py::arg("to_depth_m"), py::arg("across_m"), py::arg("bottom_m"),
-      py::arg("with_bounces") = true, "The rays between two points, by travel time. Raises ValueError.");
+      py::arg("with_bounces") = true, "Return the rays between two points, sorted by travel time. Raises ValueError.");
   m.def("bit_error", &bit_error, py::arg("modulation"), py::arg("fading"), py::arg("gamma"));
   m.def("packet_error", &packet_error, py::arg("bit_error"), py::arg("bits"));
   m.def("surface_loss_db", &surface_loss_db, py::arg("frequency_hz"), py::arg("sound_speed_m_s"),
@@ -105,7 +105,7 @@ void bind_link_physics(py::module_& m) {
         return ambient_noise_db_hz(frequency_hz, {wind_m_s, shipping});
       },
       py::arg("frequency_hz"), py::arg("wind_m_s"), py::arg("shipping"));
-  py::class_<LinkWater>(m, "LinkWater", "How sound gets from one transducer to another.")
+  py::class_<LinkWater>(m, "LinkWater", "The propagation of sound between transducers.")
       .def(py::init<const LinkSpec&, const Water&>(), py::arg("spec"), py::arg("water"))
       .def(
           "hear",
@@ -114,7 +114,8 @@ void bind_link_physics(py::module_& m) {
             return water.hear(scene, {as_vector3(from_m, "from_world_m"), zero},
                               {as_vector3(to_m, "to_world_m"), zero});
           },
-          py::arg("scene"), py::arg("from_world_m"), py::arg("to_world_m"), "Between two points at rest.");
+          py::arg("scene"), py::arg("from_world_m"), py::arg("to_world_m"),
+          "Return how a packet would be received, between two points at rest.");
   m.def(
       "network_trial",
       [](const ModemSpec& modem, std::size_t nodes, double rate_1_s, double seconds, std::uint64_t bytes,
@@ -125,26 +126,29 @@ void bind_link_physics(py::module_& m) {
       },
       py::arg("modem"), py::arg("nodes"), py::arg("rate_1_s"), py::arg("seconds"), py::arg("bytes"),
       py::arg("delay_s") = 0.1, py::arg("seed") = 0,
-      "Counts of a network under random load: all nodes but the first send messages of one packet to that, a Poisson\n"
-      "process each; all are heard alike, 54 dB above the noise. Raises ValueError. Releases the GIL.");
+      "Return the counts of a network under random load: all nodes except the first send single-packet\n"
+      "messages to the first, each as a Poisson process; all packets are received at the same level, 54 dB\n"
+      "above the noise. Raises ValueError. Releases the GIL.");
 }
 
 void bind_link_results(py::module_& m) {
   m.attr("RANGING_PING_BYTES") = PositionExchange::kPingBytes;
   py::class_<Reception>(m, "Reception", "How a packet reaches a receiver; levels in dB re 1 uPa.")
       .def_readonly("reached", &Reception::reached)
-      .def_readonly("delay_s", &Reception::delay_s, "of the first arrival")
+      .def_readonly("delay_s", &Reception::delay_s, "delay of the first arrival")
       .def_readonly("signal_db", &Reception::signal_db)
-      .def_readonly("noise_db", &Reception::noise_db, "within the band, with echoes that come too late")
+      .def_readonly("noise_db", &Reception::noise_db, "within the band, including echoes that arrive too late")
       .def_property_readonly("snr_db", &Reception::snr_db)
-      .def_readonly("closing_m_s", &Reception::closing_m_s, "speed of the ends towards each other")
-      .def_readonly("spread_s", &Reception::spread_s, "from the first to the last arrival within 20 dB")
+      .def_readonly("closing_m_s", &Reception::closing_m_s, "closing speed of the ends")
+      .def_readonly("spread_s", &Reception::spread_s,
+                    "from the first to the last arrival within 20 dB of the strongest")
       .def(
           "packet_loss",
           [](const Reception& heard, const ModemSpec& modem, std::uint64_t bytes) {
             return packet_loss(modem, heard, -300, bytes);
           },
-          py::arg("modem"), py::arg("bytes"), "Probability that a packet of so many bytes is lost in the noise.");
+          py::arg("modem"), py::arg("bytes"),
+          "Return the probability that a packet with this many bytes is lost due to noise.");
   py::class_<LinkDelivery>(m, "LinkDelivery", "A message that has arrived. from, to: nodes; topic: an index.")
       .def_readonly("number", &LinkDelivery::number)
       .def_property_readonly("from_node", [](const LinkDelivery& d) { return d.from; })
@@ -153,16 +157,16 @@ void bind_link_results(py::module_& m) {
       .def_readonly("given_ns", &LinkDelivery::given_ns)
       .def_readonly("arrived_ns", &LinkDelivery::arrived_ns)
       .def_property_readonly("payload", [](const LinkDelivery& d) { return py::bytes(d.payload); });
-  py::class_<TopicCounts>(m, "TopicCounts", "What happened to the messages of a topic that a node gave.")
+  py::class_<TopicCounts>(m, "TopicCounts", "Outcomes of the messages that a node submitted on a topic.")
       .def_readonly("given", &TopicCounts::given)
-      .def_readonly("replaced", &TopicCounts::replaced, "by newer ones, before they were sent")
-      .def_readonly("refused", &TopicCounts::refused, "the queue was full")
-      .def_readonly("late", &TopicCounts::late, "the deadline passed before they could be sent")
+      .def_readonly("replaced", &TopicCounts::replaced, "replaced by newer messages before they were sent")
+      .def_readonly("refused", &TopicCounts::refused, "refused because the queue was full")
+      .def_readonly("late", &TopicCounts::late, "dropped because the deadline passed before they could be sent")
       .def_readonly("sent", &TopicCounts::sent)
       .def_readonly("delivered", &TopicCounts::delivered)
       .def_readonly("bytes_sent", &TopicCounts::bytes_sent)
       .def_readonly("bytes_delivered", &TopicCounts::bytes_delivered)
-      .def_readonly("delay_s", &TopicCounts::delay_s, "sum over all that were delivered")
+      .def_readonly("delay_s", &TopicCounts::delay_s, "sum over all delivered messages")
       .def_property_readonly(
           "lost",
           [](const TopicCounts& c) {
@@ -172,11 +176,11 @@ void bind_link_results(py::module_& m) {
             for (std::size_t k = 1; k < kLossKinds; ++k) lost[kNames[k]] = c.lost[k];
             return lost;
           },
-          "dict: by reason. sending: the receiver was sending itself; unheard: no path.");
-  py::class_<LinkQuality>(m, "LinkQuality", "What a node last heard of another.")
+          "Lost messages by reason. sending: the receiver was sending at the time; unheard: there is no path.");
+  py::class_<LinkQuality>(m, "LinkQuality", "The link quality that a node last observed for another.")
       .def_readonly("packets", &LinkQuality::packets)
       .def_readonly("packets_lost", &LinkQuality::packets_lost)
-      .def_readonly("heard_ns", &LinkQuality::heard_ns, "when the last message arrived; 0: none yet")
+      .def_readonly("heard_ns", &LinkQuality::heard_ns, "when the last message arrived; 0 if none has")
       .def_readonly("delay_s", &LinkQuality::delay_s)
       .def_readonly("snr_db", &LinkQuality::snr_db)
       .def_readonly("closing_m_s", &LinkQuality::closing_m_s)
@@ -191,13 +195,13 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
   bind_link_physics(m);
   simulation
       .def("set_link", &OwnedSimulation::set_link, py::arg("spec"),
-           "Joins the station, node 0, and all vehicles, node 1 + index. Once. Raises ValueError.")
+           "Connect the station, node 0, and all vehicles, nodes 1 + index. May be called once. Raises ValueError.")
       .def(
           "link_topic",
           [](OwnedSimulation& o, const std::string& name) {
             return o.with([&](Simulation& s) { return s.link().topic(name); });
           },
-          py::arg("name"), "The index of a topic; a new one begins to be counted.")
+          py::arg("name"), "Return the index of a topic, creating it if it is new.")
       .def("link_topics", [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.link().topics(); }); })
       .def(
           "link_send",
@@ -217,8 +221,8 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           },
           py::arg("from_node"), py::arg("to_node"), py::arg("topic"), py::arg("payload"), py::arg("priority") = 0,
           py::arg("lifetime_s") = 0.0, py::arg("replaces") = false, py::arg("repeats") = 0,
-          "Queues a message now; returns whether there was room. lifetime_s: after which it is not sent any more; 0: "
-          "never. repeats: how often it is sent again. Raises ValueError.")
+          "Queue a message now and return whether there was room. lifetime_s: time after which it is no longer\n"
+          "sent; 0 for no limit. repeats: number of times that it is sent again. Raises ValueError.")
       .def(
           "link_deliveries",
           [](OwnedSimulation& o, std::uint64_t to, std::uint64_t after_ns) {
@@ -231,7 +235,8 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
             });
           },
           py::arg("to_node"), py::arg("after_ns"),
-          "What has arrived at a node after a time, oldest first; the newest 512 of all nodes are kept.")
+          "Return the messages that arrived at a node after a time, oldest first; only the newest 512 of all\n"
+          "nodes are kept.")
       .def(
           "link_counts",
           [](OwnedSimulation& o, std::uint64_t topic, std::size_t from) {
@@ -255,19 +260,19 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
           [](OwnedSimulation& o, std::size_t from, std::size_t to) {
             return o.with([&](Simulation& s) { return s.link_reception(from, to); });
           },
-          py::arg("from_node"), py::arg("to_node"), "How a packet sent now would arrive.")
+          py::arg("from_node"), py::arg("to_node"), "Return how a packet sent now would be received.")
       .def(
           "link_cut_off",
           [](OwnedSimulation& o, std::size_t node, bool is_cut_off) {
             o.with([&](Simulation& s) { s.link().cut_off(node, is_cut_off, s.time_ns()); });
           },
-          py::arg("node"), py::arg("is_cut_off"), "Cuts a node off from now on, or no longer.")
+          py::arg("node"), py::arg("is_cut_off"), "Disconnect a node from now on, or reconnect it.")
       .def(
           "link_fault_loss",
           [](OwnedSimulation& o, std::size_t from, std::size_t to) {
             return o.with([&](Simulation& s) { return s.link().fault_loss(from, to, s.time_ns()); });
           },
-          py::arg("from_node"), py::arg("to_node"), "Probability that a packet is lost for a fault now.")
+          py::arg("from_node"), py::arg("to_node"), "Return the probability that a fault destroys a packet sent now.")
       .def(
           "link_waiting",
           [](OwnedSimulation& o, std::size_t node) {
@@ -276,17 +281,17 @@ void bind_link(py::module_& m, py::class_<OwnedSimulation>& simulation) {
               return std::pair(s.link().waiting_messages(node), s.link().waiting_bytes(node));
             });
           },
-          py::arg("node"), "(messages, bytes) in a node's queue")
+          py::arg("node"), "Return (messages, bytes) in a node's queue.")
       .def(
           "link_sending_s",
           [](OwnedSimulation& o) { return o.with([](Simulation& s) { return s.link().sending_s(); }); },
-          "For how long somebody has sent, in all [s].")
+          "Return the total time that nodes have been sending [s].")
       .def(
           "link_next_arrival_ns",
           [](OwnedSimulation& o) {
             return o.with([](Simulation& s) { return s.link().next_arrival_ns(s.time_ns()); });
           },
-          "The earliest time at which a message may arrive, as far as is known now.");
+          "Return a lower bound for the time at which the next message arrives.");
 }
 
 }  // namespace uwsim::bindings

@@ -184,16 +184,16 @@ std::string describe_batch(const PingBatch& batch) {
 }  // namespace
 
 void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
-  Record<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, one value for each beam.")
-      .field("model", &Ping::model, "EM 2040 variant 1..4; 0: another sonar")
+  Record<Ping>(m, "Ping", "One multibeam ping. Arrays are read-only, with one value per beam.")
+      .field("model", &Ping::model, "EM 2040 variant 1..4; 0 for another sonar")
       .field("time_ns", &Ping::time_ns)
       .field("world_from_sonar", &Ping::world_from_sonar, "(4, 4) float64")
       .field("angles_rad", &Ping::angles_rad, "(beams,) float32, about the sonar's +z, positive to port")
-      .field("ranges_m", &Ping::ranges_m, "(beams,) float32, inf = no echo")
-      .field("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN = no echo")
-      .field("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN = no echo")
+      .field("ranges_m", &Ping::ranges_m, "(beams,) float32, inf for no echo")
+      .field("points_sonar_m", &Ping::points_sonar_m, "(beams, 3) float32, NaN for no echo")
+      .field("incidence_rad", &Ping::incidence_rad, "(beams,) float32 in [0, pi/2], NaN for no echo")
       .field("intensity_db", &Ping::intensity_db,
-             "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf = no echo")
+             "(beams,) float32, echo level minus source level (Lambert, 40 log R, absorption); -inf for no echo")
       .field("labels", &Ping::labels, "(beams,) uint16, see Simulator.label_names")
       .field("valid", &Ping::valid, "(beams,) bool")
       .described_by(&describe)
@@ -201,14 +201,14 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .done();
 
   Record<PingBatch>(m, "PingBatch",
-                    "Several pings of one sonar. Arrays are read-only, one row for each ping; see Ping.")
-      .field("model", &PingBatch::model, "EM 2040 variant 1..4; 0: another sonar")
+                    "Several pings of one sonar. Arrays are read-only, with one row per ping; see Ping.")
+      .field("model", &PingBatch::model, "EM 2040 variant 1..4; 0 for another sonar")
       .field("world_from_sonar", &PingBatch::world_from_sonar, "(n, 4, 4) float64")
       .field("angles_rad", &PingBatch::angles_rad, "(beams,) float32, common to all pings")
-      .field("ranges_m", &PingBatch::ranges_m, "(n, beams) float32, inf = no echo")
-      .field("points_sonar_m", &PingBatch::points_sonar_m, "(n, beams, 3) float32, NaN = no echo")
-      .field("incidence_rad", &PingBatch::incidence_rad, "(n, beams) float32 in [0, pi/2], NaN = no echo")
-      .field("intensity_db", &PingBatch::intensity_db, "(n, beams) float32, -inf = no echo")
+      .field("ranges_m", &PingBatch::ranges_m, "(n, beams) float32, inf for no echo")
+      .field("points_sonar_m", &PingBatch::points_sonar_m, "(n, beams, 3) float32, NaN for no echo")
+      .field("incidence_rad", &PingBatch::incidence_rad, "(n, beams) float32 in [0, pi/2], NaN for no echo")
+      .field("intensity_db", &PingBatch::intensity_db, "(n, beams) float32, -inf for no echo")
       .field("labels", &PingBatch::labels, "(n, beams) uint16")
       .field("valid", &PingBatch::valid, "(n, beams) bool")
       .described_by(&describe_batch)
@@ -221,13 +221,13 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
             o.with([&](Simulation& s) { s.aim(v, sonar, elevation_rad); });
           },
           py::arg("vehicle"), py::arg("sonar"), py::arg("elevation_rad"),
-          "Set the elevation to which the head turns as time passes; positive is up. Raises ValueError.")
+          "Set the elevation to which the head turns over time; positive is up. Raises ValueError.")
       .def(
           "sonar_elevation_rad",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
             return o.with([&](Simulation& s) { return s.sonar(v, sonar).elevation_rad(); });
           },
-          py::arg("vehicle"), py::arg("sonar"), "The present elevation of the head.")
+          py::arg("vehicle"), py::arg("sonar"), "Return the present elevation of the head.")
       .def(
           "sonar_ping_rate_max_hz",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
@@ -237,7 +237,8 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
             });
           },
           py::arg("vehicle"), py::arg("sonar"),
-          "Limit by two-way travel time, c / (2 range) with c at the head, and by the electronics.")
+          "Return the maximum ping rate: the limit by two-way travel time, c / (2 range) with c at the head, and\n"
+          "that of the electronics.")
       .def(
           "in_physics_mode",
           [](OwnedSimulation& o, std::size_t v, std::size_t sonar) {
@@ -247,14 +248,11 @@ void bind_pings(py::module_& m, py::class_<OwnedSimulation>& simulation) {
       .def("acoustic_ping", &acoustic_ping, py::arg("vehicle"), py::arg("sonar"), py::arg("threads") = 1,
            "Ping in physics mode. Raises ValueError in geometry mode. Releases the GIL.")
       .def("ping", &ping, py::arg("vehicle"), py::arg("sonar"), "Ping in geometry mode. Releases the GIL.")
-      .def(
-          "ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),
-          py::arg("threads") = py::none(),
-          "Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its present\n"
-          "elevation and the other vehicles where they are now. threads: by default all; results do not depend on it. "
-          "Raises ValueError. Releases the GIL, "
-          "answers\n"
-          "Ctrl-C.");
+      .def("ping_batch", &ping_batch, py::arg("vehicle"), py::arg("sonar"), py::arg("world_from_body"),
+           py::arg("threads") = py::none(),
+           "Ping in geometry mode from each of world_from_body, (n, 4, 4) float64, rigid, with the head at its\n"
+           "present elevation and the other vehicles at their present poses. threads: all by default; results do\n"
+           "not depend on it. Raises ValueError. Releases the GIL. Can be interrupted by Ctrl-C.");
 }
 
 }  // namespace uwsim::bindings

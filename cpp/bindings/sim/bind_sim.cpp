@@ -56,24 +56,23 @@ void bind_specs(py::module_& m) {
       .def_readwrite("proximity_warning_m", &SimulationSpec::proximity_warning_m);
 
   py::class_<SonarSpec>(m, "SonarSpec")
-      .def(
-          py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
-                      const py::object& orientation_xyzw, double elevation_rad,
-                      const std::optional<AcousticSpec>& acoustics, std::vector<double> strengths_db, bool on) {
-            return SonarSpec{std::move(name),
-                             model,
-                             as_pose(position_m, orientation_xyzw, "sonar"),
-                             elevation_rad,
-                             acoustics,
-                             std::move(strengths_db),
-                             on};
-          }),
-          py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
-          py::arg("elevation_rad") = 0.0, py::arg("acoustics") = py::none(),
-          py::arg("strengths_db") = std::vector<double>{}, py::arg("on") = true,
-          "acoustics: makes it a sonar in physics mode; without, it is in geometry mode. strengths_db: backscatter at\n"
-          "normal incidence by label, for geometry mode; labels beyond are rock. on: one that is off tilts, but hears\n"
-          "nothing.")
+      .def(py::init([](std::string name, const MultibeamModel& model, const py::object& position_m,
+                       const py::object& orientation_xyzw, double elevation_rad,
+                       const std::optional<AcousticSpec>& acoustics, std::vector<double> strengths_db, bool on) {
+             return SonarSpec{std::move(name),
+                              model,
+                              as_pose(position_m, orientation_xyzw, "sonar"),
+                              elevation_rad,
+                              acoustics,
+                              std::move(strengths_db),
+                              on};
+           }),
+           py::arg("name"), py::arg("model"), py::arg("position_m"), py::arg("orientation_xyzw"),
+           py::arg("elevation_rad") = 0.0, py::arg("acoustics") = py::none(),
+           py::arg("strengths_db") = std::vector<double>{}, py::arg("on") = true,
+           "acoustics: selects physics mode; if None, geometry mode. strengths_db: backscatter at normal incidence\n"
+           "by label, for geometry mode; further labels are rock. on: if False, the sonar tilts but receives\n"
+           "nothing.")
       .def_readonly("name", &SonarSpec::name)
       .def_readonly("model", &SonarSpec::model);
 
@@ -98,7 +97,8 @@ void bind_specs(py::module_& m) {
             for (const py::array& piece : pieces_body_m)
               v.collision_pieces_body_m.push_back(as_points(piece, "pieces_body_m"));
           },
-          py::arg("pieces_body_m"), "Each (n, 3): corners of a convex piece, body frame [m]. Sets the shape to PIECES.")
+          py::arg("pieces_body_m"),
+          "Set the convex pieces, each given by its corners (n, 3), body frame [m], and the shape to PIECES.")
       .def_readwrite("friction", &VehicleSpec::friction)
       .def_readwrite("restitution", &VehicleSpec::restitution)
       .def(
@@ -124,7 +124,7 @@ std::string describe(const Telemetry& t) {
 }
 
 void bind_results(py::module_& m) {
-  Record<Telemetry>(m, "Telemetry", "The instrument panel of a vehicle, as in the paper.")
+  Record<Telemetry>(m, "Telemetry", "A vehicle's instrument panel, as in the paper.")
       .field("time_s", &Telemetry::time_s)
       .field("speed_m_s", &Telemetry::speed_m_s)
       .field("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
@@ -133,9 +133,10 @@ void bind_results(py::module_& m) {
       .field("pressure_pa", &Telemetry::pressure_pa, "absolute")
       .field("depth_m", &Telemetry::depth_m)
       .field("distance_to_station_m", &Telemetry::distance_to_station_m)
-      .field("distance_to_seabed_m", &Telemetry::distance_to_seabed_m, "straight down; inf where there is nothing")
+      .field("distance_to_seabed_m", &Telemetry::distance_to_seabed_m,
+             "straight down; inf if there is no surface below")
       .field("mission_time_s", &Telemetry::mission_time_s, "since the release")
-      .field("battery_percent", &Telemetry::battery_percent, "what is left of the mission time")
+      .field("battery_percent", &Telemetry::battery_percent, "remaining fraction of the mission time")
       .field("range_warning", &Telemetry::range_warning)
       .field("proximity_warning", &Telemetry::proximity_warning)
       .field("collision_warning", &Telemetry::collision_warning)
@@ -154,12 +155,12 @@ void bind_sim(py::module_& m) {
         return saved_notes(state, {scenario, build});
       },
       py::arg("state"), py::arg("scenario"), py::arg("build"),
-      "The notes in a saved state. Raises ValueError for a damaged state or another scenario.");
+      "Return the notes in a saved state. Raises ValueError for a damaged state or another scenario.");
   m.def(
       "saved_build", [](const py::bytes& state) { return saved_build(state); }, py::arg("state"),
-      "The fingerprint of the build that saved a state. Raises ValueError for a damaged one.");
-  py::class_<OwnedSimulation> simulation(m, "Simulation",
-                                         "A world with vehicles, which are given by index, advanced by fixed steps.");
+      "Return the fingerprint of the build that saved a state. Raises ValueError for a damaged state.");
+  py::class_<OwnedSimulation> simulation(
+      m, "Simulation", "A world with vehicles, which are identified by index, advanced by fixed steps.");
   bind_commands(simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
@@ -173,22 +174,21 @@ void bind_sim(py::module_& m) {
             require(spec.craft != nullptr, "vehicles.craft", "none", "must be set");
             return owned.add_vehicle(spec);
           },
-          py::arg("spec"), "Returns the vehicle's index.")
+          py::arg("spec"), "Add a vehicle and return its index.")
       .def("restart", &OwnedSimulation::restart, py::arg("world"), py::arg("spec"),
-           "Begins anew with the same vehicles at their starts. world: as before, but for its water. Raises "
-           "ValueError,\n"
-           "changing nothing.")
+           "Restart with the same vehicles at their start states. world: as before, except for its water. Raises\n"
+           "ValueError without changing anything.")
       .def("change", &OwnedSimulation::change, py::arg("water"), py::arg("spec"), py::arg("vehicles"),
-           "Gives everything other figures; it keeps its state. vehicles: one spec for each, in order; their starts "
-           "are\n"
-           "ignored. Raises ValueError, changing nothing.")
+           "Replace all parameters; all state is kept. vehicles: one spec per vehicle, in order; their start\n"
+           "states are ignored. Raises ValueError without changing anything.")
       .def("step", &OwnedSimulation::step, py::arg("count") = 1,
-           "Advances by fixed steps. Releases the GIL, answers Ctrl-C.")
+           "Advance by fixed steps. Releases the GIL. Can be interrupted by Ctrl-C.")
       .def_property_readonly(
           "time_ns", [](OwnedSimulation& o) { return o.with_briefly([](Simulation& s) { return s.time_ns(); }); })
       .def_property_readonly(
           "version", &OwnedSimulation::version,
-          "Changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.")
+          "A counter that changes whenever an observation may change: with time, a vehicle's pose or a sonar's\n"
+          "elevation.")
       .def_property_readonly("tick",
                              [](OwnedSimulation& o) { return o.with_briefly([](Simulation& s) { return s.tick(); }); })
       .def(
@@ -204,8 +204,8 @@ void bind_sim(py::module_& m) {
                                   fixed(state.linear_body_m_s()), fixed(state.angular_body_rad_s()));
           },
           py::arg("vehicle"),
-          "position_world_m (3,), orientation_xyzw (4,), world_from_body (4, 4), linear_body_m_s (3,) and\n"
-          "angular_body_rad_s (3,): read-only.")
+          "Return the state as read-only arrays: position_world_m (3,), orientation_xyzw (4,), world_from_body\n"
+          "(4, 4), linear_body_m_s (3,) and angular_body_rad_s (3,).")
       .def(
           "set_state",
           [](OwnedSimulation& o, std::size_t v, const BodyState& state) {
@@ -222,7 +222,8 @@ void bind_sim(py::module_& m) {
             o.with([&](Simulation& s) { s.dock(v, dock); });
           },
           py::arg("vehicle"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
-          "Hold it there, at rest, its commands ended and its battery full, until it is released. Raises ValueError.")
+          "Hold the vehicle at this pose, at rest, with its commands cancelled and its battery full, until it is\n"
+          "released. Raises ValueError.")
       .def(
           "released",
           [](OwnedSimulation& o, std::size_t v) {
@@ -234,7 +235,7 @@ void bind_sim(py::module_& m) {
           [](OwnedSimulation& o, std::size_t v) {
             return o.with_briefly([&](Simulation& s) { return s.collisions(v); });
           },
-          py::arg("vehicle"), "How often the vehicle has begun to touch something.")
+          py::arg("vehicle"), "Return the number of times the vehicle has come into contact with anything.")
       .def(
           "telemetry",
           [](OwnedSimulation& o, std::size_t v) {
@@ -251,31 +252,29 @@ void bind_sim(py::module_& m) {
             });
           },
           py::arg("vehicle") = py::none(),
-          "The world with all vehicles where they are now, without the one given. A snapshot. Labels of vehicles "
-          "follow "
-          "the world's.")
+          "Return the world with all vehicles at their present poses, except the given one. A snapshot. Labels of\n"
+          "vehicles follow those of the world.")
       .def(
           "watch_sensor",
           [](OwnedSimulation& o, std::size_t v, std::size_t sensor, std::optional<std::uint64_t> from_ns) {
             o.with([&](Simulation& s) { s.watch_sensor(v, sensor, from_ns); });
           },
           py::arg("vehicle"), py::arg("sensor"), py::arg("from_ns"),
-          "Keep each sample that is measured from from_ns on, as it arrives; None: no longer.")
+          "Start collecting the samples measured at or after from_ns, as they arrive; None stops collecting.")
       .def("take_samples", &take_samples, py::arg("vehicle"), py::arg("sensor"),
-           "stamps_ns (n,), arrivals_ns (n,), readings (n, width), valid (n,) of the samples that have arrived since\n"
-           "the last call, but for dropped ones. Raises ValueError unless the sensor is watched.")
+           "Return stamps_ns (n,), arrivals_ns (n,), readings (n, width) and valid (n,) of the samples that have\n"
+           "arrived since the last call, except dropped ones. Raises ValueError unless the sensor is watched.")
       .def("read_sensor", &read_sensor, py::arg("vehicle"), py::arg("sensor"), py::arg("with_noise") = true,
-           "Repeated at one time, the same sample. Without noise: the present value, without rate, latency and "
-           "drop-outs.")
+           "Read a sensor. Reading again at the same time returns the same sample. Without noise: the present\n"
+           "value, without errors, rate, latency or drop-outs.")
       .def(
           "save_state",
           [](OwnedSimulation& o, const std::string& scenario, const std::string& build, const std::string& notes) {
             return py::bytes(o.with([&](Simulation& s) { return s.save_state({scenario, build}, notes); }));
           },
           py::arg("scenario"), py::arg("build"), py::arg("notes") = "",
-          "Everything that the future depends on apart from what the simulation was built from, with fingerprints of "
-          "that.\n"
-          "notes: stored with it.")
+          "Return everything that future steps depend on, except for the parameters of the simulation, along with\n"
+          "fingerprints of those. notes: stored as well.")
       .def(
           "restore_state",
           [](OwnedSimulation& o, const py::bytes& state, const std::string& scenario, const std::string& build) {
@@ -283,7 +282,8 @@ void bind_sim(py::module_& m) {
             return o.with([&](Simulation& s) { return s.restore_state(bytes, {scenario, build}); });
           },
           py::arg("state"), py::arg("scenario"), py::arg("build"),
-          "Returns the notes. Raises ValueError, changing nothing, for a damaged state or other fingerprints.");
+          "Restore a saved state and return its notes. Raises ValueError, without changing anything, for a\n"
+          "damaged state or other fingerprints.");
 }
 
 }  // namespace uwsim::bindings

@@ -26,35 +26,35 @@ std::string describe(const PhysicsPing& ping) {
 }
 
 void bind_ping(py::module_& m) {
-  py::enum_<Detection>(m, "Detection", "How the range of a beam was detected.")
+  py::enum_<Detection>(m, "Detection", "The method by which a beam's range was detected.")
       .value("NONE", Detection::kNone)
       .value("AMPLITUDE", Detection::kAmplitude)
       .value("PHASE", Detection::kPhase)
-      .value("FALSE", Detection::kFalse, "Noise was detected as an echo.");
+      .value("FALSE", Detection::kFalse, "noise detected as an echo");
   Record<PhysicsPing>(
       m, "PhysicsPing",
-      "One multibeam ping in physics mode: the arrays of Ping and more, read-only, one value for each beam.")
-      .field("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0: not on the wire")
+      "One multibeam ping in physics mode: the arrays of Ping and more, read-only, with one value per beam.")
+      .field("model", &PhysicsPing::model, "EM 2040 variant 1..4; 0 for a model that messages cannot select")
       .field("time_ns", &PhysicsPing::time_ns)
       .field("world_from_sonar", &PhysicsPing::world_from_sonar, "(4, 4) float64, at transmission")
       .field("ranges_m", &PhysicsPing::ranges_m,
-             "(beams,) float32, sound speed at the head x half the travel time; inf = no detection")
+             "(beams,) float32, sound speed at the head x half the travel time; inf for no detection")
       .field("angles_rad", &PhysicsPing::angles_rad, "(beams,) float32, about +z of the sonar, positive to port")
       .field("points_sonar_m", &PhysicsPing::points_sonar_m,
-             "(beams, 3) float32, the range along the beam's axis; NaN = no detection")
+             "(beams, 3) float32, the range along the beam's axis; NaN for no detection")
       .field("incidence_rad", &PhysicsPing::incidence_rad,
-             "(beams,) float32 in [0, pi/2], true value; NaN = no detection, or a false one")
+             "(beams,) float32 in [0, pi/2], true value; NaN for no detection or a false one")
       .field("intensity_db", &PhysicsPing::intensity_db,
-             "(beams,) float32, received level less source level, with speckle and noise; -inf = no detection")
+             "(beams,) float32, received level minus source level, with speckle and noise; -inf for no detection")
       .field("snr_db", &PhysicsPing::snr_db,
-             "(beams,) float32, signal-to-noise ratio at the detector; -inf = no detection")
-      .field("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf = no detection")
+             "(beams,) float32, signal-to-noise ratio at the detector; -inf for no detection")
+      .field("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf for no detection")
       .field("deviation_m", &PhysicsPing::deviation_m,
-             "(beams,) float32, standard deviation of the echo's place by the instrument's own figures, from its "
-             "range's\nerror and the beam's width; inf = no detection")
+             "(beams,) float32, standard deviation of the echo's position from the instrument's own parameters, due\n"
+             "to the range error and the beam width; inf for no detection")
       .field("labels", &PhysicsPing::labels,
-             "(beams,) uint16, true value, see World.label_names; 0 = no detection, or a false one")
-      .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, false detections included")
+             "(beams,) uint16, true value, see World.label_names; 0 for no detection or a false one")
+      .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, including false detections")
       .field("detections", &PhysicsPing::detections, "(beams,) uint8, values of Detection")
       .described_by(&describe)
       .drawn_by("uwsim.instruments.sonars.fan_plot")
@@ -62,23 +62,23 @@ void bind_ping(py::module_& m) {
 }
 
 void bind_spec(py::module_& m) {
-  py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic figures of a multibeam in physics mode.")
+  py::class_<AcousticSpec>(m, "AcousticSpec", "The acoustic parameters of a multibeam in physics mode.")
       .def(py::init<>())
       .def_readwrite("figures", &AcousticSpec::figures)
-      .def_readwrite("rays_per_beam", &AcousticSpec::rays_per_beam, "1, or 4 to 64")
+      .def_readwrite("rays_per_beam", &AcousticSpec::rays_per_beam, "rays per beam: 1, or 4 to 64")
       .def_readwrite("false_detections", &AcousticSpec::false_detections)
       .def_readwrite("range_noise", &AcousticSpec::range_noise)
       .def_readwrite("bending", &AcousticSpec::bending, "Whether rays follow the sound-speed profile.")
       .def_readwrite("acidity_ph", &AcousticSpec::acidity_ph)
-      .def_readwrite("bottom", &AcousticSpec::bottom, "For labels beyond `materials`.")
-      .def_readwrite("materials", &AcousticSpec::materials, "By label, see World.label_names.")
-      .def("check", &AcousticSpec::check, "Raises ValueError that names the field.");
+      .def_readwrite("bottom", &AcousticSpec::bottom, "for labels that `materials` does not cover")
+      .def_readwrite("materials", &AcousticSpec::materials, "by label, see World.label_names")
+      .def("check", &AcousticSpec::check, "Raise ValueError naming the field if a parameter is invalid.");
 }
 
 void bind_instrument(py::module_& m) {
   py::class_<AcousticMultibeam, std::shared_ptr<AcousticMultibeam>>(
       m, "AcousticMultibeam",
-      "A multibeam in physics mode without a vehicle. Pings do not depend on the number of threads.")
+      "A multibeam in physics mode, independent of any vehicle. Pings do not depend on the number of threads.")
       .def(py::init([](const MultibeamModel& model, const AcousticSpec& spec, const Water& water, std::uint64_t seed,
                        const std::string& name) {
              model.check();
@@ -86,8 +86,8 @@ void bind_instrument(py::module_& m) {
                                                         RandomStream(seed, name));
            }),
            py::arg("model"), py::arg("spec"), py::arg("water"), py::arg("seed") = 0, py::arg("name") = "sonar",
-           "Raises ValueError that names the field.")
-      .def_property_readonly("profile", &AcousticMultibeam::profile, "Sound-speed profile of its water.")
+           "Create a sonar. Raises ValueError naming the field.")
+      .def_property_readonly("profile", &AcousticMultibeam::profile, "sound-speed profile of its water")
       .def(
           "ping",
           [](const AcousticMultibeam& sonar, const RayScene& scene, const py::object& position_world_m,
@@ -110,11 +110,10 @@ void bind_instrument(py::module_& m) {
           py::arg("scene"), py::arg("position_world_m"), py::arg("orientation_xyzw"),
           py::arg("velocity_world_m_s") = py::make_tuple(0.0, 0.0, 0.0),
           py::arg("rate_world_rad_s") = py::make_tuple(0.0, 0.0, 0.0), py::arg("tick") = 0, py::arg("threads") = 1,
-          "Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random draws "
-          "are\n"
-          "keyed by tick. Raises ValueError. Releases the GIL.");
+          "Ping once from a pose (3,), (4,), with linear and angular velocity (3,), (3,) in world axes. Random\n"
+          "draws are keyed by tick. Raises ValueError. Releases the GIL.");
   m.def("sound_speed_profile", &sound_speed_profile, py::arg("water"),
-        "The speed of sound by depth: as given by the water's profile, else Mackenzie's.");
+        "Return the speed of sound by depth: that of the water's profile if it specifies one, else by its equation.");
 }
 
 }  // namespace

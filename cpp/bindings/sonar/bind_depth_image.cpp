@@ -34,7 +34,8 @@ Depths ranges(const DepthCamera& camera, const py::object& depth_m, const py::ob
 }  // namespace
 
 void bind_depth_image(py::module_& m) {
-  py::class_<DepthCamera>(m, "DepthCamera", "See uwsim.instruments.sonars.depth_map.DepthMap.")
+  py::class_<DepthCamera>(m, "DepthCamera",
+                          "Parameters of a depth camera; see uwsim.instruments.sonars.depth_map.DepthMap.")
       .def(py::init<>())
       .def_readwrite("width", &DepthCamera::width)
       .def_readwrite("height", &DepthCamera::height)
@@ -42,16 +43,18 @@ void bind_depth_image(py::module_& m) {
       .def_readwrite("vertical_fov_rad", &DepthCamera::vertical_fov_rad)
       .def_readwrite("range_max_m", &DepthCamera::range_max_m)
       .def_readwrite("depth_bits", &DepthCamera::depth_bits)
-      .def("check", &DepthCamera::check, "Raises ValueError.");
+      .def("check", &DepthCamera::check, "Raise ValueError if a parameter is invalid.");
   py::enum_<RowReduction>(m, "RowReduction")
       .value("MIDDLE", RowReduction::kMiddle)
       .value("NEAREST", RowReduction::kNearest);
   m.def("depth_image", &render, py::arg("camera"), py::arg("scene"), py::arg("position_m"), py::arg("orientation_xyzw"),
         py::arg("threads") = 1,
-        "(height, width) float32 along the camera's x axis, inf = nothing. Raises ValueError. Releases the GIL.");
+        "Return a depth image, (height, width) float32 along the camera's x axis, inf if nothing is hit. Raises\n"
+        "ValueError. Releases the GIL.");
   m.def("depth_image_ranges", &ranges, py::arg("camera"), py::arg("depth_m"), py::arg("angles_rad"),
         py::arg("reduction"), py::arg("interpolate"),
-        "depth_m (height, width), angles_rad (n,) -> (n,) float32, inf = no echo. Raises ValueError.");
+        "Return the ranges (n,) float32, inf for no echo, from depth_m (height, width) and angles_rad (n,).\n"
+        "Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -25,17 +25,18 @@ void bind_depth_string(py::module_& m) {
         return encode_depth_string(span_of(ranges), range_max_m);
       },
       py::arg("ranges_m"), py::arg("range_max_m"),
-      "The published depthArray text: each range in C#'s G7 format, followed by the letter a.\n"
+      "Return the published depthArray text: each range in C#'s G7 format, followed by the letter a.\n"
       "ranges_m: (n,) float32, in [0, range_max_m], or inf for no echo, which is written as range_max_m.\n"
-      "Raises ValueError that names the beam on anything else.");
+      "Raises ValueError naming the beam for any other value.");
   m.def(
       "decode_depth_string",
       [](const py::str& text, std::size_t beams, double range_limit_m) {
         return move_out(decode_depth_string(utf8(text), beams, range_limit_m));
       },
       py::arg("text"), py::arg("beams"), py::arg("range_limit_m"),
-      "The ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become inf.\n"
-      "Raises ValueError that names the beam unless the text is exactly `beams` plain decimals, each followed by a.");
+      "Return the ranges of a depthArray text, (beams,) float32; values greater than range_limit_m become\n"
+      "inf. Raises ValueError naming the beam unless the text consists of exactly `beams` plain decimals,\n"
+      "each followed by a.");
 }
 
 }  // namespace uwsim::bindings

@@ -43,11 +43,10 @@ std::optional<Point> highest(const py::object& points_m, const py::object& world
 void bind_high_points(py::module_& m) {
   m.def("highest_in_corridor", &highest, py::arg("points_m"), py::arg("world_from_points"), py::arg("position_world_m"),
         py::arg("heading_rad"), py::arg("half_width_m"), py::arg("ahead_m"),
-        "x, y, z in the world of the highest point in the corridor from half_width_m behind a position to ahead_m "
-        "before\n"
-        "it, half_width_m to either side of the heading; None if there is none. points_m: (n, 3), those with NaN are "
-        "left\n"
-        "out. world_from_points: (4, 4). position_world_m: (3,). Raises ValueError.");
+        "Return x, y, z in the world of the highest point in the corridor from half_width_m behind a position\n"
+        "to ahead_m in front of it, half_width_m to either side of the heading; None if there is none.\n"
+        "points_m: (n, 3); points with NaN are ignored. world_from_points: (4, 4). position_world_m: (3,).\n"
+        "Raises ValueError.");
   m.def(
       "points_above",
       [](const py::object& points_m, const py::object& world_from_points, double z_world_m) {
@@ -56,8 +55,8 @@ void bind_high_points(py::module_& m) {
             with_points(points_m, [&](const auto& points) { return points_above(points, transform, z_world_m); }));
       },
       py::arg("points_m"), py::arg("world_from_points"), py::arg("z_world_m"),
-      "The points that are higher than z_world_m, (k, 3) float64, world, in their order. points_m: (n, 3), those with\n"
-      "NaN are left out. world_from_points: (4, 4). Raises ValueError.");
+      "Return the points that are higher than z_world_m, (k, 3) float64, world frame, in their original\n"
+      "order. points_m: (n, 3); points with NaN are ignored. world_from_points: (4, 4). Raises ValueError.");
 }
 
 }  // namespace uwsim::bindings

@@ -52,33 +52,31 @@ void bind_imaging(py::module_& m) {
       .def_property_readonly("meaning", [](const ImagingKind& k) { return std::string(k.meaning); })
       .def_property_readonly(
           "parameters", [](const ImagingKind& k) { return by_name(imaging_parameters(k)); },
-          "{name: Parameter}: the shared acoustic figures and the kind's own.");
+          "{name: Parameter}: the shared acoustic parameters and those of the kind.");
   m.def(
-      "imaging_kinds", [] { return kind_names(imaging_kinds()); }, "The kinds of imaging sonar that are built in.");
+      "imaging_kinds", [] { return kind_names(imaging_kinds()); }, "Return the built-in kinds of imaging sonar.");
   m.def(
       "imaging_kind", [](const std::string& name) { return &imaging_kind(name); }, py::arg("name"),
-      py::return_value_policy::reference, "Raises ValueError with the known names.");
+      py::return_value_policy::reference, "Return the kind with this name. Raises ValueError listing the known names.");
   py::class_<ImagingSonar>(m, "ImagingSonar", "An imaging sonar; see uwsim.instruments.sonars.imaging.")
       .def(py::init(&checked_sonar), py::arg("kind"), py::arg("figures"),
            py::arg("strengths_db") = std::vector<double>{},
-           "figures: by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label, NaN for the "
-           "bottom's\n"
-           "or the solids'. Raises ValueError that names the figure.")
+           "figures: parameters by name, see ImagingKind.parameters. strengths_db: Lambert's strength by label;\n"
+           "NaN selects that of the bottom or of solids. Raises ValueError naming the parameter.")
       .def(
           "absorption_db_m",
           [](const ImagingSonar& s, const Water& water, double z_m) {
             return s.acoustics().absorption_db_m(water, z_m);
           },
-          py::arg("water"), py::arg("head_z_m"), "Absorption in the water at the head [dB/m].")
-      .def(
-          "ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
-          py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
-          py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
-          "The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the\n"
-          "kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its\n"
-          "speckle. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where "
-          "none\n"
-          "is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.");
+          py::arg("water"), py::arg("head_z_m"), "Return the absorption in the water at the head [dB/m].")
+      .def("ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
+           py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
+           py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
+           "Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar;\n"
+           "the kind determines how many poses there are. angles_rad (m,): of a steered beam. Ping k has the\n"
+           "number first_ping + k, which selects its speckle. with_labels: also return, for each cell, the label\n"
+           "of the surface with the strongest mean echo, 0 where none exceeds the noise. The result does not\n"
+           "depend on the number of threads. Raises ValueError. Releases the GIL.");
 }
 
 }  // namespace uwsim::bindings

@@ -17,9 +17,10 @@ void bind_actuators(py::module_& m) {
              return ThrustCurve(std::move(commands), std::move(thrusts_n), path);
            }),
            py::arg("commands"), py::arg("thrusts_n"), py::arg("path") = "thrust_curve",
-           "Raises ValueError unless commands increase, thrusts never fall and command 0 gives 0 N.")
+           "Create a curve. Raises ValueError unless commands increase, thrusts never decrease and command 0 maps\n"
+           "to 0 N.")
       .def("thrust_n", &ThrustCurve::thrust_n, py::arg("command"))
-      .def("command", &ThrustCurve::command, py::arg("thrust_n"), "A command that gives this thrust.")
+      .def("command", &ThrustCurve::command, py::arg("thrust_n"), "Return a command that produces this thrust.")
       .def_property_readonly("lowest_n", &ThrustCurve::lowest_n)
       .def_property_readonly("highest_n", &ThrustCurve::highest_n);
 
@@ -35,19 +36,19 @@ void bind_actuators(py::module_& m) {
                }),
            py::arg("name"), py::arg("position_body_m"), py::arg("axis_body"), py::arg("curve"))
       .def_readonly("name", &ThrusterParameters::name)
-      .def_readonly("position_body_m", &ThrusterParameters::position_body_m, "(3,) [m], hub")
+      .def_readonly("position_body_m", &ThrusterParameters::position_body_m, "position of the hub (3,) [m]")
       .def_readonly("axis_body", &ThrusterParameters::axis_body, "(3,) unit, direction of a positive thrust")
       .def_readonly("curve", &ThrusterParameters::curve)
-      .def_readwrite("time_constant_s", &ThrusterParameters::time_constant_s, "of the thrust; 0: no lag")
+      .def_readwrite("time_constant_s", &ThrusterParameters::time_constant_s, "of the thrust; 0 for no lag")
       .def_readwrite("diameter_m", &ThrusterParameters::diameter_m)
       .def_readwrite("bollard_coefficient", &ThrusterParameters::bollard_coefficient, "K_T at zero speed")
       .def_readwrite("zero_thrust_advance_ratio", &ThrusterParameters::zero_thrust_advance_ratio,
-                     "inf: no loss of thrust with speed")
+                     "inf if thrust does not decrease with speed")
       .def_readwrite("health", &ThrusterParameters::health,
-                     "share of the thrust that is left; the allocation does not know of it")
+                     "fraction of the thrust that remains after a fault; the allocation does not account for it")
       .def_readwrite("torque_per_thrust_m", &ThrusterParameters::torque_per_thrust_m, "k_q [m]")
       .def_readwrite("spin", &ThrusterParameters::spin,
-                     "1 right-handed, -1 left-handed about the axis when it thrusts ahead");
+                     "1 right-handed, -1 left-handed about the axis when thrusting ahead");
 
   py::class_<FinParameters>(m, "FinParameters", "A lifting surface, body frame.")
       .def(py::init([](std::string name, const py::object& position_body_m, const py::object& span_body, double area_m2,
@@ -63,20 +64,20 @@ void bind_actuators(py::module_& m) {
            py::arg("name"), py::arg("position_body_m"), py::arg("span_body"), py::arg("area_m2"),
            py::arg("aspect_ratio"))
       .def_readonly("name", &FinParameters::name)
-      .def_readonly("position_body_m", &FinParameters::position_body_m, "(3,) [m], centre of pressure")
+      .def_readonly("position_body_m", &FinParameters::position_body_m, "centre of pressure (3,) [m]")
       .def_readonly("span_body", &FinParameters::span_body, "(3,) unit; deflections are right-handed about it")
       .def_readonly("area_m2", &FinParameters::area_m2)
       .def_readonly("aspect_ratio", &FinParameters::aspect_ratio)
       .def_readwrite("parasitic_drag", &FinParameters::parasitic_drag)
-      .def_readwrite("efficiency", &FinParameters::efficiency, "Oswald's efficiency factor")
+      .def_readwrite("efficiency", &FinParameters::efficiency, "Oswald efficiency factor")
       .def_readwrite("stall_angle_rad", &FinParameters::stall_angle_rad)
       .def_readwrite("stall_sharpness_rad", &FinParameters::stall_sharpness_rad)
       .def_readwrite("stalls", &FinParameters::stalls)
       .def_readwrite("deflection_max_rad", &FinParameters::deflection_max_rad, "0: fixed")
       .def_readwrite("rate_max_rad_s", &FinParameters::rate_max_rad_s)
-      .def("lift_slope", &FinParameters::lift_slope, "dC_L / d alpha at zero lift [1/rad].");
+      .def("lift_slope", &FinParameters::lift_slope, "Return dC_L / d alpha at zero lift [1/rad].");
 
-  py::class_<ActuatorsSpec>(m, "ActuatorsSpec", "The thrusters and fins that drive and steer a vehicle.")
+  py::class_<ActuatorsSpec>(m, "ActuatorsSpec", "The thrusters and fins of a vehicle.")
       .def(py::init<>())
       .def_readwrite("full_wrench_body", &ActuatorsSpec::full_wrench_body,
                      "(6,) direct force and torque along and about the axes at full effort, without thrusters [N, N m]")

@@ -40,7 +40,7 @@ void bind_vehicle(py::module_& m) {
       .def_readwrite("linear_damping", &CraftParameters::linear_damping, "(6, 6) [N s/m, N m s/rad]")
       .def_readwrite("quadratic_damping", &CraftParameters::quadratic_damping, "(6, 6) [N s^2/m^2, N m s^2/rad^2]")
       .def_readwrite("buoyancy_share", &CraftParameters::buoyancy_share,
-                     "Buoyancy as a share of rho(z) g V, at depths from 0 in equal steps; empty: 1.")
+                     "buoyancy as a fraction of rho(z) g V, at depths from 0 in equal steps; if empty, 1")
       .def_readwrite("buoyancy_share_step_m", &CraftParameters::buoyancy_share_step_m);
 
   py::class_<Craft, std::shared_ptr<Craft>>(
@@ -58,19 +58,19 @@ void bind_vehicle(py::module_& m) {
             return craft.acceleration_body(state, tau_body, water, time_s);
           },
           py::arg("state"), py::arg("tau_body"), py::arg("water"), py::arg("time_s") = 0.0,
-          "nu' (6,) under the actuators' wrench tau_body (6,).")
+          "Return nu' (6,) under the actuators' wrench tau_body (6,).")
       .def(
           "submerged_fraction",
           [](const Craft& craft, const BodyState& state, const std::optional<Water>& water, double time_s) {
             return craft.submerged_fraction(state.world_from_body, water ? *water : Water(), time_s);
           },
           py::arg("state"), py::arg("water") = py::none(), py::arg("time_s") = 0.0,
-          "From 0 (dry) to 1 (wholly submerged). Without water: under z = 0.")
+          "Return the submerged fraction, from 0 (dry) to 1 (fully submerged). Without water, that below z = 0.")
       .def("kinetic_energy_j", &Craft::kinetic_energy_j, py::arg("state"),
-           "Kinetic energy of the body and the still water around it.")
+           "Return the kinetic energy of the body and the still water around it.")
       .def_property_readonly(
           "volume_m3", [](const Craft& craft) { return craft.hull().solid().volume_m3; },
-          "The volume displaced when submerged.");
+          "The volume that is displaced when submerged.");
   bind_actuators(m);
 }
 

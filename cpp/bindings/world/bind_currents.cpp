@@ -28,7 +28,7 @@ std::shared_ptr<const Current> gridded(const py::object& x_m, const py::object& 
 
 void bind_currents(py::module_& m) {
   py::class_<Current, std::shared_ptr<Current>>(
-      m, "Current", "A current: a function of place and time. Its constructors raise ValueError.")
+      m, "Current", "A current: a function of position and time. Its constructors raise ValueError.")
       .def_static(
           "layered",
           [](const py::object& depth_m, const py::object& velocity_m_s) {
@@ -36,7 +36,7 @@ void bind_currents(py::module_& m) {
                 layered_current(as_numbers(depth_m, "depth_m"), as_points(velocity_m_s, "velocity_m_s")));
           },
           py::arg("depth_m"), py::arg("velocity_m_s"),
-          "depth_m: (n,) rising; velocity_m_s: (n, 3). Linear between levels.")
+          "Return a steady current, linear between levels. depth_m: (n,), increasing; velocity_m_s: (n, 3).")
       .def_static(
           "tidal",
           [](const py::object& amplitude, double period_s, double phase_rad) {
@@ -44,7 +44,7 @@ void bind_currents(py::module_& m) {
                 tidal_current(as_vector3(amplitude, "amplitude_m_s"), period_s, phase_rad));
           },
           py::arg("amplitude_m_s"), py::arg("period_s"), py::arg("phase_rad") = 0.0,
-          "amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).")
+          "Return a tidal current: amplitude_m_s (3,) times sin(2 pi t / period_s + phase_rad).")
       .def_static(
           "gusty",
           [](const py::object& sigma, double correlation_time_s, std::uint64_t seed) {
@@ -52,14 +52,15 @@ void bind_currents(py::module_& m) {
                 gusty_current(as_vector3(sigma, "sigma_m_s"), correlation_time_s, seed));
           },
           py::arg("sigma_m_s"), py::arg("correlation_time_s"), py::arg("seed") = 0,
-          "Gauss-Markov gusts of standard deviation sigma_m_s (3,) with zero mean.")
+          "Return Gauss-Markov gusts with standard deviation sigma_m_s (3,) and zero mean.")
       .def_static(
           "gridded",
           [](const py::object& x_m, const py::object& y_m, const py::object& z_m, const py::object& velocity_m_s) {
             return std::const_pointer_cast<Current>(gridded(x_m, y_m, z_m, velocity_m_s));
           },
           py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::arg("velocity_m_s"),
-          "A steady field, velocity_m_s (nz, ny, nx, 3) on rising axes: trilinear, constant beyond the edges.")
+          "Return a steady field, velocity_m_s (nz, ny, nx, 3) on increasing axes: trilinear, constant beyond the\n"
+          "edges.")
       .def(
           "velocity_m_s",
           [](const Current& current, const py::object& point_m, double time_s) {

@@ -54,7 +54,7 @@ void bind_fixed_world(py::module_& m) {
       .def("__setattr__", refuse_assignments<FixedWater>("water"), py::arg("name"), py::arg("value"))
       .def(
           "add_current", [](FixedWater&, const std::shared_ptr<Current>&) { refuse("water.add_current"); },
-          py::arg("current"), "Raises AttributeError.")
+          py::arg("current"), "Raise AttributeError.")
       .def_property(
           "current_world_m_s",
           [](const FixedWater& water) { return read_only(py::array_t<double>(3, water.current_world_m_s.data())); },
@@ -69,14 +69,14 @@ void bind_fixed_world(py::module_& m) {
           [](FixedWorld&, const Water&) { refuse("world.water"); }, "Read-only.")
       .def(
           "set_terrain", [](FixedWorld&, const py::object&, double, const py::object&) { refuse("world.set_terrain"); },
-          py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"), "Raises AttributeError.")
+          py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"), "Raise AttributeError.")
       .def(
           "add_solid",
           [](FixedWorld&, std::string, const py::object&, const py::object&, std::vector<RoundShape>) -> Label {
             refuse("world.add_solid");
           },
           py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
-          py::arg("shapes") = std::vector<RoundShape>(), "Raises AttributeError.");
+          py::arg("shapes") = std::vector<RoundShape>(), "Raise AttributeError.");
 }
 
 }  // namespace uwsim::bindings

@@ -45,10 +45,10 @@ std::tuple<py::array_t<double>, py::array_t<std::int64_t>, py::array_t<std::int6
 
 void bind_surface_sampler(py::module_& m) {
   py::class_<SurfaceSampler>(m, "SurfaceSampler",
-                             "Samples a world's terrain and solids, where they lie inside a polygon and a box.")
+                             "Samples the parts of a world's terrain and solids that lie inside a polygon and a box.")
       .def(py::init(&make_sampler), py::arg("world"), py::arg("resolution_m"), py::arg("area_world_m"),
            py::arg("low_m"), py::arg("high_m"),
-           "area_world_m: (k, 2), a simple polygon. low_m, high_m: (3,), the box, which may be infinite. Raises "
+           "area_world_m: (k, 2), a simple polygon. low_m, high_m: (3,), the box, which may be infinite. Raises\n"
            "ValueError.")
       .def_property_readonly(
           "box_m",
@@ -56,13 +56,14 @@ void bind_surface_sampler(py::module_& m) {
             if (sampler.box_m().isEmpty()) return std::nullopt;
             return std::pair<Eigen::Vector3d, Eigen::Vector3d>(sampler.box_m().min(), sampler.box_m().max());
           },
-          "Corners (3,) of a box that holds all surface to be sampled; None if there is none.")
+          "Corners (3,) of a box that encloses all surface to be sampled; None if there is none.")
       .def_property_readonly("voxels_in_box", &SurfaceSampler::voxels_in_box,
-                             "About how many voxels the surface runs through in that box.")
+                             "Approximate number of voxels in that box that the surface passes through.")
       .def("sample", &sample, py::arg("first"), py::arg("end"),
-           "first, end: (3,) integers, voxels floor(x / resolution_m) from first to before end, at most 512 a side.\n"
-           "Returns points (n, 3) float64, sorted by voxel, at most one in each octant of a voxel; (n,) int64, the\n"
-           "voxel of each; and the voxels (v, 3) int64, sorted. Releases the GIL. Raises ValueError.");
+           "Sample the voxels floor(x / resolution_m) from first up to, but excluding, end: (3,) integers, at most\n"
+           "512 per side. Returns points (n, 3) float64, sorted by voxel, at most one per octant of a voxel; the\n"
+           "voxel of each point, (n,) int64; and the voxels (v, 3) int64, sorted. Releases the GIL. Raises\n"
+           "ValueError.");
 }
 
 }  // namespace uwsim::bindings

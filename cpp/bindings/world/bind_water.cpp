@@ -81,13 +81,13 @@ void bind_sea_water(py::module_& m) {
         return p == 0 ? sea_water_density_kg_m3(t, s) : sea_water_density_kg_m3(t, s, p);
       },
       py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("gauge_pressure_pa") = 0.0,
-      "Density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: above that of the atmosphere. Raises ValueError.");
-  m.def(
-      "sound_speed_m_s", py::overload_cast<double, double, double, std::string_view>(&sound_speed_m_s),
-      py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"), py::arg("equation") = "automatic",
-      "Speed of sound in water [m/s]: unesco (Chen and Millero 1977), del_grosso (1974; both with Wong and Zhu's\n"
-      "coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie (1981), medwin (1975), or the\n"
-      "one whose range of validity fits best. Raises ValueError.");
+      "Return the density by EOS-80 (UNESCO 44, 1983); gauge_pressure_pa: pressure above atmospheric. Raises\n"
+      "ValueError.");
+  m.def("sound_speed_m_s", py::overload_cast<double, double, double, std::string_view>(&sound_speed_m_s),
+        py::arg("temperature_deg_c"), py::arg("salinity_psu"), py::arg("depth_m"), py::arg("equation") = "automatic",
+        "Return the speed of sound in water [m/s] by unesco (Chen and Millero 1977), del_grosso (1974; both\n"
+        "with Wong and Zhu's coefficients of 1995), belogolskii (1999, fresh water), leroy (2008), mackenzie\n"
+        "(1981), medwin (1975), or the equation whose range of validity fits best. Raises ValueError.");
 }
 
 void bind_water(py::module_& m) {
@@ -97,11 +97,14 @@ void bind_water(py::module_& m) {
       m, "WaterProfile", "Temperature, salinity, density and sound speed, linear in depth between levels.")
       .def(py::init(&profile), py::arg("depth_m"), py::arg("temperature_deg_c"), py::arg("salinity_psu"),
            py::arg("density_kg_m3"), py::arg("sound_speed_m_s") = py::none(),
-           "Each (n,), depths rising; without sound_speed_m_s it follows from the others. Raises ValueError.");
+           "Create a profile from arrays (n,), with increasing depths. Without sound_speed_m_s, the sound speed is\n"
+           "computed from the other properties. Raises ValueError.");
   bind_sea_water(m);
 
   py::class_<Water>(
-      m, "Water", "The water: calm, uniform and with one steady current, unless waves, a profile or currents are set.")
+      m, "Water",
+      "The water of a world: calm and uniform with one steady current, unless waves, a profile or currents\n"
+      "are set.")
       .def(py::init<>())
       .def_readwrite("density_kg_m3", &Water::density_kg_m3)
       .def_readwrite("gravity_m_s2", &Water::gravity_m_s2)
@@ -111,40 +114,43 @@ void bind_water(py::module_& m) {
       .def_readwrite("bottom_depth_m", &Water::bottom_depth_m)
       .def_readwrite("salinity_psu", &Water::salinity_psu)
       .def_readwrite("compressible", &Water::compressible,
-                     "Whether pressure includes the compression of the water by its own weight (EOS-80).")
+                     "whether pressure includes the compression of the water by its own weight (EOS-80)")
       .def_property(
           "sound_speed_equation", [](const Water& water) { return name_of(water.sound_speed_equation); },
           &Water::select_sound_speed_equation,
           "unesco, del_grosso, belogolskii, leroy, mackenzie or medwin; assign \"automatic\" for the best. Raises\n"
-          "ValueError where the water, as it is, exceeds the equation's range.")
+          "ValueError if the water in its present state exceeds the equation's range.")
       .def_readwrite("current_world_m_s", &Water::current_world_m_s)
       .def_property(
           "waves", [](const Water& water) { return or_none<Waves>(water.waves); },
           [](Water& water, std::optional<std::shared_ptr<Waves>> waves) { water.waves = waves.value_or(nullptr); },
-          "None: a flat surface")
+          "None for a flat surface")
       .def_property(
           "profile", [](const Water& water) { return or_none<WaterProfile>(water.profile); },
           [](Water& water, std::optional<std::shared_ptr<WaterProfile>> profile) {
             water.profile = profile.value_or(nullptr);
           },
-          "None: one density and salinity, temperature linear down to bottom_depth_m")
+          "None for uniform density and salinity, with temperature linear down to bottom_depth_m")
       .def(
           "add_current",
           [](Water& water, std::shared_ptr<Current> current) { water.currents.push_back(std::move(current)); },
-          py::arg("current"), "Adds a current to current_world_m_s and to those added before.")
-      .def("check", &Water::check, "Raises ValueError that names the field, its value, unit and rule.")
+          py::arg("current"), "Add a current to current_world_m_s and to those added earlier.")
+      .def("check", &Water::check,
+           "Raise ValueError naming the field, its value, unit and rule if a parameter is invalid.")
       .def("pressure_pa", py::overload_cast<double>(&Water::pressure_pa, py::const_), py::arg("z_world_m"),
-           "Absolute pressure of still water: p_atm + the integral of rho g, with compression.")
+           "Return the absolute pressure of still water: p_atm + the integral of rho g, with compression.")
       .def("pressure_at_pa", &pressure_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
-           "(n, 3) -> (n,) absolute pressure under the waves of the moment.")
-      .def("density_at_kg_m3", &Water::density_at, py::arg("z_world_m"), "Density of still water.")
+           "Return the absolute pressure (n,) at points (n, 3) under the waves at this time.")
+      .def("density_at_kg_m3", &Water::density_at, py::arg("z_world_m"), "Return the density of still water.")
       .def("temperature_deg_c", &Water::temperature_deg_c, py::arg("z_world_m"))
       .def("salinity_at_psu", &Water::salinity_at_psu, py::arg("z_world_m"))
       .def("sound_speed_m_s", &Water::sound_speed_m_s, py::arg("z_world_m"),
-           "That of the profile, else by temperature, salinity and pressure (sound_speed_equation).")
-      .def("surface_height_m", &surface_height, py::arg("xy_m"), py::arg("time_s") = 0.0, "(n, 2) -> (n,)")
+           "Return the speed of sound, from the profile if it specifies one, else by temperature, salinity and\n"
+           "pressure (sound_speed_equation).")
+      .def("surface_height_m", &surface_height, py::arg("xy_m"), py::arg("time_s") = 0.0,
+           "Return the surface height (n,) at positions (n, 2).")
       .def("velocity_m_s", &velocity_at, py::arg("points_world_m"), py::arg("time_s") = 0.0,
-           "(n, 3) -> (n, 3), currents and waves together.");
+           "Return the velocity (n, 3) at points (n, 3), including currents and waves.");
 }
 
 }  // namespace uwsim::bindings

@@ -30,7 +30,8 @@ void bind_waves(py::module_& m) {
       .def_static("airy", &airy, py::arg("amplitude_m"), py::arg("period_s"), py::arg("heading_rad") = 0.0,
                   py::arg("phase_rad") = 0.0, py::arg("depth_m") = std::numeric_limits<double>::infinity(),
                   py::arg("gravity_m_s2") = 9.80665,
-                  "One wave that runs towards heading_rad (from east, counter-clockwise). Raises ValueError.")
+                  "Return a single wave that propagates towards heading_rad (from east, counter-clockwise). Raises\n"
+                  "ValueError.")
       .def_static(
           "jonswap",
           [](double height, double period, double enhancement, double heading, double spreading, int count,
@@ -42,10 +43,10 @@ void bind_waves(py::module_& m) {
           py::arg("heading_rad") = 0.0, py::arg("spreading_exponent") = 0.0, py::arg("component_count") = 64,
           py::arg("seed") = 0, py::arg("depth_m") = std::numeric_limits<double>::infinity(),
           py::arg("gravity_m_s2") = 9.80665,
-          "A sea of component_count waves with a JONSWAP spectrum. Raises ValueError.")
+          "Return a sea of component_count waves with a JONSWAP spectrum. Raises ValueError.")
       .def_property_readonly("significant_height_m", &Waves::significant_height_m, "4 sqrt(m0)")
       .def_property_readonly("bound_m", &Waves::bound_m,
-                             "The sum of the amplitudes: no crest is higher, no trough deeper.")
+                             "the sum of the amplitudes: no crest is higher, no trough deeper")
       .def_property_readonly("depth_m", &Waves::depth_m);
 }
 

@@ -76,25 +76,26 @@ void bind_world(py::module_& m) {
   bind_water(m);
 
   py::class_<RoundShape>(m, "RoundShape",
-                         "A sphere or a straight piece of round pipe, which rays meet exactly instead of as facets.")
+                         "A sphere or a straight piece of round pipe, on which ray hits are exact, without facets.")
       .def_static(
           "sphere",
           [](const py::object& centre, double radius_m) {
             return sphere(as_vector3(centre, "centre_world_m"), radius_m);
           },
-          py::arg("centre_world_m"), py::arg("radius_m"), "centre_world_m: (3,). Raises ValueError.")
+          py::arg("centre_world_m"), py::arg("radius_m"),
+          "Return a sphere about centre_world_m (3,). Raises ValueError.")
       .def_static(
           "cylinder",
           [](const py::object& start, const py::object& end, double radius_m) {
             return cylinder(as_vector3(start, "start_world_m"), as_vector3(end, "end_world_m"), radius_m);
           },
           py::arg("start_world_m"), py::arg("end_world_m"), py::arg("radius_m"),
-          "Between two points (3,) on its axis, with flat caps. Raises ValueError.")
+          "Return a cylinder between two points (3,) on its axis, with flat caps. Raises ValueError.")
       .def_static(
           "pipe",
           [](const py::object& line, double radius_m) { return pipe(as_points(line, "line_world_m"), radius_m); },
           py::arg("line_world_m"), py::arg("radius_m"),
-          "Pieces along a line (n, 3) with caps at both ends and mitred bends. Raises ValueError.")
+          "Return pieces of pipe along a line (n, 3), with caps at both ends and mitred bends. Raises ValueError.")
       .def_readonly("radius_m", &RoundShape::radius_m);
 
   py::class_<World, std::shared_ptr<World>>(
@@ -102,8 +103,9 @@ void bind_world(py::module_& m) {
       .def(py::init<>())
       .def_readwrite("water", &World::water)
       .def("set_terrain", &set_terrain, py::arg("heights_m"), py::arg("spacing_m"), py::arg("origin_m"),
-           "heights_m: (ny, nx) float32, z at (x0 + i spacing, y0 + j spacing) is heights_m[j, i]. origin_m: (x0, y0). "
-           "Raises ValueError on shape, non-finite heights or spacing.")
+           "Set the terrain. heights_m: (ny, nx) float32, where heights_m[j, i] is z at (x0 + i spacing, y0 + j\n"
+           "spacing). origin_m: (x0, y0). Raises ValueError for wrong shapes, non-finite heights or an invalid\n"
+           "spacing.")
       .def(
           "add_solid",
           [](World& world, std::string name, const py::object& vertices_world_m, const py::object& triangles,
@@ -115,21 +117,24 @@ void bind_world(py::module_& m) {
           },
           py::arg("name"), py::arg("vertices_world_m"), py::arg("triangles"),
           py::arg("shapes") = std::vector<RoundShape>(),
-          "vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes: rays meet these instead of the mesh,\n"
-          "which then serves contacts and the true surface. Returns the label. Raises ValueError.")
-      .def_property_readonly("label_names", &World::label_names, "Names by label: nothing, terrain, then the solids.")
+          "Add a solid and return its label. vertices_world_m: (n, 3) float64; triangles: (m, 3) indices. shapes:\n"
+          "rays hit these instead of the mesh, which is then used for contacts and as the reference surface.\n"
+          "Raises ValueError.")
+      .def_property_readonly("label_names", &World::label_names,
+                             "Names by label: nothing, terrain, then the names of the solids.")
       .def(
           "solid_around",
           [](const World& world, const Eigen::Vector3d& point_world_m) -> std::optional<std::string> {
             const Solid* const solid = world.solid_around(point_world_m);
             return solid ? std::optional(solid->name) : std::nullopt;
           },
-          py::arg("point_world_m"), "(3,) -> the name of a closed solid that encloses the point, or None.")
+          py::arg("point_world_m"), "Return the name of a closed solid that encloses the point (3,), or None.")
       .def_property_readonly(
           "lowest_m",
           [](const World& w) { return w.terrain() ? static_cast<double>(w.terrain()->lowest_m()) : -HUGE_VAL; },
-          "Height of the terrain's lowest point; -inf without one.")
-      .def("height_at", &height_at, py::arg("xy_m"), "(n, 2) -> (n,) float64, height of the terrain; NaN outside.")
+          "Height of the terrain's lowest point; -inf without terrain.")
+      .def("height_at", &height_at, py::arg("xy_m"),
+           "Return the height (n,) float64 of the terrain at positions (n, 2); NaN outside.")
       .def_property_readonly(
           "terrain_extent_m",
           [](const World& world) {
@@ -141,10 +146,10 @@ void bind_world(py::module_& m) {
       .def_property_readonly(
           "highest_m",
           [](const World& w) { return w.terrain() ? static_cast<double>(w.terrain()->highest_m()) : -HUGE_VAL; },
-          "Height of the terrain's highest point; -inf without one.")
+          "Height of the terrain's highest point; -inf without terrain.")
       .def("surface_mesh", &surface_mesh, py::arg("with_terrain") = true,
-           "(vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16): terrain, if asked for, and "
-           "all solids.");
+           "Return (vertices_world_m (n, 3) float64, triangles (m, 3) uint32, labels (m,) uint16) of the terrain,\n"
+           "if requested, and of all solids.");
   bind_fixed_world(m);
   bind_surface_sampler(m);
 }
