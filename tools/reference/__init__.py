@@ -1,1 +1,1 @@
-"""Reference pages generated from the code, so that they cannot become outdated."""
+"""Reference pages that are generated from the code, so that they cannot be out of date."""

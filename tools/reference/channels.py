@@ -7,8 +7,8 @@ from uwsim.channels import channels
 
 HEAD = """# Channels
 
-The topics of `uwsim serve lake`, from the table that every bridge and recording uses; other vehicles and scenarios have
-others. Rates are the sensors' own; a rate of 0 Hz: published when the value changes.
+The topics of `uwsim serve lake`, from the table that all bridges and recordings use; they depend on the scenario and
+its vehicles. Rates are those of the sensors; a topic with a rate of 0 Hz is published when its value changes.
 
 """
 

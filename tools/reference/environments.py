@@ -5,11 +5,11 @@ from tools.reference.markdown import code, plain, table
 from uwsim.learning.task import Field, Task
 from uwsim.learning.tasks import TASKS
 
-HEAD = """# Environments for learning
+HEAD = """# Learning environments
 
-The environments that `import uwsim.learning` registers; [Learning](../guides/learning.md) shows how to use them.
-Observations are float32 and cut to their range; body axes are x forward, y left, z up. Actions are efforts in [-1, 1].
-Values that no sensor reads are exact.
+The environments registered by `import uwsim.learning`; [Learning](../guides/learning.md) shows how to use them.
+Observations are float32 and clipped to their range; body axes are x forward, y left, z up. Actions are efforts in
+[-1, 1]. Values that are not measured by a sensor are exact.
 
 """
 

@@ -15,9 +15,9 @@ from uwsim.simulator.parameters.field_type import field_type, stripped
 
 HEAD = """# Scenario files
 
-Every key that a scenario's YAML file may hold, from the models that check it. `uwsim scenario check FILE` checks one,
-[scenarios](../guides/scenarios.md) begins with examples.
-A key without a default must be given.
+This page lists every key of a scenario's YAML file. It is generated from the models that check such files.
+`uwsim scenario check FILE` checks a file, and [scenarios](../guides/scenarios.md) shows examples. Keys without a
+default are required.
 
 """
 
@@ -54,7 +54,7 @@ def section(model: type[Model]) -> str:
     rows = [_row(name, info, words.get(name, "")) for name, info in model.model_fields.items()]
     summary = (inspect.getdoc(model) or "").split("\n\n")[0]
     return f"({_anchor(model)})=\n## {model.__name__}\n\n{plain(summary)}\n\n" + table(
-        ("key", "what it may be", "default", "meaning"), rows
+        ("key", "type", "default", "meaning"), rows
     )
 
 

@@ -13,9 +13,9 @@ from uwsim.scenario.spec.vehicle import VehicleModel
 
 HEAD = """# Sensors
 
-The kinds of sensor that a vehicle's file may carry, from the core's own table. `rov.sensors["imu"].read()` returns a
-number in the unit below, or these fields (`uwsim.instruments.readings`). [Scenarios](scenario.md) has the
-keys that all kinds share: mount, rate, latency, drop-outs, noise.
+The kinds of sensor that a vehicle's file may contain, generated from the core's table. `rov.sensors["imu"].read()`
+returns a number in the unit below, or an object with these fields (`uwsim.instruments.readings`).
+[Scenario files](scenario.md) lists the keys that all kinds share: mount, rate, latency, drop-outs, noise.
 
 """
 
@@ -28,16 +28,16 @@ def sensors_page() -> str:
 def _section(kind: _core.SensorKind) -> str:
     reads = f"`{READINGS[kind.name].__name__}`" if kind.name in READINGS else "a number"
     meaning = plain(kind.meaning)
-    text = f"## {kind.name}\n\n{meaning[:1].upper()}{meaning[1:]}. It reads {reads}.\n\n"
+    text = f"## {kind.name}\n\n{meaning[:1].upper()}{meaning[1:]}. A reading is {reads}.\n\n"
     rows = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.fields.items()]
     text += table(("quantity", "shape", "unit"), rows)
     channels = [(code(name), _shape(width), plain(unit)) for name, (width, unit) in kind.channels.items()]
-    text += "\nNoise acts on:\n\n" + table(("channel", "shape", "unit"), channels)
+    text += "\nNoise is added to:\n\n" + table(("channel", "shape", "unit"), channels)
     keys = [
         (code(name), plain(parameter.unit), f"{parameter.low:g} ... {parameter.high:g}", _default(parameter.by_default))
         for name, parameter in kind.parameters.items()
     ]
-    text += "\nKeys of its own:\n\n" + table(("key", "unit", "range", "default"), keys) if keys else ""
+    text += "\nAdditional keys:\n\n" + table(("key", "unit", "range", "default"), keys) if keys else ""
     return text + _packaged(kind.name)
 
 
@@ -50,7 +50,7 @@ def _packaged(kind: str) -> str:
                 vehicles.setdefault((code(name), *_figures(mount)), []).append(vehicle)
     rows = [(", ".join(who), *line) for line, who in vehicles.items()]
     head = ("vehicles", "name", "rate [Hz]", "latency [s]", "drop-outs", "noise")
-    return "\nIn the packaged vehicles, whose files name the sources:\n\n" + table(head, rows) if rows else ""
+    return "\nValues in the packaged vehicles, whose files cite the sources:\n\n" + table(head, rows) if rows else ""
 
 
 def _figures(mount: SensorMount) -> tuple[str, ...]:

@@ -9,9 +9,9 @@ CORE = Path(__file__).resolve().parents[2] / "cpp" / "uwsim"
 CITES = re.compile(r"\b(?:18|19|20)\d\d\b")
 HEAD = """# Sources
 
-Every model of the core whose comment cites a source: equations, ranges of validity, what is assumed and what was cited
-from memory, as in the comments of the code. The files of `assets` name the sources of the values of vehicles,
-thrusters, sensors and sonars.
+Every model of the core whose comment cites a source, with equations and ranges of validity; the comments also state
+which values are assumed and which sources were cited from memory. The files in `assets` cite the sources of the values
+of vehicles, thrusters, sensors and sonars.
 
 """
 

@@ -6,8 +6,8 @@ from uwsim.campaigns.sweeps.spec import SweepSpec
 
 HEAD = """# Sweep files
 
-Every key of the file of `uwsim sweep`, from the models that check it; [sweeps](../guides/sweeps.md) explains how they
-are used. A key without a default must be given.
+This page lists every key of a sweep file, generated from the models that check such files;
+[sweeps](../guides/sweeps.md) explains how to use them. Keys without a default are required.
 
 """
 

@@ -54,7 +54,7 @@ def _locked(path: Path) -> int:
             holder = " ".join(os.pread(descriptor, 300, 0).decode(errors="replace").split())
             os.close(descriptor)
             raise OSError(
-                f"--out {path.parent}: another run is in it{f' ({holder})' if holder else ''}: choose another --out"
+                f"--out {path.parent}: another run is using it{f' ({holder})' if holder else ''}: choose another --out"
             ) from None
         except OSError as error:
             os.close(descriptor)

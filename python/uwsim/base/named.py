@@ -29,7 +29,7 @@ class Named(dict[str, T]):
         self._changed_by = changed_by
 
     def __missing__(self, name: object) -> NoReturn:
-        rule = f"must be one of {', '.join(self)}" if self else "there is none"
+        rule = f"must be one of {', '.join(self)}" if self else "there are none"
         raise UnknownNameError(f"{self._what}[{name!r}]: {rule}{did_you_mean(str(name), self)}")
 
     def __reduce__(self) -> tuple[Any, ...]:

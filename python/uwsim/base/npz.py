@@ -29,4 +29,4 @@ def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
                 raise ValueError(f"unpacks to {size} bytes, must be {MAX_BYTES} at most")
             return {name: np.asarray(file[name]) for name in file.files}
     except Exception as error:  # a damaged archive can make NumPy, zipfile and zlib raise anything
-        raise ValueError(f"is damaged, or no .npz file: {error}") from None
+        raise ValueError(f"is damaged, or not an .npz file: {error}") from None

@@ -50,7 +50,7 @@ class Door:
             origin, parts = ORIGIN.fullmatch(page), urlsplit(page)
             is_web = parts.scheme in ("http", "https")
             if origin is None or (is_web and not parts.hostname):
-                raise ValueError(f"origin = '{page}': must be such as 'https://station.example:8080'")
+                raise ValueError(f"origin = '{page}': must look like 'https://station.example:8080'")
             self._pages.add(origin[1].lower())
             if is_web and parts.hostname:
                 self._names.add(parts.hostname)
@@ -114,7 +114,7 @@ class Admission:
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
         if reason is None and clients is not None:
             if clients >= self._places:
-                reason = HTTPStatus.SERVICE_UNAVAILABLE, f"{self._places} clients are connected, which is the most\n"
+                reason = HTTPStatus.SERVICE_UNAVAILABLE, f"{self._places} clients are connected, the maximum\n"
             elif self.token is not None and not has_token(request, self.token):
                 reason = (
                     HTTPStatus.UNAUTHORIZED,
@@ -140,13 +140,13 @@ def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.
     """Return the TLS context of a server, or None without a certificate. Raises ValueError, OSError."""
     if certfile is None:
         if keyfile is not None:
-            raise ValueError("keyfile: give the certfile, too")
+            raise ValueError("keyfile: needs certfile, too")
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
         context.load_cert_chain(certfile, keyfile)
     except ssl.SSLError as error:
-        raise ValueError(f"certfile '{certfile}': no certificate with its key in PEM ({error.reason})") from None
+        raise ValueError(f"certfile '{certfile}': contains no PEM certificate with its key ({error.reason})") from None
     except FileNotFoundError:
         missing = next(p for p in (certfile, keyfile) if p is not None and not Path(p).exists())
         raise FileNotFoundError(f"'{missing}': no such file") from None

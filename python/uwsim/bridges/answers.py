@@ -40,7 +40,7 @@ class Lane:
         Raises ValueError if too many calls wait, RuntimeError after `close`.
         """
         if self._free is not None and not self._free.acquire(blocking=False):
-            raise ValueError(f"{self._most} calls wait already: this one is refused")
+            raise ValueError(f"{self._most} calls are already waiting: this one is refused")
 
         def finish(done: Future[Any]) -> None:
             if self._free is not None:

@@ -101,7 +101,7 @@ class Listener(Generic[S]):
     def start(self) -> None:
         """Start listening. Raises OSError if this fails, and warns (UserWarning) if other machines can connect."""
         if self._thread is not None:
-            raise RuntimeError("the server runs already")
+            raise RuntimeError("the server is already running")
         warn_beyond_loopback(self._host, self._admission.token, self._tls is not None)
         ready = threading.Event()
         self._failure = None

@@ -118,7 +118,7 @@ class Meter:
         self.made_bytes += count * cost.made_bytes
         self._written_bytes += count * cost.written_bytes
         if self.objects > self._most_objects:
-            raise ValueError(f"{path}: a message of more than {self._most_objects} messages, which is the most")
+            raise ValueError(f"{path}: a message of more than {self._most_objects} messages, the maximum")
         needed = self.made_bytes + max(self.spent_bytes, self._written_bytes)
         if needed > self.limit_bytes:
             rule = f"must take {self.limit_bytes / 1e6:.1f} MB of memory at most"

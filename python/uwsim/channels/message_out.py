@@ -67,7 +67,7 @@ def from_bytes(data: bytes, name: str) -> Any:
     try:
         return typestore().deserialize_cdr(data, name)
     except Exception as error:  # the generated code raises any error for damaged bytes
-        raise ValueError(f"{name}: {len(data)} bytes that are not its serialisation ({error})") from None
+        raise ValueError(f"{name}: {len(data)} bytes that are not a valid serialisation of it ({error})") from None
 
 
 @cache

@@ -150,7 +150,7 @@ def resolve(name: object) -> tuple[str, Ros | None]:
         raise ValueError(f"type = {shortened(name)}: must be the name of a message type, such as 'std_msgs/String'")
     full = f"{match[1]}/msg/{match[3]}"
     if full not in typestore().fielddefs:
-        raise ValueError(f"type = '{name}': no such message type is known here")
+        raise ValueError(f"type = '{name}': unknown message type")
     return full, 2 if match[2] else None
 
 

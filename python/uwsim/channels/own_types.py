@@ -1,4 +1,4 @@
-"""Our own message types, as .msg definitions, for content that no existing package covers.
+"""uwsim's own message types, as .msg definitions, for content that no existing package covers.
 
 docs/connections/station-wire.md explains the fields.
 """
@@ -17,74 +17,74 @@ OWN_TYPES = {
     TELEMETRY: """\
 std_msgs/Header header
 float64[3] position            # m, in the odom frame: the vehicle's own estimate; nan without an IMU
-float32[3] position_std        # m, along the frame's axes, as the estimate has it
-float64[3] true_position       # m, in the odom frame; nan where the truth is not to be seen
+float32[3] position_std        # m, along the frame's axes, according to the estimate
+float64[3] true_position       # m, in the odom frame; nan if the truth is hidden
 float32[4] orientation         # x, y, z, w: the vehicle's own estimate
-bool is_truth                  # whether the truth is to be seen
+bool is_truth                  # whether the truth may be shown
 float32 speed                  # m/s
 float32 angular_speed          # rad/s
 float32 temperature            # deg C
 float32 pressure               # Pa, absolute
 float32 depth                  # m
 float32 distance_to_station    # m
-float32 distance_to_seabed     # m, straight down; inf: nothing
+float32 distance_to_seabed     # m, straight down; inf: no echo
 float32 distance_to_port       # m, of the proximity sensor; nan without one
 float32 mission_time           # s since the release
 float32 battery                # percent
 float32 link_delay             # s, one way, of sound between vehicle and station
 float32 tilt                   # rad, of the sonar's head; up is positive; nan without one
-float32[] thrusters            # commands in [-1, 1], in their order
+float32[] thrusters            # commands in [-1, 1], in the vehicle's order
 float32[] efforts              # surge, sway, heave, roll, pitch, yaw as commanded
-bool[] lamps                   # in their order
+bool[] lamps                   # in the vehicle's order
 bool released
 bool range_warning
 bool proximity_warning
 bool collision_warning
 uint32 collisions              # since the start
-string failsafe                # what the vehicle does by itself: hold, surface, return, go_on; empty: nothing
+string failsafe                # active failsafe: hold, surface, return, go_on; empty: none
 string failsafe_cause          # silence, battery, leak, thruster, sensor
-string[] alarms                # what it notices about itself; "all stop" while that is set
+string[] alarms                # failures detected aboard; "all stop" while that is set
 """,
     MAP_CHANGES: """\
 std_msgs/Header header
 uint32 sequence
-bool snapshot                  # forget everything before this
+bool snapshot                  # true: discard all earlier messages
 float64 resolution             # m, edge of a voxel
 int16[] blocks                 # 3 n: x, y, z of each block of 16 x 16 x 16 voxels, from the origin of header.frame_id
-uint16[] counts                # n: how many cells follow for each
-uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: occupied now, or no longer
+uint16[] counts                # n: number of cells in each block
+uint16[] cells                 # bits 0 to 3 x, 4 to 7 y, 8 to 11 z in the block; bit 15: 1 now occupied, 0 no longer
 """,
     LINK: """\
-std_msgs/Header header         # docs/guides/link.md; of both directions together unless it says otherwise
+std_msgs/Header header         # see docs/guides/link.md; values cover both directions unless stated otherwise
 string modem
-float32 quality                # share of the packets so far that arrived
-float32 delay                  # s, of the newest packet's first arrival; nan before that
+float32 quality                # fraction of all packets so far that arrived
+float32 delay                  # s, of the newest packet, at its first arrival; nan before that
 float32 snr                    # dB, of that packet; nan over a cable and the ideal link
-float32 closing_speed          # m/s, of the ends towards each other then: Doppler
-float32 silence                # s since the vehicle heard the station
-float32 silence_at_station     # s since the station heard the vehicle
-uint32 queue_station           # bytes that wait
+float32 closing_speed          # m/s, at which the ends approached each other then (Doppler)
+float32 silence                # s since the vehicle last received data from the station
+float32 silence_at_station     # s since the station last received data from the vehicle
+uint32 queue_station           # bytes waiting
 uint32 queue_vehicle
 uint32 sent                    # messages
 uint32 delivered
 uint32 lost
-uint32 late                    # not sent, since their time was over or the queue full
-uint64 bytes_delivered         # of payloads
-float32 fault_loss             # share of the packets that faults take now; 1: a blackout
+uint32 late                    # not sent, because they expired or the queue was full
+uint64 bytes_delivered         # payload only
+float32 fault_loss             # fraction of packets that faults currently destroy; 1: a blackout
 """,
     PLACED_PING: """\
-std_msgs/Header header         # a ping and its place: what a map is made from elsewhere; the pose is in this frame
+std_msgs/Header header         # a ping and its pose, for mapping elsewhere; the pose is in this frame
 geometry_msgs/Pose sonar       # beams lie in its x-y plane, angles from x to y
 float32 angle_min              # rad
 float32 angle_increment        # rad
-float32[] ranges               # m, of each beam; inf: no echo, or one off the vehicle's own hull
+float32[] ranges               # m, of each beam; inf: no echo, or an echo from the vehicle's own hull
 """,
     SONAR_PING: """\
-std_msgs/Header header         # in recordings alone: what maps are made from, to the last bit
+std_msgs/Header header         # only in recordings: maps are rebuilt from it, to the last bit
 float32[] ranges               # m, of each beam; inf: no echo
 float32[] angles               # rad, positive to port
 bool[] valid
-int32[] labels                 # of what each beam met
+int32[] labels                 # of the surface that each beam hit
 float32[] intensities          # dB, the echo's level below that of the source; -inf: no echo
 float64[16] frame_from_body    # rows of (4, 4), in header.frame_id
 float64[16] frame_from_sonar
@@ -95,19 +95,19 @@ bool collision_warning
     STATION_STATE: """\
 string phase                   # idle, starting, running
 uint32 session                 # changes with each simulator and each restart
-uint32 edition                 # changes with parameters: what describes the simulator is to be asked for again
+uint32 edition                 # changes with parameters: call describe again
 string scenario
 string error                   # why the simulation stopped
 float64 time                   # s, simulated
 bool paused
-float32 speed                  # simulated seconds per second that are wanted; 0: as many as possible
-float32 factor                 # and achieved
+float32 speed                  # requested simulated seconds per second; 0: as fast as possible
+float32 factor                 # achieved simulated seconds per second
 float32 lateness               # s, worst delay of a step
-string pilot                   # client who has the controls; empty: nobody
-float32 pilot_silence          # s without anything from the pilot, answers to pings included; 0 below 1.5: all is well
+string pilot                   # id of the client in control; empty: none
+float32 pilot_silence          # s since the last data from the pilot, including pongs; 0 below 1.5
 string[] member_ids
 string[] member_names
-string[] asking                # members who want the controls
-string recording               # file that is being written
+string[] asking                # ids of members who request control
+string recording               # file being written; empty: none
 """,
 }

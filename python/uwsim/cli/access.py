@@ -17,7 +17,7 @@ Keyfile = Annotated[Path | None, typer.Option(help="The certificate's key in PEM
 Page = Annotated[
     list[str] | None,
     typer.Option(
-        help="Web page that may connect, besides this machine's own, such as https://station.example; "
+        help="Web page that may connect, in addition to this machine's own, such as https://station.example; "
         "file:// for pages opened from files, and some desktop programs."
     ),
 ]

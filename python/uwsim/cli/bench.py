@@ -54,7 +54,7 @@ class Benchmarks(TyperGroup):
 app = typer.Typer(
     name="uwsim bench",
     cls=Benchmarks,
-    help="Run a benchmark: medians, and where time is spent.\n\n`uwsim bench NAME --help` lists the options of one.",
+    help="Run a benchmark; print medians and where the time is spent.\n\n`uwsim bench NAME --help` lists its options.",
     invoke_without_command=True,
     callback=show_help,
     subcommand_metavar="NAME [ARGS]...",

@@ -103,7 +103,9 @@ def _fault(text: str) -> dict[str, Any]:
     except YAMLError:
         fault = None
     if not isinstance(fault, dict) or "kind" not in fault:
-        raise ValueError(f"--fault {text}: must be as in a scenario, such as 'kind: sensor, sensor: dvl, at_s: 60'")
+        raise ValueError(
+            f"--fault {text}: must be written as in a scenario, such as 'kind: sensor, sensor: dvl, at_s: 60'"
+        )
     return fault
 
 

@@ -30,10 +30,10 @@ def connect(
 ) -> None:
     """Run a scenario as a client of a rosbridge_server.
 
-    As the paper's simulator did. Ctrl-C ends it.
+    The paper's simulator connects in the same way. Ctrl-C stops it.
 
-    It reconnects whenever the connection is lost. Every topic is sent at its rate, since rosbridge does not report
-    whether it has subscribers.
+    It reconnects whenever the connection is lost. Every topic is sent at its full rate, because rosbridge does not
+    report whether it has subscribers.
     """
     import logging
     from contextlib import ExitStack

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Vary = Annotated[
     list[str] | None,
     typer.Option(
-        help="A parameter that each frame draws: NAME=LOW..HIGH, or NAME=A,B,C, as optics.jerlov=II,3C. Repeatable.",
+        help="A parameter drawn for each frame: NAME=LOW..HIGH or NAME=A,B,C, such as optics.jerlov=II,3C. Repeatable.",
         metavar="NAME=VALUES",
     ),
 ]
@@ -40,7 +40,7 @@ def dataset(
     ] = "rgb,depth,normals,instances,classes,boxes",
     pictures: Annotated[str, typer.Option(help="Format of rgb: png or jpg.")] = "png",
     effects: Annotated[str, typer.Option(help="on, off, or effects joined by +.")] = "on",
-    without: Annotated[str, typer.Option(help="Effects to leave out, comma-separated, such as wobble.")] = "",
+    without: Annotated[str, typer.Option(help="Effects to omit, comma-separated, such as wobble.")] = "",
     along: Annotated[
         Path | None,
         typer.Option(
@@ -90,11 +90,12 @@ def dataset(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Make the frames that are missing in --out.")] = False,
 ) -> None:
-    """Make a dataset of labelled pictures.
+    """Create a dataset of labelled pictures.
 
-    Colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, poses (transforms.json), split into
-    training and validation. Poses are random, in open water with a target in view, or taken from a track. The bytes do
-    not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders the rest.
+    Writes colour, depth, normals, masks and boxes (COCO), sonar pictures with masks, and poses (transforms.json), split
+    into training and validation sets. Poses are random, in open water with a target in view, or taken from a track. The
+    bytes do not depend on the number of workers. Ctrl-C and kills lose only the frames in progress: --resume renders
+    the rest.
     """
     from uwsim.base.stoppable import stop_on_signals
     from uwsim.campaigns.datasets import make_dataset

@@ -24,7 +24,7 @@ def decompose(
     ] = 0.1,
     max_pieces: Annotated[int, typer.Option(help="Maximum number of pieces.", callback=within(1, 256))] = 24,
 ) -> None:
-    """Cut a hull into convex pieces for collisions.
+    """Decompose a hull into convex pieces for collisions.
 
     The pieces are for `collision: pieces` in a vehicle's file. Takes ten seconds to minutes; needs CoACD.
     """

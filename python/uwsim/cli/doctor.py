@@ -26,7 +26,7 @@ def doctor(
         float, typer.Option(help="How long to listen for ROS 2 nodes [s].", callback=within(0.1, 60, "s"))
     ] = 3.0,
 ) -> int:
-    """Find out why ROS and the simulator do not connect.
+    """Diagnose why ROS and the simulator do not connect.
 
     Checks domain, interface, multicast, versions, ports and packages. Exits with 1 if something is wrong.
     """

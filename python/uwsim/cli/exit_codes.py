@@ -7,11 +7,11 @@ OK, FAILED, USAGE, STUCK, INCOMPLETE, INTERRUPTED = 0, 1, 2, 3, 4, 130
 EXIT_CODES = {
     OK: "success",
     FAILED: "an error, or a check that failed: validate, doctor, map diff --exit-code, --verify-map, sweep, fleet",
-    USAGE: "an unknown command, option or word, a number out of bounds, or what would be without effect",
+    USAGE: "an unknown command, option or value, a number out of bounds, or an option that would have no effect",
     STUCK: "survey, run: the vehicle was stuck or capsized",
     INCOMPLETE: "survey, run: coverage is below --min-coverage, or a mission without a plan ended early; replay: the "
     "recording was cut off",
-    INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes end so with 0 once they run",
+    INTERRUPTED: "interrupted by Ctrl-C or SIGTERM; serve, station and nodes exit with 0 instead once they are running",
 }
 """The meaning of each code; USAGE is typer's."""
 

@@ -13,14 +13,14 @@ def fingerprint(
     scenario: ScenarioName = "lake",
     seed: Seed = None,
     threads: Threads = None,
-    json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Fly for some seconds and print a hash of all results.
+    """Fly for a few seconds and print a hash of all results.
 
     Hashes poses, samples, pings in both modes, pictures and maps; prints the properties of the machine that may matter.
-    Two machines that print the same last line for the same scenario and seed have the same results; if it differs, the
-    lines before it show which results do. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or avx512 makes
-    processors of different kinds agree.
+    Two machines that print the same last line for the same scenario and seed produce the same results; if it differs,
+    the lines before it show which results differ. The environment variable UWSIM_INSTRUCTION_SET=portable, avx2 or
+    avx512 makes processors of different kinds agree.
     """
     import orjson
 

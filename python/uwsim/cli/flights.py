@@ -51,8 +51,8 @@ OutlierFilter = Annotated[
 Estimate = Annotated[
     str | None,
     typer.Option(
-        help="What vehicles know of their pose, and maps are made with: truth (default), or filter, the vehicle's own "
-        "instruments.",
+        help="Poses by which vehicles steer and maps are built: truth (default), or filter, estimated from the "
+        "vehicle's own instruments.",
         **one_of("truth", "filter"),
     ),
 ]
@@ -60,8 +60,8 @@ CloseLoops = Annotated[
     bool,
     typer.Option(
         "--close-loops",
-        help="With a map and --estimate filter: bend the track after the flight until what was seen twice fits, and "
-        "make the map again. Not saved as it flies.",
+        help="With a map and --estimate filter: after the flight, adjust the track until overlapping observations "
+        "agree, and rebuild the map. Such a flight is not autosaved.",
     ),
 ]
 TimeLimit = Annotated[
@@ -107,7 +107,7 @@ def require_consistent(
     if resume and record is not None:
         raise ValueError("--record: a flight that is resumed cannot be recorded from its start")
     if close_loops and autosave:
-        raise ValueError(f"--autosave {autosave:g} s: a flight with --close-loops is not saved as it flies")
+        raise ValueError(f"--autosave {autosave:g} s: a flight with --close-loops is not autosaved")
     if resume and close_loops:
         raise ValueError("--close-loops: such a flight is not saved, so it cannot be resumed")
     if record is None:

@@ -50,7 +50,7 @@ def convert(
         return f"{len(points):,} points"
     width_m = resolution_m if cell_m is None else cell_m
     if width_m is None:
-        raise ValueError("cell: missing: a cloud has no voxels to take the width of the grid's cells from")
+        raise ValueError("cell: missing: a cloud has no voxels that determine the width of the grid's cells")
     place = georeference(load(scenario) if scenario is not None else None)
     grid = depth_grid(points, width_m)
     write_depth_tiff(target, grid, place)

@@ -29,11 +29,11 @@ def nodes(
         float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
     ] = 10.0,
 ) -> None:
-    """Run the paper's chain as ROS nodes over rosbridge.
+    """Run the paper's mapping pipeline as ROS nodes over rosbridge.
 
-    They turn depth strings and poses into a saved map. Ctrl-C ends them.
+    The nodes convert depth strings and poses into a map file. Ctrl-C stops them.
 
-    The simulator's own topics have the same names, so run uwsim serve --wire published.
+    The simulator's standard topics have the same names, so run uwsim serve --wire published.
     """
     from uwsim.bridges.nodes.chain import NODES
     from uwsim.bridges.nodes.processes import run_all, run_one

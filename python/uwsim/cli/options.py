@@ -70,8 +70,8 @@ SurveyTopics = Annotated[
     list[str] | None,
     typer.Option(
         "--record-topic",
-        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and what clients get of the "
-        "survey's pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
+        help="Channels to record, such as odom or 'proximity_*'. Default: all but pictures and channels derived "
+        "from pings: scan, ping, laserPointCloud, points, depthArray, map_changes and octomap_binary.",
     ),
 ]
 Threads = Annotated[

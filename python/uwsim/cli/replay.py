@@ -58,10 +58,10 @@ def replay(
 ) -> None:
     """Repeat a recorded run and compare every message.
 
-    The run is flown again with its scenario, seed and commands, and must give the same bytes. Exits with 1 at the first
-    difference, which it names, and for a damaged file; with 4 if everything is equal up to the point where the
-    recording was cut off. With --as-topics nothing is flown: the messages are played to rosbridge clients, and to ROS
-    2, ROS 1 and Foxglove.
+    The run is flown again with its scenario, seed and commands, and must produce the same bytes. Reports the first
+    difference and exits with 1, also for a damaged file; exits with 4 if everything is equal up to the point where the
+    recording was cut off. With --as-topics nothing is simulated: the messages are played back to clients of rosbridge,
+    ROS 2, ROS 1 and Foxglove.
     """
     from uwsim.cli.serve import parsed_speed
     from uwsim.recording.pacer import Pacer

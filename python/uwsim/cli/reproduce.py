@@ -14,7 +14,7 @@ def reproduce(
     what: Annotated[str, typer.Argument(help="What to reproduce: paper.", **one_of("paper"))] = "paper",
     out: Annotated[Path, typer.Option(help="Folder for the pictures, their values and the page.")] = Path("paper"),
 ) -> None:
-    """Reproduce the paper's figures with our simulator.
+    """Reproduce the paper's figures with uwsim.
 
     Writes fig01.png to fig12.png, the values behind them (figures.json), and index.html.
     """

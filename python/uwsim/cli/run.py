@@ -62,7 +62,7 @@ def run(
         ),
     ] = None,
     out: Out = Path("out"),
-    make_map: Annotated[bool, typer.Option("--map", help="Make an OctoMap of what the sonar sees.")] = False,
+    make_map: Annotated[bool, typer.Option("--map", help="Build an OctoMap from the sonar's pings.")] = False,
     voxel: Voxel = None,
     engine: Engine = None,
     verify_map: VerifyMap = False,
@@ -78,10 +78,10 @@ def run(
     time_limit: TimeLimit = None,
     connect: Annotated[
         str | None,
-        typer.Option(help="Fly a vehicle at a rosbridge, such as ws://127.0.0.1:9090 of `uwsim serve`, instead."),
+        typer.Option(help="Fly a vehicle over a rosbridge instead, such as ws://127.0.0.1:9090 of `uwsim serve`."),
     ] = None,
     lockstep: Annotated[
-        bool, typer.Option("--lockstep", help="With --connect: the simulator stands still while the mission thinks.")
+        bool, typer.Option("--lockstep", help="With --connect: the simulator is paused while the mission computes.")
     ] = False,
     odometry: Annotated[
         str | None, typer.Option(help="With --connect: the topic of the vehicle's pose. Default: odom.")
@@ -105,7 +105,7 @@ def run(
     autosave: Autosave = None,
     resume: Resume = False,
 ) -> None:
-    """Fly a mission from a Python file; log, map and report it.
+    """Fly a mission from a Python file; write a log, a map and a report.
 
     Ctrl-C ends it early and keeps the results so far. If it is killed, --resume repeats it up to the last saved point,
     without its map, and then continues to the same results.

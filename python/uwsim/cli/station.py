@@ -47,9 +47,9 @@ def station(
     page: Page = None,
     threads: Threads = None,
 ) -> None:
-    """Serve the operator's station, a web page, and open it.
+    """Serve the operator's station, a web page, and open it in a browser.
 
-    It works offline and over a forwarded port. The same port is a rosbridge server. Ctrl-C ends it.
+    It works offline and over a forwarded port. The same port also serves rosbridge clients. Ctrl-C stops it.
     """
     from uwsim.bridges import RosbridgeServer
     from uwsim.bridges.admission import has_token

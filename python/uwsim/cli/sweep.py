@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 Workers = Annotated[
     int | None,
     typer.Option(
-        help="Processes on this machine; 0: none, work in this one. Default: one per core.", callback=within(0, 4096)
+        help="Worker processes on this machine; 0: work in this process. Default: one per core.",
+        callback=within(0, 4096),
     ),
 ]
 Scheduler = Annotated[
@@ -47,10 +48,10 @@ def sweep(
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write only the table.")] = False,
 ) -> None:
-    """Fly a survey or a mission many times, varied each time.
+    """Fly a survey or a mission many times with varying values.
 
-    Varies parameters, faults, missions or seeds. Writes one table of all runs, a report of the important factors, and
-    the worst runs with their recordings. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
+    Varies parameters, faults, missions or seeds. Writes a table of all runs, a report of the important factors, and
+    recordings of the worst runs. Ctrl-C and kills lose only the runs in progress: --resume flies the rest. A
     run that fails becomes a row with its error. Exits with 1 if a run failed or violates the sweep's requirements.
     """
     from uwsim.base.stoppable import stop_on_signals
@@ -96,7 +97,9 @@ def _alone(**options: object) -> None:
     for name, value in options.items():
         if value is not None and value is not False:
             option = f"--{name.replace('_', '-')}"
-            raise WithoutEffectError(f"{option}: cannot be given with --again, which flies one run here")
+            raise WithoutEffectError(
+                f"{option}: cannot be given with --again, which flies a single run in this process"
+            )
 
 
 def _print(flown: Sweep) -> None:

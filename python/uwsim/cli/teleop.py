@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def teleop(
     url: Annotated[
-        str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: a simulator of its own.")
+        str | None, typer.Argument(help="A rosbridge, such as ws://host:9090. Default: its own simulator.")
     ] = None,
     scenario: Annotated[
         str | None,
@@ -47,7 +47,7 @@ def teleop(
     if url is not None:
         if any(option is not None for option in (scenario, seed, sonar_model, link, threads)):
             raise ValueError(
-                "--scenario, --seed, --sonar-model, --link and --threads are for a simulator of its own, not a URL"
+                "--scenario, --seed, --sonar-model, --link and --threads are for its own simulator, not for a URL"
             )
         marks, code = fly(url, url, vehicle)
     else:

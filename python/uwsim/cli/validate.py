@@ -30,7 +30,7 @@ def validate(
 ) -> None:
     """Compare the simulator with closed forms and published data.
 
-    Prints expected, got and error; exits with 1 on a miss.
+    Prints expected value, computed value and error; exits with 1 if a check fails.
     """
     from uwsim.evidence.validate import SUITES, run_suites
     from uwsim.evidence.validate.check_table import print_checks

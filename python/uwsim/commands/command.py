@@ -143,7 +143,7 @@ class Command:
         Raises ValueError, also for a command that targets the simulator.
         """
         if self.of == "simulator":
-            raise ValueError(f"command '{self.name}': is given to the simulator, not to vehicle '{vehicle}'")
+            raise ValueError(f"command '{self.name}': is for the simulator, not for vehicle '{vehicle}'")
         given = {"vehicle": vehicle, **arguments}
         self.check(given)
         return given

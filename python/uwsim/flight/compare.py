@@ -91,9 +91,9 @@ def compare(
     """
     numbers = list(seeds)
     if not missions or not numbers:
-        raise ValueError("compare: needs a mission and a seed at least")
+        raise ValueError("compare: needs at least one mission and one seed")
     if len(set(numbers)) < len(numbers):
-        raise ValueError(f"seeds = {numbers}: one comes twice")
+        raise ValueError(f"seeds = {numbers}: must not contain duplicates")
     folder = made_folder(Path(out))
     flown: list[tuple[str, int, FlightRecord, SeenBed]] = []
     for name, mission in missions.items():

@@ -197,7 +197,7 @@ class Flight:
         begun = self._setup.mission.begun(own, self._clock, self._setup.plan)
         if self._restored:
             if begun.resumable is None:
-                raise ValueError(f"--resume: mission {self._setup.mission.title}: has no save and restore any more")
+                raise ValueError(f"--resume: mission {self._setup.mission.title}: no longer has save and restore")
             begun.resumable.restore(self._restored.state)
         return begun
 

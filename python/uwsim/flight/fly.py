@@ -241,11 +241,11 @@ def _require_consistent(
         raise ValueError(f"estimate = {estimate!r}: must be one of {', '.join(ESTIMATES)}")
     require_report(report)
     if not makes_map and (given := [name for name, value in of_map.items() if value is not None]):
-        raise ValueError(f"{given[0]} = {of_map[given[0]]}: is without effect unless map=True")
+        raise ValueError(f"{given[0]} = {of_map[given[0]]}: has no effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     if close_loops and not (makes_map and estimate == "filter"):
-        raise ValueError("close_loops: needs map=True and estimate='filter': what is true or not mapped has no loops")
+        raise ValueError("close_loops: needs map=True and estimate='filter': otherwise there are no loops to close")
     if close_loops and (of_map["verify_map"] or of_map["map_memory_mb"] is not None):
         raise ValueError("close_loops: cannot be combined with verify_map or map_memory_mb")
 
@@ -253,7 +253,7 @@ def _require_consistent(
 def _simulator(scenario: str | Path | Scenario | Simulator, given: Mapping[str, Any], screen: Silent) -> Simulator:
     if isinstance(scenario, Simulator):
         if ignored := [name for name, value in given.items() if value is not None]:
-            raise ValueError(f"{ignored[0]}: the simulator is made already")
+            raise ValueError(f"{ignored[0]}: has no effect on an existing simulator")
         return scenario
     with screen.status(f"building {scenario if isinstance(scenario, str | Path) else scenario.name}"):
         return Simulator(scenario, **given)

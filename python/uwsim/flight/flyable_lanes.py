@@ -46,7 +46,7 @@ def required_survey(scenario: Scenario) -> Survey:
     """Return the scenario's survey. Raises ScenarioError if it has none."""
     if scenario.survey is None:
         raise ScenarioError(
-            f"scenario '{scenario.name}': no survey: give it area_m, altitude_m, line_spacing_m, speed_m_s"
+            f"scenario '{scenario.name}': has no survey: specify area_m, altitude_m, line_spacing_m, speed_m_s"
         )
     return scenario.survey
 

@@ -73,11 +73,11 @@ def fly_remote(
     takes = first_parameter(fly_it)
     require_report(report)
     if voxel_m is not None and not map:
-        raise ValueError(f"voxel_m = {voxel_m} m: is without effect unless map=True")
+        raise ValueError(f"voxel_m = {voxel_m} m: has no effect unless map=True")
     if time_limit_s is not None and not 0.0 < time_limit_s < math.inf:
         raise ValueError(f"time_limit_s = {time_limit_s} s: must be positive")
     if truth is not None and out is None:
-        raise ValueError(f"truth = '{truth}': is without effect without out, where report and score go")
+        raise ValueError(f"truth = '{truth}': has no effect without out, the folder for report and score")
     world, screen = None if truth is None else Simulator(truth), screen or Silent()
     with ExitStack() as locked:
         with ExitStack() as stack:

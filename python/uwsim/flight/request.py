@@ -83,7 +83,7 @@ class FlightRequest:
             requested = resolved_path(value) if name in PATHS else value
             begun_with = getattr(self, name)
             if requested is not None and requested != begun_with:
-                raise ValueError(f"--resume: {name} = {requested}: the flight was begun with {begun_with}")
+                raise ValueError(f"--resume: {name} = {requested}: the flight was started with {begun_with}")
 
 
 def resolved_path(name: Any) -> Any:

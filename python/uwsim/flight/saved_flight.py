@@ -84,7 +84,7 @@ def read_state(data: bytes) -> StateFile:
     except ValidationError as error:
         first = error.errors()[0]
         if first["loc"] == ("version",):
-            raise ValueError(f"is of version {first['input']!s:.20}: this uwsim reads up to {VERSION}") from None
+            raise ValueError(f"has version {first['input']!s:.20}: this uwsim reads up to {VERSION}") from None
         raise ValueError(f"is damaged: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
     except (ValueError, RecursionError) as error:
         raise ValueError(f"is damaged: {error}") from None

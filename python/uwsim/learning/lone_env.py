@@ -40,7 +40,7 @@ class LoneEnv(gymnasium.Env[Any, Any]):
         Raises ValueError for any option, since there are none.
         """
         if options:
-            raise ValueError(f"options = {options!r:.60}: would be without effect")
+            raise ValueError(f"options = {options!r:.60}: would have no effect")
         self.episodes.seed(0, seed)
         self._np_random = self.episodes.generators[0]
         self._np_random_seed = self.episodes.generator_seeds[0]

@@ -48,15 +48,15 @@ class EpisodeOptions:
         if not (1 <= height <= PICTURE_MAX and 1 <= width <= PICTURE_MAX):
             raise ValueError(f"camera_size = {self.camera_size}: must be in [1, {PICTURE_MAX}] pixels")
         if self.camera is None and self.camera_size != (84, 84):
-            raise ValueError("camera_size: is without effect: no camera is given")
+            raise ValueError("camera_size: has no effect: no camera is selected")
         if self.camera is not None and any(name.startswith("optics.") for name in self.randomize or {}):
-            raise ValueError("randomize: optics would be without effect: all members' pictures are taken in one light")
+            raise ValueError("randomize: optics would have no effect: all members' pictures have the same light")
 
 
 def in_sonar_mode(scenario: Scenario, kind: type[Task], mode: str) -> Scenario:
     """Return the scenario with its first vehicle's sonar in this mode. Raises ValueError if the task uses no sonar."""
     if not kind.pings:
-        raise ValueError(f"sonar_mode = {mode!r}: is without effect: {kind.__name__} uses no sonar")
+        raise ValueError(f"sonar_mode = {mode!r}: has no effect: {kind.__name__} uses no sonar")
     parameters = Parameters(scenario, lambda _: None, lambda *_, **__: None, {})
     parameters.update({f"{scenario.vehicles[0].name}.sonar.mode": mode})
     return parameters.scenario
@@ -67,7 +67,7 @@ def require_effect(faults: Sequence[FaultModel], kind: type[Task], scenario: Sce
     failsafes = [entry.failsafe or entry.model.failsafe for entry in scenario.vehicles]
     watches_sensors = any(failsafe and failsafe.sensor_then for failsafe in failsafes)
     for index, fault in enumerate(faults):
-        place = f"faults[{index}]: would be without effect"
+        place = f"faults[{index}]: would have no effect"
         if isinstance(fault, LinkLoss) and scenario.link is None:
             raise ValueError(f"{place}: the scenario has no link")
         if isinstance(fault, SonarFault) and not kind.pings:

@@ -86,7 +86,7 @@ class BatchEnv(VectorEnv[Any, NDArray[Any], NDArray[Any]]):
     def _mask(self, options: dict[str, Any]) -> Flags:
         others = set(options) - {"reset_mask"}
         if others:
-            raise ValueError(f"options: {', '.join(sorted(others))}: would be without effect; there is reset_mask")
+            raise ValueError(f"options: {', '.join(sorted(others))}: would have no effect; there is reset_mask")
         if "reset_mask" not in options:
             return np.ones(self.num_envs, np.bool_)
         mask = np.asarray(options["reset_mask"])

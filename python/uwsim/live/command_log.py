@@ -76,7 +76,7 @@ def replay(
     start = sim.save_state()
     if isinstance(log, CommandLog):
         if log.forgotten:
-            raise ValueError(f"log: its first {log.forgotten} entries are forgotten: it cannot be replayed")
+            raise ValueError(f"log: its first {log.forgotten} entries have been discarded: it cannot be replayed")
         start = log.start_state
         sim.restore_state(start)
     for entry in log:

@@ -93,7 +93,7 @@ class LiveSimulator:
         Raises RuntimeError if the simulator is already running or has not yet stopped.
         """
         if self.running:
-            raise RuntimeError("the live simulator runs already")
+            raise RuntimeError("the live simulator is already running")
         self._pace.restart()
         self._loop.open()
         self.simulator.journal.listen(self._loop)

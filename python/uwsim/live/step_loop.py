@@ -74,7 +74,7 @@ class StepLoop:
         with self.lock:
             self._require_open()
             if len(self._requests) >= (2 if request.is_vital else 1) * REQUESTS_MAX:
-                raise RuntimeError(f"{REQUESTS_MAX} commands wait for the next step already: more are refused")
+                raise RuntimeError(f"{REQUESTS_MAX} commands are already waiting for the next step: more are refused")
             self._requests.append(request)
             self.lock.notify_all()
 
@@ -134,7 +134,7 @@ class StepLoop:
         with self.lock:
             self._require_open()
             if not self.paused:
-                raise ValueError("step: the simulator runs; pause it first")
+                raise ValueError("step: the simulator is running; pause it first")
             self._steps_until = max(self.steps_made, self._steps_until) + steps
             return self._alarm(self._steps_until)
 

@@ -228,4 +228,4 @@ def _require_able(vehicle: OwnVehicle) -> None:
     if vehicle.telemetry().battery_percent <= 0.0:
         raise StoppedError("the battery is used up")
     if vehicle.pose.world_from_body[2, 2] < CAPSIZED_COSINE:
-        raise StoppedError("capsized: the vehicle has nosed or rolled over")
+        raise StoppedError("capsized: the vehicle has pitched or rolled over")

@@ -172,7 +172,7 @@ class OwnVehicle(Sealed, Commandable):
     def _method(self, name: str) -> Callable[..., Any]:
         """Return the hull's method for a command. Raises ValueError if missions may not issue it."""
         if not command_named(name).crosses_link:
-            raise ValueError(f"vehicle '{self.name}': {name}: no mission gives this command: a real vehicle has none")
+            raise ValueError(f"vehicle '{self.name}': {name}: not available to missions: real vehicles do not have it")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
         return cast("Callable[..., Any]", found)
 

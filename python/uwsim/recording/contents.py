@@ -78,7 +78,7 @@ class Contents:
         """Add a channel or a schema. Raises ValueError if its number is already used for a different one."""
         known: dict[int, Any] = self.channels if isinstance(record, Channel) else self.schemas
         if known.setdefault(record.id, record) != record:
-            raise ValueError(f"its {type(record).__name__.lower()} {record.id} is another than before")
+            raise ValueError(f"its {type(record).__name__.lower()} {record.id} differs from an earlier one")
 
 
 def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]:
@@ -120,7 +120,7 @@ class DataReader:
             record = self._file.record()
             with record.named(self._file):
                 if record.kind not in self._take or (record.kind == Opcode.HEADER) != (record.start == FIRST):
-                    raise ValueError("it is not where it belongs")
+                    raise ValueError("it is out of place")
                 if record.kind != Opcode.MESSAGE_INDEX:
                     self._require_indexed()
                 self._take[record.kind](record, record.parsed())
@@ -136,7 +136,7 @@ class DataReader:
 
     def _take_metadata(self, record: Record, metadata: Metadata) -> None:
         if metadata.name in self.contents.metadata:
-            raise ValueError(f"'{metadata.name}' is there twice")
+            raise ValueError(f"'{metadata.name}' occurs twice")
         if metadata.name == START and self._start_checksum not in (None, zlib.crc32(record.content)):
             raise ValueError(WRONG_CHECKSUM)
         self.contents.metadata[metadata.name] = metadata.metadata
@@ -145,7 +145,7 @@ class DataReader:
     def _take_attachment(self, record: Record, attachment: Attachment) -> None:
         name, data = attachment.name, attachment.data
         if name in self.contents.attachments:
-            raise ValueError(f"'{name}' is there twice")
+            raise ValueError(f"'{name}' occurs twice")
         self._compare(int.from_bytes(record.content[-4:], "little"), zlib.crc32(record.content[:-4]))
         self.contents.attachments[name] = data
         index = AttachmentIndex(
@@ -171,7 +171,7 @@ class DataReader:
                 self.contents.announce(part)
         times_ns = [time_ns for entries in self._index.values() for time_ns, _ in entries]
         if (min(times_ns, default=0), max(times_ns, default=0)) != (chunk.message_start_time, chunk.message_end_time):
-            raise ValueError("its times are not those of its messages")
+            raise ValueError("its times do not match its messages")
         self.contents.counts.update({channel: len(entries) for channel, entries in self._index.items()})
         checksum, channels = zlib.crc32(record.content), frozenset(self._index)
         self.contents.chunks.append(ChunkPlace(record.number, record.start, record.length, checksum, channels))
@@ -191,7 +191,7 @@ class DataReader:
     def _take_message_index(self, record: Record, index: MessageIndex) -> None:
         chunks = self.contents.indexes[Opcode.CHUNK_INDEX]
         if not chunks or index.channel_id in chunks[-1].message_index_offsets:
-            raise ValueError("it is not where it belongs")
+            raise ValueError("it is out of place")
         if sorted(index.records) != sorted(self._index.get(index.channel_id, [])):
             raise ValueError(f"it is not that of chunk {len(chunks)}")
         chunks[-1].message_index_offsets[index.channel_id] = record.start
@@ -212,13 +212,13 @@ class DataReader:
         """Raise ValueError for a message without a channel, or one that is out of sequence in its channel."""
         channel = self.contents.channels.get(message.channel_id)
         if channel is None:
-            raise ValueError(f"it has a message of channel {message.channel_id}, which there is not")
+            raise ValueError(f"it has a message of channel {message.channel_id}, which does not exist")
         if self._start_checksum is None:
             return  # from an earlier build, or another tool
         last = self._sequences.get(message.channel_id, -1)
         ahead = (message.sequence - last) % SEQUENCES
         if not 0 < ahead < SEQUENCES // 2:
-            raise ValueError(f"a message of {channel.topic} is there twice, or not in its turn")
+            raise ValueError(f"a message of {channel.topic} occurs twice, or out of order")
         if ahead > 1 and channel.topic == f"/{COMMANDS}":  # commands are never dropped
             raise ValueError(f"before it, {ahead - 1} commands are missing")
         self._sequences[message.channel_id] = message.sequence

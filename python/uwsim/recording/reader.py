@@ -64,11 +64,11 @@ class Recording:
         """Read everything except the messages. Raises ValueError for a file that is not a recording, OSError."""
         self.path = Path(path)
         if self.path.suffix == ".bag":
-            raise ValueError(f"recording '{path}': a bag of ROS 1 cannot be read here; record .mcap instead")
+            raise ValueError(f"recording '{path}': ROS 1 bags cannot be read; record to .mcap instead")
         contents = _read_contents(self.path)
         said = contents.metadata
         if START not in said:
-            raise ValueError(f"recording '{path}': was not written by uwsim, or holds nothing yet")
+            raise ValueError(f"recording '{path}': was not written by uwsim, or is still empty")
         self._require_our_version(said[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
@@ -212,7 +212,7 @@ class Recording:
     def _require_our_version(self, start: Mapping[str, str]) -> None:
         version = start.get("version", VERSION)
         if version != VERSION:
-            raise ValueError(f"recording '{self.path}': is of version {version}: this uwsim reads {VERSION}")
+            raise ValueError(f"recording '{self.path}': has version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
         """Raise ValueError if a channel has no type, or one of our types with different fields in this version."""

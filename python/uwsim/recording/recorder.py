@@ -143,7 +143,7 @@ class Recorder:
         finally:
             is_kept = self._is_kept()
         if not is_kept:
-            raise FileNotFoundError(f"recording '{self.path}': is lost: it was deleted while it was written")
+            raise FileNotFoundError(f"recording '{self.path}': is lost: it was deleted during recording")
         if self.dropped:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
 

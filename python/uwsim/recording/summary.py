@@ -37,7 +37,7 @@ def read_summary(file: RecordFile, contents: Contents) -> None:
                 _compare_counts(parsed, contents)
                 statistics = parsed
             elif record.kind != Opcode.SUMMARY_OFFSET:
-                raise ValueError("it is not where it belongs")
+                raise ValueError("it is out of place")
     for kind, found in given.items():
         _compare_indexes(file, kind, found, contents)
     if contents.is_ours and statistics is None:
@@ -53,7 +53,7 @@ def _compare_footer(record: Record, footer: Footer, start: int, before: int, con
     if footer.summary_crc != checksum and (footer.summary_crc or contents.is_ours):
         raise ValueError(f"the index, or the footer: {WRONG_CHECKSUM}")
     if footer.summary_start != start:
-        raise ValueError("the index is not where the footer has it")
+        raise ValueError("the index is not where the footer states")
 
 
 def _compare_indexes(file: RecordFile, kind: int, given: list[Any], contents: Contents) -> None:
@@ -66,7 +66,7 @@ def _compare_indexes(file: RecordFile, kind: int, given: list[Any], contents: Co
         raise file.damaged(f"{len(expected)} records of {what} are there, and {len(given)} in the index")
     for number, (one, other) in enumerate(zip(given, expected, strict=True), 1):
         if one != other:
-            raise file.damaged(f"{what} {number} is not as the index has it")
+            raise file.damaged(f"{what} {number} does not match the index")
 
 
 def _compare_counts(given: Statistics, contents: Contents) -> None:

@@ -57,7 +57,7 @@ class Dock:
         """Raise ValueError unless the dock is empty, and the vehicle is close to it, slow and aligned with it."""
         for other in range(len(self.hull_radii_m)):
             if other != vehicle and not self.simulation.released(other):
-                raise ValueError("dock: another vehicle is in it")
+                raise ValueError("dock: occupied by another vehicle")
         state = self.simulation.state(vehicle)
         away_m = self.position_world_m - state.position_world_m
         distance_m = float(np.linalg.norm(away_m))

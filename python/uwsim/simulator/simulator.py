@@ -319,7 +319,7 @@ class Simulator(Sealed):
         saved by another build.
         """
         if not isinstance(state, bytes):
-            raise ValueError(f"state is {type(state).__name__}: must be bytes that save_state gave")
+            raise ValueError(f"state is {type(state).__name__}: must be bytes returned by save_state")
         self._saved.restore(state, self._origin)
         self.agenda.jump()
         self.journal.note("restore_state", state=state)
@@ -370,8 +370,8 @@ class Simulator(Sealed):
 
     def __copy__(self) -> NoReturn:
         raise TypeError(
-            "a Simulator cannot be copied or pickled: make another of sim.scenario, and give it this one's state by "
-            "save_state() and restore_state()"
+            "a Simulator cannot be copied or pickled: create another one from sim.scenario, and transfer the state "
+            "with save_state() and restore_state()"
         )
 
     def __deepcopy__(self, memo: object) -> NoReturn:

@@ -28,7 +28,7 @@ def test_a_second_run_into_one_folder_is_refused(command: str, tmp_path: Path) -
     with alone_in(out):
         message = error_line(uwsim(*words, "--out", str(out)))
         assert {path.name for path in out.iterdir()} == {LOCK}, "nothing is written"
-    assert "another run is in it (process " in message
+    assert "another run is using it (process " in message
     assert str(out) in message
     assert not list(out.iterdir())
 
@@ -40,7 +40,7 @@ def test_the_lock_of_a_killed_process_does_not_hinder(tmp_path: Path) -> None:
     )  # fmt: skip
     assert holder.stdout is not None
     holder.stdout.readline()
-    with pytest.raises(OSError, match="another run is in it"), alone_in(tmp_path):
+    with pytest.raises(OSError, match="another run is using it"), alone_in(tmp_path):
         pass
     holder.send_signal(signal.SIGKILL)
     holder.communicate()

@@ -139,7 +139,7 @@ def test_a_door_admits_the_page_that_is_named(page: str, admits: str, not_even: 
     "page", ["station", "null", "*", "", "https://", "http:///x", "https://a.example/b", "https://a@b"]
 )
 def test_what_is_no_origin_is_refused(page: str) -> None:
-    with pytest.raises(ValueError, match=r"must be such as 'https://station.example:8080'"):
+    with pytest.raises(ValueError, match=r"must look like 'https://station.example:8080'"):
         Door([page], "127.0.0.1")
 
 

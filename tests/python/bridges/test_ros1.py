@@ -320,7 +320,7 @@ def test_bytes_of_ros_1_come_back_as_messages_and_damaged_ones_are_refused() -> 
     assert read_message(data, "geometry_msgs/msg/Twist").linear.x == 1.5
     values = message("std_msgs/msg/Float64MultiArray", data=np.array([0.5, -1.0]))
     assert read_message(to_bytes(values, ros=1), "std_msgs/msg/Float64MultiArray").data.tolist() == [0.5, -1.0]
-    with pytest.raises(ValueError, match="bytes that are not its serialisation"):
+    with pytest.raises(ValueError, match="bytes that are not a valid serialisation of it"):
         read_message(data[:-3], "geometry_msgs/msg/Twist")
     assert (
         ros1_typestore().generate_msgdef("geometry_msgs/msg/Twist", ros_version=1)[1]

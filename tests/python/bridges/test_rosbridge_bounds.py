@@ -111,7 +111,7 @@ def test_answers_are_counted_in_bytes(graph):
     for _ in range(1100):
         asker.send("call_service", service="echo", args={"a": "x" * 100_000})
         assert asker.bytes <= 1.3 * MB
-    assert asker.reasons == ["1000 answers wait to be read, which is the most"] and graph.ledger.bytes == 0
+    assert asker.reasons == ["1000 answers are waiting to be read, the maximum"] and graph.ledger.bytes == 0
 
 
 def test_what_is_kept_for_all_is_bounded_and_the_largest_goes(graph):
@@ -176,8 +176,7 @@ def test_ids_are_short_and_few(graph):
     for k in range(200):
         client.send("subscribe", topic="t", type="std_msgs/String", id=str(k))
     assert (
-        len(client.session._topics._names.subscriptions["t"].ids) == LIMITS.ids
-        and "which is the most" in client.frames()[0]
+        len(client.session._topics._names.subscriptions["t"].ids) == LIMITS.ids and "the maximum" in client.frames()[0]
     )
 
 

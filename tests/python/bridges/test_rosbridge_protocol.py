@@ -328,7 +328,7 @@ def test_limits_hold(graph):
     assert "must be 1000 at most" in client.send(frame="x" * 1001).complaint()
     for _ in range(10):
         client.send("call_service", service="none")
-    assert client.given_up == "3 answers wait to be read, which is the most" and client.received() == []
+    assert client.given_up == "3 answers are waiting to be read, the maximum" and client.received() == []
 
 
 def test_who_leaves_leaves_nothing_behind(graph):

@@ -107,7 +107,7 @@ def test_any_camera_can_follow_a_track_but_only_a_fixed_one_is_drawn(tmp_path: P
         ({"camera": "aft"}, "camera = 'aft': must be one of"),
         ({"look_at": ("bax",)}, "look_at = 'bax': .*did you mean 'box'"),
         ({"write": ("depht",)}, "write"),
-        ({"write": ("depth", "depth")}, "names something twice"),
+        ({"write": ("depth", "depth")}, "must not contain duplicates"),
         ({"effects": "nois"}, "effects"),
         ({"sonar": "forward_looking"}, "sonar.*without effect"),
         ({"pictures": "jpg"}, "pictures.*without effect"),

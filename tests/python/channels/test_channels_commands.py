@@ -103,7 +103,7 @@ def test_services_of_the_simulator(live: LiveSimulator) -> None:
     assert ask(live, "simulation/step", steps=True)["success"] is False
     assert ask(live, "simulation/set_speed", speed=2) == done
     assert ask(live, "simulation/resume") == done
-    assert ask(live, "simulation/step")["message"] == "step: the simulator runs; pause it first"
+    assert ask(live, "simulation/step")["message"] == "step: the simulator is running; pause it first"
     pace = ask(live, "simulation/pace")
     assert (pace["speed"], pace["paused"]) == (2.0, False)
     assert ask(live, "simulation/pause") == done

@@ -47,7 +47,7 @@ def test_camera_lamps_sun_and_time_can_be_chosen(tmp_path: Path) -> None:
         (("--effects", "fog"), "effects = 'fog': must be 'on', 'off' or names of attenuation"),
         (("--effects", "on,on+fog"), "effects = 'fog': must be"),
         (("--effects", "shadow"), "did you mean 'shadows'?"),
-        (("--effects", "on,on+noise"), "'on' must stand alone: it means all effects"),
+        (("--effects", "on,on+noise"), "'on' must be used alone: it means all effects"),
         (("--effects", ","), "must name at least one picture"),
         (("--camera", "rear"), "camera = 'rear': must be one of station, deck, chase, front, down"),
         (("--lamps", "rear"), "lamps = 'rear': must be one of front, down"),

@@ -36,7 +36,7 @@ def test_all_mistakes_come_at_once(tmp_path: Path) -> None:
         "    radius_m: 3\n": ("    radius_m: big\n", "obstacles[0].radius_m = 'big': must be a number"),
         "    radius_m: 0.4": ("    radius_m: 40", "obstacles[1].radius_m = 40 m: must be in [0.02, 10] m"),
         "    bar_radius_m: 0.15": ("    bar_radius_m: 2.5", "obstacles[2].bar_radius_m = 2.5 m: must be below half of"),
-        "    name: gate": ("    name: terrain", "obstacles[2].name = 'terrain': is taken"),
+        "    name: gate": ("    name: terrain", "obstacles[2].name = 'terrain': is already in use"),
         "  dock_m: [0, 0, -3]\n": ("  dock_m: [0, 0, -3]\n  mesh: no.obj\n", "station.mesh = 'no.obj': no such file"),
         "sonar: {model: 2": ("sonar: {model: 7", "vehicles[1].sonar.model = 7: must be in [1, 4]"),
         "  bottom_temperature_deg_c: 14": ("  current: {kind: tidal}", "water.current.amplitude_m_s: missing"),

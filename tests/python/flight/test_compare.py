@@ -64,7 +64,7 @@ def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
     [
         (("mow_the_moon",), "mission 'mow_the_moon': must be a file, or one of unknown_water, frontier"),
         (("--seeds", "1,x"), "--seeds 1,x: must be whole numbers"),
-        (("--seeds", "1,1"), "one comes twice"),
+        (("--seeds", "1,1"), "must not contain duplicates"),
         (("frontier", "frontier"), "there is another 'frontier'"),
         (("--by", "guess"), "--by = 'guess': must be one of truth, estimate"),
         (("--fault", "thruster"), "--fault thruster: must be as in a scenario"),

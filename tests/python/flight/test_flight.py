@@ -322,7 +322,7 @@ def test_a_resumed_flight_has_the_link_that_it_was_given(mission: Path, tmp_path
     whole, again = (json.loads((tmp_path / name / "summary.json").read_text())["link"] for name in ("whole", "half"))
     assert sum(row["delivered"] for row in whole) > 0
     assert again == whole
-    with pytest.raises(ValueError, match="link: the simulator is made already"):
+    with pytest.raises(ValueError, match="link: has no effect on an existing simulator"):
         fly(mission, uwsim.Simulator("pool"), link="tether")
 
 

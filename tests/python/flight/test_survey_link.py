@@ -66,7 +66,7 @@ def test_resumed_the_station_has_the_same_pings(pause: int, tmp_path: Path) -> N
 def test_a_survey_is_resumed_over_the_same_modem() -> None:
     request = FlightRequest(scenario="pool", link="s2cm_hs")
     request.require_same({"link": "s2cm_hs"})
-    with pytest.raises(ValueError, match="link = tether: the flight was begun with s2cm_hs"):
+    with pytest.raises(ValueError, match="link = tether: the flight was started with s2cm_hs"):
         request.require_same({"link": "tether"})
 
 

@@ -165,9 +165,9 @@ def test_a_survey_that_cannot_be_resumed_says_why(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"its map\.bt belongs to a flight that has ended"):
         resume_survey(tmp_path)
     saved_pool(tmp_path)
-    with pytest.raises(ValueError, match="seed = 9: the flight was begun with 0"):
+    with pytest.raises(ValueError, match="seed = 9: the flight was started with 0"):
         resume_survey(tmp_path, seed=9)
-    with pytest.raises(ValueError, match="scenario = lake: the flight was begun with pool"):
+    with pytest.raises(ValueError, match="scenario = lake: the flight was started with pool"):
         resume_survey(tmp_path, scenario="lake")
 
 

@@ -174,13 +174,13 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"camera": "frnt"}, "camera = 'frnt': must be one of"),
         ({"render_mode": "human"}, "render_mode = 'human'"),
         ({"num_envs": 0}, "num_envs = 0"),
-        ({"sonar_mode": "physics"}, "sonar_mode = 'physics': is without effect: StationKeeping uses no sonar"),
+        ({"sonar_mode": "physics"}, "sonar_mode = 'physics': has no effect: StationKeeping uses no sonar"),
         ({"faults": [{"kind": "sensor", "sensor": "imu", "at_s": 1}]}, "'imu': StationKeeping reads none"),
         ({"faults": [{"kind": "sonar", "at_s": 1}]}, "StationKeeping uses no sonar"),
         ({"faults": [{"kind": "camera", "camera": "front", "at_s": 1}]}, "camera = 'front': must be one of none"),
         ({"faults": [{"kind": "link", "at_s": 1}]}, "the scenario has no link"),
         ({"faults": [{"kind": "thruster", "thruster": "frnt", "at_s": 1}]}, "thruster = 'frnt': must be one of"),
-        ({"camera": "front", "randomize": {"optics.wind_m_s": (0, 1)}}, "optics would be without effect"),
+        ({"camera": "front", "randomize": {"optics.wind_m_s": (0, 1)}}, "optics would have no effect"),
     ],
 )
 def test_wrong_options_are_named(make: dict[str, Any], message: str) -> None:

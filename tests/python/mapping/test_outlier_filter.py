@@ -126,7 +126,7 @@ def test_a_limit_of_what_is_not_known_or_not_filtered_is_refused() -> None:
         fly_survey(Simulator(limited))
     with pytest.raises(ValueError, match=r"survey.max_uncertainty_m = 0.1 m: needs a sonar with `mode: physics`"):
         fly(idle, limited, map=True)
-    with pytest.raises(ValueError, match="is without effect where outlier_filter is false"):
+    with pytest.raises(ValueError, match="has no effect if outlier_filter is false"):
         survey.model_validate({**dict(survey), "max_uncertainty_m": 0.1, "outlier_filter": False})
 
 

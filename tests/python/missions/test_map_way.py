@@ -66,7 +66,7 @@ def test_a_vehicle_goes_by_the_map_and_says_when_it_knows_no_way() -> None:
 
     flown = uwsim.fly(mission, "pool")
     reason = flown.result
-    assert reason.startswith("the map knows no free way to (30.0, 0.0")
+    assert reason.startswith("the map has no free path to (30.0, 0.0")
     track = flown.samples["rov"].path_world_m
     assert np.linalg.norm(track[-1] - (3.0, -3.0, -2.0)) < 0.8
     assert np.abs(track[np.abs(track[:, 0]) < 0.3][:, 1] - 3.0).max() < 1.5

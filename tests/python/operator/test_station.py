@@ -27,7 +27,7 @@ def test_from_the_start_screen_to_a_flight_and_back():
     with serving() as (_, server), page(server) as ada:
         ada.subscribe("/station/state")
         assert ada.message("/station/state")["phase"] == "idle"
-        assert ada.call("describe") == {"success": False, "message": "no simulator runs: start one"}
+        assert ada.call("describe") == {"success": False, "message": "no simulator is running: start one"}
         catalog = ada.call("catalog")
         assert {"lake", "pool"} <= {entry["name"] for entry in catalog["scenarios"]}
         assert [entry["name"] for entry in catalog["sonars"]][:4] == [1, 2, 3, 4]

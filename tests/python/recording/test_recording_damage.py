@@ -137,7 +137,7 @@ def test_a_recording_that_is_cut_off_is_a_beginning_and_says_so(finished: Path, 
         try:
             cut = Recording(path)
         except ValueError as error:
-            assert "or holds nothing yet" in str(error)  # its first metadata are missing
+            assert "or is still empty" in str(error)  # its first metadata are not there
             assert size < chunks(finished)[0].start
             continue
         assert not cut.complete
@@ -185,7 +185,7 @@ def test_a_whole_chunk_that_is_there_twice_or_not_at_all_is_found(finished: Path
     end = next(each for each in records(finished) if each.kind == Opcode.METADATA and each.number == 2).start
     block = data[first.start : second.start]
     twice = data[: second.start] + block + data[second.start : end]
-    assert "is there twice, or not in its turn" in refusal(twice, tmp_path / "run.mcap")
+    assert "occurs twice, or out of order" in refusal(twice, tmp_path / "run.mcap")
     without = data[: first.start] + data[second.start : end]
     assert "damaged: chunk 1 " in refusal(without, tmp_path / "run.mcap")  # its channels are declared there
 

@@ -98,7 +98,7 @@ def test_an_obstacle_outside_the_terrain_is_refused() -> None:
     ("settings", "rule"),
     [
         ({"kind": "pipeline", "points_m": [[0, 0], [10, 0], [0, 1]], "radius_m": 1}, "the pipe bends by 174 deg"),
-        ({"kind": "pipeline", "points_m": [[0, 0], [0, 0]], "radius_m": 1}, "comes twice in a row"),
+        ({"kind": "pipeline", "points_m": [[0, 0], [0, 0]], "radius_m": 1}, "occurs twice in a row"),
         ({"kind": "gate", "position_m": [0, 0], "width_m": 1, "height_m": 1, "bar_radius_m": 0.5}, "below half"),
         ({"kind": "gate", "position_m": [0, 0], "width_m": 2, "height_m": 1, "lower_bar_m": 1}, "below height_m"),
     ],

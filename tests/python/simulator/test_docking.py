@@ -104,7 +104,7 @@ def test_another_vehicle_may_be_in_the_way_out_or_in_the_dock() -> None:
     with pytest.raises(ValueError, match=r"another vehicle is 0\.20 m away"):
         rov.undock()
     scout.place(dock - (0.0, 0.0, 1.2), yaw)
-    with pytest.raises(ValueError, match="vehicle 'scout': dock: another vehicle is in it"):
+    with pytest.raises(ValueError, match="vehicle 'scout': dock: occupied by another vehicle"):
         scout.dock()
 
 

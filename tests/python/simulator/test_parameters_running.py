@@ -68,7 +68,7 @@ def rest_of(sim: Simulator) -> dict[str, bytes]:
         ("rov.lamps.front.on", "yes", r"rov\.lamps\.front\.on = 'yes': must be true or false"),
         ("rov.sonar.bending", True, "is for `mode: physics` only"),
         ("rov.sonar.rays_per_beam", 5, "has no effect: it is for `mode: physics` only"),
-        ("rov.centre_of_mass_m.x", 5.0, "must be in the box round the hull"),
+        ("rov.centre_of_mass_m.x", 5.0, "must be in the hull's bounding box"),
     ],
 )
 def test_a_mistake_is_named_and_changes_nothing(sim: Simulator, name: str, value: Any, message: str) -> None:
@@ -118,7 +118,7 @@ def test_what_was_set_whole_is_reset_whole(sim: Simulator) -> None:
     assert sim.parameters["water.surface"]["significant_height_m"] == 0.8
     sim.parameters.reset("water.surface.significant_height_m")
     assert sim.parameters["water.surface.significant_height_m"] == 0.5
-    with pytest.raises(ValueError, match=r"was set with water\.surface: reset that"):
+    with pytest.raises(ValueError, match=r"was set with water\.surface: reset that instead"):
         sim.parameters.reset("water.surface.peak_period_s")
     sim.parameters.reset("water.surface")
     assert sim.parameters["water.surface.amplitude_m"] == 0.3

@@ -165,7 +165,7 @@ def test_a_centre_of_mass_or_buoyancy_outside_the_hull_is_refused(tmp_path: Path
     path = tmp_path / "odd.yaml"
     path.write_text(text.replace(old, new))
     with pytest.raises(
-        ScenarioError, match=r"centre_of_mass_m = \(.*\) m: must be in the box round the hull"
+        ScenarioError, match=r"centre_of_mass_m = \(.*\) m: must be in the hull's bounding box"
     ) as raised:
         rigid_body(load_vehicle(path), 1000.0)
     assert "\n" not in str(raised.value)

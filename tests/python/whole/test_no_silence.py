@@ -1,4 +1,4 @@
-"""No user setting is silently ignored: it has an effect, or raises an error that names the remedy."""
+"""Every user setting takes effect, or raises an error that names the remedy."""
 
 import copy
 import pickle
@@ -160,7 +160,7 @@ def test_things_by_name_are_copied_as_they_are() -> None:
         assert again == named == {"a": 1, "b": 2}
         with pytest.raises(KeyError, match=r"things\['c'\]: must be one of a, b$"):
             again["c"]
-    with pytest.raises(KeyError, match=r"fins\['rudder'\]: there is none$"):
+    with pytest.raises(KeyError, match=r"fins\['rudder'\]: there are none$"):
         Named({}, "fins")["rudder"]
 
 

@@ -131,7 +131,7 @@ def fnv1a(data: bytes) -> int:
 def test_a_flight_of_another_version_is_refused_by_its_version(v1: Path) -> None:
     path = v1 / "flight" / "checkpoint" / "flight.json"
     path.write_text(path.read_text().replace('"version":1', '"version":99', 1))
-    with pytest.raises(ValueError, match=f"json': is of version 99: this uwsim reads up to {saved_flight.VERSION}"):
+    with pytest.raises(ValueError, match=f"json': has version 99: this uwsim reads up to {saved_flight.VERSION}"):
         resume(v1 / "flight")
 
 
@@ -144,7 +144,7 @@ def test_a_recording_of_another_version_is_refused_by_its_version(tmp_path: Path
     writer.add_metadata("uwsim", {**start.metadata, "version": "99"})
     writer.finish()
     (tmp_path / "new.mcap").write_bytes(buffer.getvalue())
-    with pytest.raises(ValueError, match=r"new.mcap': is of version 99: this uwsim reads 1"):
+    with pytest.raises(ValueError, match=r"new.mcap': has version 99: this uwsim reads 1"):
         Recording(tmp_path / "new.mcap")
 
 

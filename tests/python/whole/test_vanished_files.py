@@ -39,7 +39,7 @@ def test_a_flight_whose_folder_is_deleted_has_all_results_in_a_new_one(tmp_path:
 
 def test_a_flight_whose_recording_is_deleted_keeps_its_other_results(tmp_path: Path) -> None:
     out, recording = tmp_path / "out", tmp_path / "run.mcap"
-    with pytest.raises(FileNotFoundError, match=r"run.mcap': is lost: it was deleted while it was written"):
+    with pytest.raises(FileNotFoundError, match=r"run.mcap': is lost: it was deleted during recording"):
         uwsim.fly(dive_while(recording.unlink), "pool", out, map=True, record=recording, report="json")
     assert {"map.bt", "summary.json", "track-rov.csv", "log.jsonl"} <= {path.name for path in out.iterdir()}
 
@@ -58,6 +58,6 @@ def test_a_deleted_ledger_ends_the_work_at_once(tmp_path: Path) -> None:
     ledger.begin({"plan": 1})
     ledger.add(0, {"value": 1})
     ledger.path.unlink()
-    with pytest.raises(OSError, match="is lost, with what was finished: it was deleted meanwhile"):
+    with pytest.raises(OSError, match="was deleted during the run, with all finished results"):
         ledger.add(1, {"value": 2})
     ledger.close()

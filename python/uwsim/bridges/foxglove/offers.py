@@ -79,7 +79,7 @@ class Offers:
 
     def _name(self, offer_id: int) -> str:
         if not 1 <= offer_id <= len(self.offers):
-            raise ValueError(f"channel {offer_id}: there is none")
+            raise ValueError(f"channel {offer_id}: does not exist")
         return self.offers[offer_id - 1].name
 
     def queue(self, reading: Reading) -> None:

@@ -122,7 +122,9 @@ def read_binary(frame: bytes) -> Publication | Call:
         encoding, data = frame[13 : 13 + length], frame[13 + length :]
         if len(encoding) == length <= 64:
             return Call(service_id, call_id, encoding.decode("ascii", "replace"), data)
-    raise ValueError(f"frame: {len(frame)} bytes that begin with {frame[:13].hex() or 'nothing'}: no message, no call")
+    raise ValueError(
+        f"frame: {len(frame)} bytes that begin with {frame[:13].hex() or 'nothing'}: neither a message nor a call"
+    )
 
 
 def read_json(data: str | bytes) -> dict[str, Any]:

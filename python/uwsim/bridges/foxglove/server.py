@@ -156,7 +156,7 @@ class FoxgloveServer(Bridge):
         """Call a service; `reply` is called later. Raises ValueError."""
         service = self._numbered.get(call.service_id)
         if service is None:
-            raise ValueError(f"service {call.service_id}: there is none")
+            raise ValueError(f"service {call.service_id}: does not exist")
         loop = asyncio.get_running_loop()
 
         def done(succeeded: bool, values: Any) -> None:

@@ -112,7 +112,7 @@ class Session:
     def _subscribe(self, entry: dict[str, Any]) -> None:
         number, offer_id = _number(entry, "id"), _number(entry, "channelId")
         if number in self.subscriptions.values() or offer_id in self.subscriptions:
-            raise ValueError(f"subscription {number} of channel {offer_id}: you have one of that number or channel")
+            raise ValueError(f"subscription {number} of channel {offer_id}: the number or channel is already in use")
         if not 0 <= number < 1 << 32:
             raise ValueError(f"subscription {number}: must be in [0, 2^32)")
         self.subscriptions[offer_id] = number
@@ -132,7 +132,7 @@ class Session:
         number, topic = _number(entry, "id"), _text(entry, "topic")
         encoding, kind = _text(entry, "encoding"), _text(entry, "schemaName")
         if number in self.advertised or len(self.advertised) >= LISTS_MAX:
-            raise ValueError(f"channel {number}: it is advertised, or {LISTS_MAX} are, which is the most")
+            raise ValueError(f"channel {number}: already advertised, or {LISTS_MAX} channels are, the maximum")
         self.advertised[number] = None
         target = self._server.inputs.get(topic.lstrip("/"))
         if target is None:
@@ -160,7 +160,7 @@ class Session:
             if call.encoding != "json":
                 raise ValueError(f"encoding = '{call.encoding}': must be json")
             if self._open_calls >= CALLS_MAX:
-                raise ValueError(f"{CALLS_MAX} calls are not answered yet, which is the most")
+                raise ValueError(f"{CALLS_MAX} calls are still unanswered, the maximum")
             self._server.answer(call, reply)
             self._open_calls += 1
         except (ValueError, RuntimeError) as error:

@@ -85,7 +85,7 @@ class RemoteSonar:
         frames = {transform.child_frame_id: transform.transform for transform in nearest.transforms}
         body, head = frames.get(f"{self._prefix}base_footprint"), frames.get(f"{self._prefix}base_scan")
         if body is None or head is None:
-            raise ValueError("/tf: says nothing of base_footprint and base_scan")
+            raise ValueError("/tf: does not contain base_footprint and base_scan")
         world_from_sonar = matrix_of(body) @ matrix_of(head)
         world_from_sonar[:3, 3] += self._origin_m
         return world_from_sonar

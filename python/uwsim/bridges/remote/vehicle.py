@@ -162,7 +162,7 @@ class RemoteVehicle(Commandable):
         elif command.service:
             self._connection.call(self._prefix + name, **request_of(command, arguments))
         else:
-            raise ValueError(f"vehicle '{self.name}': {name}: cannot be given over a rosbridge: it has no service")
+            raise ValueError(f"vehicle '{self.name}': {name}: not available over rosbridge: the command has no service")
 
     def telemetry(self) -> RemotePanel:
         """Return the panel from /telemetry, or, without that topic, only the battery."""
@@ -206,7 +206,7 @@ def _prefix(connection: RemoteConnection, name: str | None) -> str:
         if "key" in connection.topics:
             return ""
         if not vehicles:
-            raise ValueError(f"{connection.url}: there is no topic 'key' to command a vehicle by")
+            raise ValueError(f"{connection.url}: there is no topic 'key' for commanding a vehicle")
         return f"{vehicles[0]}/"
     if name in vehicles:
         return f"{name}/"

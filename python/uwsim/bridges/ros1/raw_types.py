@@ -47,7 +47,7 @@ def read_message(data: bytes, name: str) -> Any:
     try:
         received = ros1_typestore().deserialize_ros1(data, name)
     except Exception as error:  # generated code may raise anything for damaged bytes
-        raise ValueError(f"{name}: {len(data)} bytes that are not its serialisation ({error})") from None
+        raise ValueError(f"{name}: {len(data)} bytes that are not a valid serialisation of it ({error})") from None
     return from_plain(name, _plain(received, name))
 
 

@@ -111,7 +111,7 @@ class Domains:
                 if settings.reach == "localhost":
                     keep_on_loopback(number)
             elif self._domains[number][0] != config:
-                raise ValueError(f"ROS 2 domain {number}: this process is in it already, with other settings")
+                raise ValueError(f"ROS 2 domain {number}: this process has already joined it with other settings")
             self._users[number] += 1
 
     def leave(self, settings: Ros2Settings) -> None:

@@ -90,14 +90,14 @@ class Calls:
         identity = operation.get("id")
         found = self._received.pop(identity, None) if isinstance(identity, str) else None
         if found is None:
-            raise ValueError(f"service_response.id = {shortened(identity)}: no such call waits for an answer")
+            raise ValueError(f"service_response.id = {shortened(identity)}: no such call is waiting for a response")
         self._account.give(CALL_BYTES)
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any]) -> Reply:
         """Register a client's call; return the function that answers it. Raises ValueError if too many wait."""
         if len(self._made) >= self._limits.open_calls:
-            raise ValueError(f"{self._limits.open_calls} of your calls wait for answers, which is the most")
+            raise ValueError(f"{self._limits.open_calls} of your calls are waiting for responses, the maximum")
         call = Call(self, response, CALL_BYTES + self.spent_bytes)
         if not self._account.has_room(call.size):
             raise ValueError("no room to keep the call: too much waits for you, or for all clients")
@@ -119,7 +119,7 @@ class Calls:
     def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
         """Pass a call of a service to the client, which offers it. Raises ValueError if too many wait."""
         if len(self._received) >= self._limits.open_calls:
-            raise ValueError(f"service '{service}': {self._limits.open_calls} calls wait for its answer")
+            raise ValueError(f"service '{service}': {self._limits.open_calls} calls are waiting for its response")
         identity = f"service_request:{service}:{next(self._numbers)}"
         frame = to_json({"op": "call_service", "id": identity, "service": service, "args": arguments})
         self._received[identity] = caller, reply

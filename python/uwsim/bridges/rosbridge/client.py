@@ -73,7 +73,7 @@ class RosbridgeClient(Bridge):
     def start(self) -> Self:
         """Start connecting; return self."""
         if self._thread is not None:
-            raise RuntimeError("the client runs already")
+            raise RuntimeError("the client is already running")
         ready = threading.Event()
         self._thread = threading.Thread(
             target=lambda: asyncio.run(self._run(ready)), name="uwsim-rosbridge-client", daemon=True

@@ -37,7 +37,7 @@ class Fragments:
             parts = [None] * total
         parts[number] = data
         if sum(len(part) for part in parts if part is not None) > self._limits.frame_bytes:
-            raise ValueError(f"fragments: more than {self._limits.frame_bytes} bytes in all")
+            raise ValueError(f"fragments: more than {self._limits.frame_bytes} bytes in total")
         if all(part is not None for part in parts):
             return "".join(part for part in parts if part is not None)
         if len(self._begun) >= self._limits.fragmented_messages:

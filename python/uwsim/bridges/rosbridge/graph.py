@@ -113,7 +113,7 @@ class Graph:
         """Return a topic for a client to publish on. Raises ValueError unless its type is known."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.type is None:
-            raise ValueError(f"topic '{name}': advertise it first, for its type is not known")
+            raise ValueError(f"topic '{name}': advertise it first, because its type is unknown")
         return topic
 
     def publish(

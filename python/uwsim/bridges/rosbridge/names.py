@@ -20,6 +20,6 @@ class Names:
     def check_room(self) -> None:
         """Raise ValueError if the client, or all clients together, may use no more names."""
         if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
-            raise ValueError(f"names: you have {self._limits.names} topics and services, which is the most")
+            raise ValueError(f"names: you have {self._limits.names} topics and services, the maximum")
         if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:
-            raise ValueError(f"names: there are {self._limits.all_names} topics and services, which is the most")
+            raise ValueError(f"names: there are {self._limits.all_names} topics and services, the maximum")

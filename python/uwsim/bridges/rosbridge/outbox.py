@@ -128,7 +128,7 @@ class Outbox:
         if self._is_shut:
             return
         if len(self._replies) >= self._limits.replies:
-            self._account.give_up(f"{len(self._replies)} answers wait to be read, which is the most")
+            self._account.give_up(f"{len(self._replies)} answers are waiting to be read, the maximum")
             return
         self._replies.append(frame)
         self._account.take(sys.getsizeof(frame))

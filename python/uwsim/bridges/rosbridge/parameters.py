@@ -70,7 +70,7 @@ class Parameters:
         if live is not None and self._in_simulator(name):
             return live.command("set_parameter", name=name.replace("/", "."), value=value)
         if name not in self._values and len(self._values) >= MOST:
-            raise ValueError(f"parameter '{name}': there are {MOST}, which is the most")
+            raise ValueError(f"parameter '{name}': there are {MOST}, the maximum")
         grown = self._bytes + _size(name, text) - (_size(name, self._values[name]) if name in self._values else 0)
         if grown > MOST_BYTES:
             raise ValueError(f"parameter '{name}': all would have {grown} bytes: must be {MOST_BYTES} at most")
@@ -80,10 +80,10 @@ class Parameters:
     def delete(self, name: str) -> None:
         """Remove a parameter from the store. Raises ValueError if it is not in the store."""
         if self._in_simulator(name):
-            raise ValueError(f"parameter '{name}': it is the simulator's: reset it with simulation/reset_parameters")
+            raise ValueError(f"parameter '{name}': belongs to the simulator: reset it with simulation/reset_parameters")
         text = self._values.pop(name, None)
         if text is None:
-            raise ValueError(f"parameter '{name}': there is none of this name")
+            raise ValueError(f"parameter '{name}': no parameter has this name")
         self._bytes -= _size(name, text)
 
 

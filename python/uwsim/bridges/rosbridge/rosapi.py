@@ -151,7 +151,7 @@ def _full_texts(types: list[str], ros: Ros) -> list[str]:
         room -= len(texts[-1])
         if room < 0:
             raise ValueError(
-                f"the definitions of {len(types)} topics have more than {MOST_TEXT} characters: ask by type"
+                f"the definitions of {len(types)} topics have more than {MOST_TEXT} characters: request them by type"
             )
     return texts
 
@@ -214,7 +214,7 @@ def _type_queries(ros: Ros, queries: dict[str, Query]) -> dict[str, Query]:
     def of_service(half: int, args: Args) -> Args:
         name = _text(args, "type").replace("/srv/", "/")
         if name not in texts:
-            raise ValueError(f"type = '{name:.80}': no such service type is known here")
+            raise ValueError(f"type = '{name:.80}': unknown service type")
         return {"typedefs": part_details(name + ("Request", "Response")[half], texts[name][half], ros)}
 
     request, response = "string type\n", ""  # rosapi/TypeDef[], which only rosapi defines

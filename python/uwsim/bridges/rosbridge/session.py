@@ -115,7 +115,7 @@ class Session:
                 raise ValueError(f"frame: {len(frame)} bytes: must be {self.limits.frame_bytes} at most")
             operation, meter = read(frame, self.limits, pause)
             if is_whole and operation.get("op") == "fragment":
-                raise ValueError("fragment: holds a fragment")
+                raise ValueError("fragment: must not contain a fragment")
             if operation.get("op") == "publish":
                 kind = self.graph.typed_topic(operation.get("topic")).type
                 assert kind is not None

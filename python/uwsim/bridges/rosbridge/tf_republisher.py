@@ -108,7 +108,7 @@ class TfRepublisher:
 
     def _begin(self, request: Request) -> None:
         if len(self._requests) >= MOST:
-            raise ValueError(f"{MOST} tf requests are served, which is the most")
+            raise ValueError(f"{MOST} tf requests are active, the maximum")
         if not self._requests:
             for topic in TOPICS:
                 self._graph.subscribe(OWNER, topic, topic, "tf2_msgs/msg/TFMessage", self._learn)

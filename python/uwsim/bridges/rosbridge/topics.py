@@ -86,7 +86,7 @@ class Topics:
             subscription = Subscription(name, ros)
         identity = operation.get("id")
         if identity not in subscription.ids and len(subscription.ids) >= self._limits.ids:
-            raise ValueError(f"topic '{name}': you have {self._limits.ids} subscriptions to it, which is the most")
+            raise ValueError(f"topic '{name}': you have {self._limits.ids} subscriptions to it, the maximum")
         subscription.ids[identity] = options
         self._outbox.open(name, subscription.mailbox(known, png=self._png))
         self._names.subscriptions[name] = subscription

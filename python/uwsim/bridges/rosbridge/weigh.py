@@ -139,7 +139,7 @@ def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
             open_items.pop()
             continue
         if at >= size:
-            raise ValueError("frame: CBOR that ends too early")
+            raise ValueError("frame: truncated CBOR")
         open_items[-1] -= 1
         items += 1
         major, info, at = data[at] >> 5, data[at] & 31, at + 1
@@ -167,9 +167,9 @@ def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
             containers += 1  # an array takes as much memory as a container
             open_items.append(1)
         if at > size:
-            raise ValueError("frame: CBOR that ends too early")
+            raise ValueError("frame: truncated CBOR")
         if len(open_items) > 2 * nesting + 2:
             raise ValueError(f"frame: nested more than {nesting} deep")
     if at != size:
-        raise ValueError("frame: CBOR with bytes after its end")
+        raise ValueError("frame: CBOR followed by further bytes")
     return Load(containers, strings, members, items)

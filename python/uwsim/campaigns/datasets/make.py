@@ -150,7 +150,7 @@ def _track(spec: DatasetSpec, studio: Studio, along: str | Path | None, mission:
         raise ValueError("along, mission: only one of them can be given")
     for name in ("look_at", "distance_m", "clearance_m", "pitch_max_deg", "roll_max_deg"):
         if name in spec.model_fields_set:
-            raise ValueError(f"{name}: is without effect along a track, whose poses are as they are")
+            raise ValueError(f"{name}: has no effect along a track, whose poses are fixed")
     if along is not None:
         return read_track(along).spread(spec.n)
     from uwsim.flight.fly import fly  # many imports, which random poses do not need
@@ -176,7 +176,7 @@ def _require_fresh(ledger: Ledger, into: Path, spec: DatasetSpec, resume: bool) 
     if not resume and any(any((into / folder).glob("*")) for folder in _folder_names(spec)):
         raise ValueError(f"--out {into}: holds pictures already, of no dataset that is known: choose another")
     if resume and not ledger.exists:
-        raise ValueError(f"--resume: no dataset was begun in '{into}'")
+        raise ValueError(f"--resume: there is no dataset to resume in '{into}'")
 
 
 def _make_folders(into: Path, spec: DatasetSpec) -> None:

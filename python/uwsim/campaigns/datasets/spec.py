@@ -61,26 +61,26 @@ class DatasetSpec(Model):
     @model_validator(mode="after")
     def _says_nothing_without_effect(self) -> DatasetSpec:
         if len(set(self.write)) < len(self.write):
-            raise broken("names something twice", at=("write",), value=", ".join(self.write))
+            raise broken("must not contain duplicates", at=("write",), value=", ".join(self.write))
         if self.distance_m is not None and self.distance_m[0] > self.distance_m[1]:
             raise broken(
-                "must be the least, then the greatest", at=("distance_m",), value=list(self.distance_m), unit="m"
+                "must be the minimum, then the maximum", at=("distance_m",), value=list(self.distance_m), unit="m"
             )
         if self.sonar is not None and "sonar" not in self.write:
-            raise broken("is without effect unless `write` has sonar", at=("sonar",), value=self.sonar)
+            raise broken("has no effect unless `write` contains sonar", at=("sonar",), value=self.sonar)
         if self.pictures != "png" and "rgb" not in self.write:
-            raise broken("is without effect unless `write` has rgb", at=("pictures",), value=self.pictures)
+            raise broken("has no effect unless `write` contains rgb", at=("pictures",), value=self.pictures)
         if self.label_range_m is not None and not self.writes("instances", "classes", "boxes", "yolo"):
-            rule = "is without effect unless `write` has instances, classes, boxes or yolo"
+            rule = "has no effect unless `write` contains instances, classes, boxes or yolo"
             raise broken(rule, at=("label_range_m",), value=self.label_range_m, unit="m")
         if self.min_pixels != MIN_PIXELS and not self.writes("boxes", "yolo", "sonar"):
-            rule = "is without effect unless `write` has boxes, yolo or sonar"
+            rule = "has no effect unless `write` contains boxes, yolo or sonar"
             raise broken(rule, at=("min_pixels",), value=self.min_pixels)
         if "yolo" in self.write and "rgb" not in self.write:
-            raise broken("has yolo, whose files belong to pictures: needs rgb, too", at=("write",))
+            raise broken("contains yolo, which needs rgb, too", at=("write",))
         for name, variation in self.vary.items():
             if variation.steps is not None:
-                raise broken("is for the grid of a sweep: here values are drawn", at=("vary", name, "steps"))
+                raise broken("is for the grid of a sweep; here values are drawn at random", at=("vary", name, "steps"))
         return self
 
     @property

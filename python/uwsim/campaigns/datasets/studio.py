@@ -170,7 +170,7 @@ class Studio:
 def _kept(spec_json: str, threads: int | None, digest: str) -> Studio:
     studio = Studio(DatasetSpec.model_validate_json(spec_json), threads)
     if scenario_fingerprint(studio.sim.scenario) != digest:
-        raise ValueError(f"scenario '{studio.spec.scenario}': has changed since the dataset was begun")
+        raise ValueError(f"scenario '{studio.spec.scenario}': has changed since the dataset was started")
     return studio
 
 
@@ -189,4 +189,4 @@ def require_effects(spec: DatasetSpec) -> None:
     effects_on(spec.effects)
     effects_on(spec.without)
     if not spec.writes(*OF_CAMERA) and (spec.effects != "on" or spec.without or spec.size is not None):
-        raise ValueError("effects, without, size: are without effect unless `write` has something of the camera")
+        raise ValueError("effects, without, size: have no effect unless `write` contains an output of the camera")

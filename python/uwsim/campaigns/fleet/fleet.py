@@ -146,10 +146,10 @@ def _require_water(base: Scenario, jobs: Mapping[int, TileJob]) -> None:
 def _ledger(into: Path, plan: dict[str, Any], resume: bool) -> Ledger:
     ledger = Ledger(into)
     if resume and not ledger.exists:
-        raise ValueError(f"--resume: no fleet has flown into '{into}'")
+        raise ValueError(f"--resume: there is no fleet to resume in '{into}'")
     if not resume and ledger.exists:
         ledger.read()
-        raise ValueError(f"--out {into}: holds {len(ledger.results):,} tiles already: --resume, or another --out")
+        raise ValueError(f"--out {into}: holds {len(ledger.results):,} tiles already: use --resume, or another --out")
     ledger.resume(plan) if resume else ledger.begin(plan)
     return ledger
 

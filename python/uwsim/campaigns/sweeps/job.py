@@ -108,7 +108,7 @@ def _fly(job: Job, result: dict[str, Any]) -> None:
 def _flown(job: Job, sim: Simulator) -> dict[str, Any]:
     """Fly and score a run; return its values, including the map's."""
     if job.mission is not None and not _is_same_file(Path(job.mission), job.mission_digest):
-        raise MissionError(f"mission '{job.mission}': is missing here, or is not the file with which the sweep began")
+        raise MissionError(f"mission '{job.mission}': is missing here, or has changed since the sweep was started")
     flown = fly(job.mission, sim, report="none", autosave_s=0.0, **job.flight())
     if flown.interrupted:
         raise KeyboardInterrupt  # the flight caught it, but half a run is not a result

@@ -71,20 +71,20 @@ def _shown(spec: SweepSpec, rows: Rows) -> list[str]:
 def _figures(folder: Path, spec: SweepSpec, rows: Rows, shown: list[str], of: str | None) -> list[Figure]:
     figures = []
     if shown:
-        caption = "How often each value occurred; the line is the median."
-        figures.append(Figure(folder / "distributions.png", "What came out", caption))
+        caption = "Histograms of the results; the line is the median."
+        figures.append(Figure(folder / "distributions.png", "Distributions", caption))
         draw_distributions(figures[-1].path, rows, shown)
     varied = [name for name in rows.varied if len({str(row.get(name)) for row in rows.rows}) > 1]
     if of is not None and rows.is_numeric(of) and varied:
-        caption = "Each point is a run; the line joins means of neighbouring runs. Boxes: quartiles, median, extremes."
+        caption = "Points are runs; the line connects means of neighbouring runs. Boxes: quartiles, median, extremes."
         figures.append(Figure(folder / "effects.png", f"What {of} depends on", caption))
         draw_effects(figures[-1].path, spec, rows, of, varied[:EFFECTS])
     if shown and varied:
         found = sensitivity(rows, shown)
         if np.isfinite(found.values).any():
             caption = (
-                "Spearman's rank correlation: 1 or -1 where the figure always rises or falls with the value, 0 where "
-                "it does neither. Share: of the variance that the means by choice explain."
+                "Spearman's rank correlation: 1 or -1 if the metric always rises or falls with the value, 0 if there "
+                "is no monotonic trend. Share: the share of the variance explained by the per-choice means."
             )
             figures.append(Figure(folder / "sensitivity.png", "Sensitivity", caption))
             draw_sensitivity(figures[-1].path, found)
@@ -97,9 +97,9 @@ def _warnings(rows: Rows, count: int, missed: Mapping[str, int], spec: SweepSpec
         told.append(f"{count - len(rows):,} of {count:,} runs are missing: uwsim sweep --resume flies them.")
     if rows.failed:
         told.append(f"{len(rows.failed):,} runs failed; see below.")
-    told += [f"{n:,} runs are outside what is required of {metric}." for metric, n in missed.items() if n]
+    told += [f"{n:,} runs violate the limits on {metric}." for metric, n in missed.items() if n]
     if spec.objective is None and spec.worst:
-        told.append("The sweep has no objective, so it is not known which runs are the worst.")
+        told.append("The sweep has no objective, so the worst runs cannot be determined.")
     return told
 
 
@@ -107,9 +107,9 @@ def _highlights(rows: Rows, count: int) -> list[tuple[str, str]]:
     walls, flights = rows.numbers("run_wall_s"), rows.numbers("flight_wall_s")
     tiles = [(f"{len(rows):,} of {count:,}", "runs"), (f"{len(rows.failed):,}", "failed")]
     if np.isfinite(walls).any():
-        tiles.append((duration_text(float(np.nansum(walls))), "of workers' wall time"))
+        tiles.append((duration_text(float(np.nansum(walls))), "total wall time of the workers"))
     if np.isfinite(walls - flights).any():
-        tiles.append((f"{1000.0 * float(np.nanmedian(walls - flights)):.1f} ms", "a run apart from its flight, median"))
+        tiles.append((f"{1000.0 * float(np.nanmedian(walls - flights)):.1f} ms", "median overhead of a run"))
     return tiles
 
 

@@ -92,7 +92,7 @@ class Rows:
     def require_metric(self, name: str, what: str) -> None:
         """Raise ValueError if no run has a metric with this name."""
         if self.metrics and name not in self.metrics:
-            raise ValueError(f"{what} = {name}: no such figure{did_you_mean(name, self.metrics)}")
+            raise ValueError(f"{what} = {name}: no such metric{did_you_mean(name, self.metrics)}")
 
     def missed(self, require: Mapping[str, Limits]) -> dict[str, int]:
         """Return the number of rows outside each limit, including rows without the metric. Raises ValueError."""

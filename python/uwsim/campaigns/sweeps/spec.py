@@ -73,7 +73,7 @@ class Limits(Model):
 
 
 class SweepSpec(Model):
-    """A sweep: what is flown, and what is varied.
+    """A sweep: the flights and the values that vary.
 
     scenario: the name of a packaged scenario, or a file. mission: a Python file, as for `uwsim run`; without it, the
     scenario's survey is flown. arguments: values for the mission's other parameters. vary: variations by name; a name
@@ -86,9 +86,9 @@ class SweepSpec(Model):
     the simulations; by default the scenario's seed.
 
     map: whether a mission builds a map, which is scored; surveys always do. voxel_m: overrides the scenario's.
-    estimate: what vehicles know of their pose, the truth or their own filter's estimate. time_limit_s: limit on a
+    estimate: the pose by which vehicles steer, the truth or their own filter's estimate. time_limit_s: limit on a
     mission's simulated time. wall_limit_s: limit on the wall time of a run, after which it counts as failed. retries:
-    how often a run is repeated if its process died. objective: which runs are good. require: limits on metrics, by
+    how often a run is repeated if its process died. objective: defines good runs. require: limits on metrics, by
     column, for every run. show: the columns that the report draws; by default the objective and other metrics that
     vary. worst: the number of worst runs that are flown again, each with a recording and a report.
     """
@@ -123,7 +123,7 @@ class SweepSpec(Model):
     def _says_how_many(self) -> SweepSpec:
         if self.method == "grid":
             if self.samples is not None:
-                raise broken("is without effect on a grid, which has all combinations", at=("samples",))
+                raise broken("has no effect on a grid, which contains all combinations", at=("samples",))
             for name, variation in self.vary.items():
                 if variation.choices is None and variation.steps is None:
                     raise broken("must be given on a grid", at=("vary", name, "steps"))
@@ -134,7 +134,7 @@ class SweepSpec(Model):
             rule = "must be a power of two, for which these points are balanced"
             raise broken(rule, at=("samples",), value=self.samples)
         if not self.vary:
-            raise broken(f"must have something for `method: {self.method}`", at=("vary",))
+            raise broken(f"must not be empty for `method:  {self.method}`", at=("vary",))
         for name, variation in self.vary.items():
             if variation.steps is not None:
                 raise broken("is for `method: grid`", at=("vary", name, "steps"), value=variation.steps)
@@ -149,7 +149,7 @@ class SweepSpec(Model):
             if any(name.startswith("mission.") for name in self.vary):
                 raise broken("there is no mission", at=("vary", next(n for n in self.vary if n.startswith("mission."))))
         elif self.voxel_m is not None and not self.map:
-            raise broken("is without effect without `map: true`", at=("voxel_m",), value=self.voxel_m, unit="m")
+            raise broken("has no effect without `map: true`", at=("voxel_m",), value=self.voxel_m, unit="m")
         for key in ("mission", "scenario"):
             if key in self.vary and key in self.model_fields_set:
                 raise broken("is varied: leave it out here", at=(key,))

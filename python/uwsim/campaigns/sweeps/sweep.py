@@ -97,7 +97,7 @@ def run_sweep(
             rule = f"holds a sweep already, {len(ledger.results):,} runs of it finished: --resume, or another --out"
             raise ValueError(f"--out {into}: {rule}")
         if resume and not ledger.exists:
-            raise ValueError(f"--resume: no sweep was begun in '{into}'")
+            raise ValueError(f"--resume: there is no sweep to resume in '{into}'")
         name = spec.name or (Path(source).stem if isinstance(source, str | Path) else "sweep")
         try:
             ledger.resume(plan) if resume else ledger.begin(plan)

@@ -141,7 +141,7 @@ class ClusterWorkers:
         ours = build_fingerprint()
         for address, theirs in self._client.run(build_fingerprint, on_error="return").items():
             if theirs != ours:
-                raise ValueError(f"worker {address}: has another build of uwsim: {theirs}, here {ours}")
+                raise ValueError(f"worker {address}: has a different build of uwsim: {theirs}, here {ours}")
 
 
 class _Trials:

@@ -76,7 +76,7 @@ class Ledger:
     def _write(self, line: Mapping[str, Any]) -> None:
         left, found = json.dumps(line).encode() + b"\n", os.fstat(self._file.fileno())
         if not found.st_nlink:
-            raise OSError(f"'{self.path}': is lost, with what was finished: it was deleted meanwhile")
+            raise OSError(f"'{self.path}': was deleted during the run, with all finished results")
         try:
             while left:
                 left = left[self._file.write(left) :]

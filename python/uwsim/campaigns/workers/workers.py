@@ -88,7 +88,7 @@ def open_workers(count: int | None = None, *, scheduler: str | None = None) -> W
     if count is not None and not 0 <= count <= 4096:
         raise ValueError(f"workers = {count}: must be in [0, 4096]")
     if scheduler is not None and count is not None:
-        raise ValueError(f"workers = {count}: is without effect with a scheduler, which has its own")
+        raise ValueError(f"workers = {count}: has no effect with a scheduler, which has its own workers")
     if count == 0:
         return ThisProcess()
     need_extra("distributed", "sweeps", "work on several processes")

@@ -162,7 +162,7 @@ def refraction_at_the_surface() -> list[Check]:
         optics = Light("I", sun_deg).optics
         across = float(np.hypot(*np.asarray(optics.to_sun_below_world)[:2]))
         expected = float(np.cos(np.radians(sun_deg)) / optics.water.refractive_index)
-        checks.append(relative("refraction", f"sine of the sun at {sun_deg:g} deg", expected, across, 1e-6))
+        checks.append(relative("refraction", f"sine of refraction, sun at {sun_deg:g} deg", expected, across, 1e-6))
     world = _core.World()
     sky = _core.CameraScene(world, _core.RayScene(world), 0)
     side, focal = 801, 300.0
@@ -195,7 +195,7 @@ def lake_depths() -> list[Check]:
     error = np.sort(np.abs(error))[: int(0.995 * both.sum())]
     return [
         along("depth against the sonar's rays", f"{both.sum()} rays", np.zeros(len(error)), error, 1.0, 1e-5),
-        within("depth against the sonar's rays", "hits that only one of them finds", 0, missed, len(u), 5e-3),
+        within("depth against the sonar's rays", "hits found by only one of the two", 0, missed, len(u), 5e-3),
     ]
 
 

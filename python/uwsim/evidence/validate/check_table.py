@@ -1,4 +1,4 @@
-"""Prints a validation's checks as a table: expected, got, error and tolerance."""
+"""Prints a validation's checks as a table: expected value, computed value, error and tolerance."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from uwsim.evidence.validate.check import Check
 def print_checks(checks: list[Check], title: str, console: Console | None = None) -> None:
     """Print the checks as a table, and the number of misses."""
     table = Table(title=title, title_justify="left")
-    table.add_column("what")
-    table.add_column("figure", overflow="fold")
-    for column in ("expected", "got", "error", "tolerance"):
+    table.add_column("check")
+    table.add_column("quantity", overflow="fold")
+    for column in ("expected", "computed", "error", "tolerance"):
         table.add_column(column, justify="right")
     table.add_column("")
     previous = ""

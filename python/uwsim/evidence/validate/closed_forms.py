@@ -129,7 +129,7 @@ def floating_box() -> list[Check]:
     attitude = sim.rov.pose.world_from_body[:3, :3]
     heeled = np.arctan2(attitude[2, 1], attitude[2, 2])
     return [
-        relative(GROUP, "floating box: height of its middle", 0.5 * height - draught, afloat_m, 1e-6, "m"),
+        relative(GROUP, "floating box: height of its centre", 0.5 * height - draught, afloat_m, 1e-6, "m"),
         relative(GROUP, "floating box under torque: heel", heel, heeled, 1e-5, "rad"),
     ]
 

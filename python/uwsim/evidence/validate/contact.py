@@ -32,7 +32,7 @@ def impulses() -> list[Check]:
     for name, pitch, roll in (("face", 0.0, 0.0), ("edge", 0.3, 0.0), ("corner", 0.3, 0.25)):
         for restitution in (0.0, 0.5):
             expected, got = _impulse(pitch, roll, restitution)
-            checks.append(relative(GROUP, f"impulse of a {name}, e = {restitution:g}", expected, got, 0.01, "N s"))
+            checks.append(relative(GROUP, f"impulse on {name}, e = {restitution:g}", expected, got, 0.01, "N s"))
     return checks
 
 

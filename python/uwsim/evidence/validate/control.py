@@ -33,12 +33,12 @@ def run(out: Path | None) -> list[Check]:
 
 
 def response_checks(response: StepResponse) -> list[Check]:
-    """Compare the rise, overshoot, settling and steady error of a step response with their limits."""
+    """Compare rise time, overshoot, settling time and steady-state error of a step response with their limits."""
     step, unit = response.step, response.step.unit
     name = f"{step.name} {step.size:.3g} {unit}"
     return [
-        at_most(response.vehicle, f"{name}: rise", RISE_S[unit], response.rise_s, "s"),
+        at_most(response.vehicle, f"{name}: rise time", RISE_S[unit], response.rise_s, "s"),
         at_most(response.vehicle, f"{name}: overshoot", OVERSHOOT, response.overshoot),
-        at_most(response.vehicle, f"{name}: settling", SETTLING_S[unit], response.settling_s, "s"),
-        at_most(response.vehicle, f"{name}: steady error", STEADY, response.steady_error),
+        at_most(response.vehicle, f"{name}: settling time", SETTLING_S[unit], response.settling_s, "s"),
+        at_most(response.vehicle, f"{name}: steady-state error", STEADY, response.steady_error),
     ]

@@ -205,12 +205,12 @@ def speckle_checks() -> list[Check]:
         model = ForwardLooking(looks=looks, range_max_m=5.0, rays_per_column=2)
         image = imaging.look_ahead(basin(), deep, model)
         power = 10 ** ((image.level_db - image.noise_db[:, None]).astype(np.float64) / 10)
-        name = f"mean over deviation of power, {looks} look{'s' if looks > 1 else ''}"
+        name = f"mean / standard deviation of power, {looks} look{'s' if looks > 1 else ''}"
         checks.append(relative("speckle", name, np.sqrt(looks), float(power.mean() / power.std()), 0.01))
         if looks == 1:
             rayleigh = float(np.sqrt(np.pi / (4 - np.pi)))
             got = float(np.sqrt(power).mean() / np.sqrt(power).std())
-            checks.append(relative("speckle", "mean over deviation of amplitude", rayleigh, got, 0.01))
+            checks.append(relative("speckle", "mean / standard deviation of amplitude", rayleigh, got, 0.01))
     return checks
 
 

@@ -44,7 +44,17 @@ def path_checks() -> list[Check]:
         checks.append(relative(group, f"arc over {far_m:g} m", arc_s, ray.time_s, 1e-6, "s"))
     down = _core.SoundSpeedProfile([0.0, 100.0], [1500.0, 1450.0])
     edge_m = 2.0 * math.sqrt(1500.0**2 - down.at(10.0) ** 2) / 0.5
-    return [*checks, relative("shadow zone", "its edge, 10 m deep, -0.5 1/s", edge_m, _shadow_edge_m(down), 1e-3, "m")]
+    return [
+        *checks,
+        relative(
+            "shadow zone",
+            "edge at 10 m depth, -0.5 1/s",
+            edge_m,
+            _shadow_edge_m(down),
+            1e-3,
+            "m",
+        ),
+    ]
 
 
 def _shadow_edge_m(profile: _core.SoundSpeedProfile) -> float:
@@ -102,9 +112,9 @@ def network_checks() -> list[Check]:
     for rate in (0.02, 0.2, 2.0):
         counts = _core.network_trial(tdma, 6, rate, 2000.0, PACKET_BYTES)
         fate = counts.lost["collision"] + counts.lost["sending"]
-        checks.append(within("TDMA collisions", f"{rate:g} messages a second each", 0.0, fate, 1.0, 0.5))
+        checks.append(within("TDMA collisions", f"{rate:g} messages per second each", 0.0, fate, 1.0, 0.5))
         carried = min(counts.given, 2000.0 * 5.0 / 6.0 / 0.75)
-        checks.append(relative("TDMA goodput", f"{rate:g} messages a second each", carried, counts.delivered, 0.01))
+        checks.append(relative("TDMA goodput", f"{rate:g} messages per second each", carried, counts.delivered, 0.01))
     cable = _plain_modem(_core.MediumAccess.ALOHA)
     cable.kind = _core.LinkKind.CABLE
     for rho in (0.2, 0.5, 0.8):
@@ -134,7 +144,7 @@ def delivery_checks() -> list[Check]:
         for r in far_m
     ]
     got_m = float(np.interp(0.5, lost, far_m))
-    return [relative("range of half delivery", "micromodem in the ocean", expected_m, got_m, 0.02, "m")]
+    return [relative("range at 50 % delivery", "micromodem in the ocean", expected_m, got_m, 0.02, "m")]
 
 
 def _noise_db(spec: _core.LinkSpec) -> float:

@@ -9,9 +9,9 @@ from uwsim.evidence.validate.check import Check
 PAGE = "index.md"
 HEAD = """# Validation
 
-What `uwsim validate --out FOLDER` found: every closed form, published figure and limit, what was expected and what the
-simulator gave. The error is relative to the expected value, or to the scale that the check names; for a limit it is the
-share of it that is used.
+This page is the output of `uwsim validate --out FOLDER`. It lists every comparison with a closed form, a published
+value or a limit. The error is relative to the expected value, or to the scale that the check defines; for a limit it is
+the ratio of the computed value to the limit.
 
 """
 
@@ -28,7 +28,7 @@ def _section(suite: str, checks: list[Check]) -> str:
     misses = sum(not check.passed for check in checks)
     verdict = f"{misses} missed" if misses else "all within tolerance"
     lines = [f"## {suite}", "", f"{len(checks)} checks, {verdict}.", ""]
-    lines += ["| what | figure | expected | got | error | tolerance | |", "|---|---|---:|---:|---:|---:|---|"]
+    lines += ["| check | quantity | expected | computed | error | tolerance | |", "|---|---|---:|---:|---:|---:|---|"]
     lines += [_row(check) for check in checks]
     return "\n".join(lines) + "\n"
 

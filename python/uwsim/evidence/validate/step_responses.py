@@ -48,7 +48,7 @@ def _tilt(rov: Vehicle, row: int) -> float:
 
 STEPS = (
     Step("ahead", "m", 2.0, "surge", lambda c, s: c.hold(_at(x_m=s), 0.0), lambda r: r.pose.position_world_m[0]),
-    Step("aside", "m", 2.0, "sway", lambda c, s: c.hold(_at(y_m=s), 0.0), lambda r: r.pose.position_world_m[1]),
+    Step("sideways", "m", 2.0, "sway", lambda c, s: c.hold(_at(y_m=s), 0.0), lambda r: r.pose.position_world_m[1]),
     Step(
         "depth",
         "m",

@@ -30,5 +30,5 @@ def effects_on(effects: str | Collection[str]) -> list[str]:
             raise ValueError(f"effects = {name!r}: must be 'on', 'off' or names of {', '.join(EFFECTS)}{hint}")
     for name in names:
         if name in ("on", "off"):
-            raise ValueError(f"effects = {names}: '{name}' must stand alone: it means {WHOLE[name]}")
+            raise ValueError(f"effects = {names}: '{name}' must be used alone: it means {WHOLE[name]}")
     return names

@@ -122,5 +122,5 @@ class Frame:
 
     def _rgb_or_error(self) -> NDArray[np.uint8]:
         if not len(self.rgb):
-            raise ValueError("rgb: this frame holds geometry alone; capture without geometry_only")
+            raise ValueError("rgb: this frame contains only geometry; capture without geometry_only")
         return self.rgb

@@ -46,7 +46,7 @@ def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
     turn = matrix[:3, :3]
     off = max(float(np.abs(turn @ turn.T - np.eye(3)).max()), float(np.abs(matrix[3] - (0, 0, 0, 1)).max()))
     if off > POSE_TOLERANCE or np.linalg.det(turn) < 0:
-        raise ValueError(f"{name}: must be a rotation and a position, with 0, 0, 0, 1 below")
+        raise ValueError(f"{name}: must be a rotation and a position, with 0, 0, 0, 1 as the last row")
     return matrix
 
 

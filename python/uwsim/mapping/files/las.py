@@ -40,7 +40,7 @@ def decode(data: bytes) -> NDArray[np.float64]:
     _require_records(data)
     header = laspy.LasHeader.read_from(io.BytesIO(data))
     if header.are_points_compressed:
-        raise ValueError("compressed (LAZ): unpack it first")
+        raise ValueError("compressed (LAZ): decompress it first")
     expected = header.offset_to_point_data + header.point_count * header.point_format.size
     if expected > len(data):
         raise ValueError(f"{len(data)} bytes, expected {expected} for its {header.point_count} points")

@@ -76,7 +76,7 @@ def mow_area(
     flown = yield from fly_lanes(lookout, lanes, chart)
     yield from look_at_unseen(AreaPilot(lookout, chart))
     if len(flown.left_out) == len(lanes):
-        raise StoppedError("no way led to any lane of the area: it is too shallow, or shut off")
+        raise StoppedError("no lane of the area can be reached: it is too shallow, or enclosed")
     return MownArea(**vars(flown), spacing_m=spacing_m, lanes=len(lanes))
 
 

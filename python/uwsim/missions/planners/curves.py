@@ -138,6 +138,6 @@ def _checked(points_m: Sequence[Sequence[float]] | Floats, **lengths_m: float) -
     if points.ndim != 2 or points.shape[1] not in (2, 3) or len(points) < 2 or not np.isfinite(points).all():
         raise ValueError(f"points_m.shape = {points.shape}: must be (n, 2) or (n, 3) finite points, n at least 2")
     if (np.linalg.norm(np.diff(points[:, :2], axis=0), axis=1) < 1e-3).any():
-        raise ValueError("points_m: two points in a row are at the same place")
+        raise ValueError("points_m: two consecutive points coincide")
     require_positive(**lengths_m)
     return points

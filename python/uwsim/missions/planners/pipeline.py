@@ -74,7 +74,7 @@ def follow_pipeline(
     yield from lookout.tilt()
     yield from find_bed(vehicle)
     if not (yield from lookout.go_to(start_m)):
-        raise StoppedError(f"no way led to the pipe's start ({start_m[0]:.1f}, {start_m[1]:.1f}) m")
+        raise StoppedError(f"no path led to the pipe's start ({start_m[0]:.1f}, {start_m[1]:.1f}) m")
     for lamp in vehicle.lamps.values() if eye is not None else ():
         lamp.on = True
     track = PipeTrack(np.asarray(start_m, np.float64), heading_rad, diameter_m)

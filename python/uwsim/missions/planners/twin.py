@@ -111,7 +111,7 @@ def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np
     """Return to the dock's exit, enter the dock, and dock. Raises StoppedError if there is no path back."""
     vehicle = lookout.vehicle
     if not (yield from lookout.go_to(exit_world_m[:2])):
-        raise StoppedError("no way led back to the station")
+        raise StoppedError("no path led back to the station")
     yaw_rad = dock.yaw_rad
     ahead = np.array([math.cos(yaw_rad), math.sin(yaw_rad), 0.0])
     yield from goto(vehicle, exit_world_m, heading_rad=yaw_rad, within_m=0.3)

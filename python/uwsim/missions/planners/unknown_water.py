@@ -78,7 +78,7 @@ def find_bed(vehicle: OwnVehicle) -> Steps[None]:
     pose, end_s = vehicle.pose, vehicle.time_s + FIND_BED_S
     while not math.isfinite(float(vehicle.sensors["altitude"].read())):
         if vehicle.time_s > end_s:
-            raise StoppedError("no bed below: the altimeter sees nothing")
+            raise StoppedError("no bed below: the altimeter has no echo")
         z_m = float(vehicle.pose.position_world_m[2])
         yield from steer(vehicle, pose.yaw_rad, (0.0, 0.0), z_m - FIND_BED_M_S)
 

@@ -53,7 +53,7 @@ class Controller(Sealed):
         estimate: EstimateLike | None = None,
     ) -> None:
         if settings is None and (settings := getattr(vehicle, "control", None)) is None:
-            raise ValueError("settings = None: the vehicle has no `control`; give uwsim.scenario.control_settings(...)")
+            raise ValueError("settings = None: the vehicle has no `control`; pass uwsim.scenario.control_settings(...)")
         self.vehicle = vehicle
         self.estimate = vehicle if estimate is None else estimate
         self.period_s = period_s

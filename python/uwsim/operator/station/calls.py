@@ -48,19 +48,28 @@ class Call:
 
 
 _CALLS = (
-    Call("describe", "what runs, and under which names it is seen", answer=Description),
-    Call("join", "take part under a name", Join, Joined),
-    Call("take_control", "have the controls, if nobody has them"),
-    Call("hand_over", "pass the controls on", HandOver),
-    Call("drive", "set efforts, by the pilot", Drive, Driven),
-    Call("all_stop", "stop a vehicle against all commands, by anybody; release it, by the pilot", AllStop, Commanded),
-    Call("command", "give another command, by the pilot", Order, Commanded),
-    Call("set_view", "change the rate, width and quality of a view", SetView),
-    Call("catalog", "what can be chosen on the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
-    Call("check", "say what is wrong with a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
-    Call("start", "run a simulator of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
+    Call("describe", "describe the running simulator and the names of its topics and services", answer=Description),
+    Call("join", "join under a name", Join, Joined),
+    Call("take_control", "take control, if no other client has it"),
+    Call("hand_over", "hand control over to another member", HandOver),
+    Call("drive", "set efforts; for the pilot only", Drive, Driven),
     Call(
-        "control", "pause, step, restart, save, record and the like; by the pilot", Control, Commanded, is_brief=False
+        "all_stop",
+        "stop a vehicle regardless of all commands, or, as the pilot, release it",
+        AllStop,
+        Commanded,
+    ),
+    Call("command", "issue another command; for the pilot only", Order, Commanded),
+    Call("set_view", "change the rate, width and quality of a view", SetView),
+    Call("catalog", "list the options of the start screen", answer=Catalog, is_brief=False, is_start_screen=True),
+    Call("check", "report the errors of a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
+    Call("start", "start a simulator from a choice", Choice, ChoiceTaken, is_brief=False, is_start_screen=True),
+    Call(
+        "control",
+        "pause, step, restart, save, record and similar actions; for the pilot only",
+        Control,
+        Commanded,
+        is_brief=False,
     ),
 )
 CALLS = {call.name: call for call in _CALLS}

@@ -74,7 +74,7 @@ def _new_path(station: Station, request: Values, default: str, suffix: str = "")
         raise ValueError(f"name = {str(name)[:40]!r}: must have 1 to 64 of A-Z a-z 0-9 _ . -")
     path = station.folder / (name if name.endswith(suffix) else name + suffix)
     if path.exists():
-        raise ValueError(f"'{path.name}' is there already: choose another name")
+        raise ValueError(f"'{path.name}' already exists: choose another name")
     return path
 
 

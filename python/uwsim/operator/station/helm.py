@@ -73,7 +73,7 @@ class Helm:
         with self._lock:
             age_s = self._delay.age_s(1e-3 * _number(request, "stamp_ms", 1e3 * now_s), now_s)
             if age_s > SILENCE_S:
-                raise ValueError(f"the command came {age_s:.1f} s late: it was not obeyed")
+                raise ValueError(f"the command came {age_s:.1f} s late: it was refused")
             self._heard_s = now_s
             return self._set(vehicle, efforts, {"age_s": age_s})
 

@@ -197,7 +197,7 @@ class Station:
     def present(self) -> Running:
         """Return the running simulator. Raises ValueError if there is none."""
         if self.running is None:
-            raise ValueError("no simulator runs: start one")
+            raise ValueError("no simulator is running: start one")
         return self.running
 
     def _leave_present(self) -> None:

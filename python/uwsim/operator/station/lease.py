@@ -48,7 +48,7 @@ class Lease:
         """Pass the controls to a member, or release them if `to` is "". Raises ValueError."""
         self.require_pilot(client)
         if to != "" and to not in self.members:
-            raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is no member")
+            raise ValueError(f"to = {str(to)[:NAME_MAX]!r}: is not a member")
         self._give(str(to))
 
     def require_pilot(self, client: str) -> None:

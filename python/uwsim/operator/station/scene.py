@@ -72,7 +72,7 @@ class Scene:
         """Return a vehicle's hull as GLB, in body axes. Raises ValueError for an unknown vehicle."""
         models = {source.name: source.entry.model for source in self._sources}
         if name not in models:
-            raise ValueError(f"vehicle '{name[:40]}': there is none")
+            raise ValueError(f"vehicle '{name[:40]}': does not exist")
         return self._once(f"hull {name}", lambda: glb(vehicle_hull(models[name]), np.zeros(3)))
 
     def _terrain(self) -> Terrain:

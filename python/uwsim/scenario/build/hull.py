@@ -174,7 +174,7 @@ def _require_mass_inside(model: VehicleModel, box_m: NDArray[np.float64]) -> Non
         return
     mass, low, high = (", ".join(f"{value:.4g}" for value in point) for point in (centre, *box_m))
     raise ScenarioError(
-        f"vehicle '{model.name}': centre_of_mass_m = ({mass}) m: must be in the box round the hull, from ({low}) to "
+        f"vehicle '{model.name}': centre_of_mass_m = ({mass}) m: must be in the hull's bounding box, from ({low}) to "
         f"({high}) m, which is placed by its centre_of_buoyancy_m",
         at=("centre_of_mass_m",),
     )

@@ -91,7 +91,7 @@ def _require_readable(path: Path) -> None:
         raise ScenarioError(f"mesh '{path}': is empty")
     if size > MAX_BYTES:
         raise ScenarioError(
-            f"mesh '{path}': {size} bytes, must be at most {MAX_BYTES}; reduce it in the program it is from"
+            f"mesh '{path}': {size} bytes, must be at most {MAX_BYTES}; simplify it in the program that created it"
         )
 
 

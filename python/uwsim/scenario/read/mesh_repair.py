@@ -33,7 +33,7 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     mesh.remove_unreferenced_vertices()
     repairs = _repair(mesh)
     if not _is_closed(mesh):
-        raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program it is from")
+        raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program that created it")
     if mesh.volume <= 0.0:
         raise ScenarioError(f"mesh '{name}': encloses no volume")
     mesh = _without_overlaps(mesh, name, repairs)

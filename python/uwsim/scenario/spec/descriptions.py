@@ -13,10 +13,10 @@ KEYS = re.compile(rf"(?:^|(?<=[.;:] )|(?<=\n))({KEY}(?:,\s{KEY})*):\s")
 
 
 EVERYWHERE = {
-    "kind": "which kind it is; each has keys of its own",
+    "kind": "the kind; each kind has its own keys",
     "name": "a letter followed by at most 39 letters, digits, '-' or '_'",
-    "description": "a line for people",
-    "yaw_pitch_roll_deg": "turns about z, then the new y, then the new x",
+    "description": "a one-line description",
+    "yaw_pitch_roll_deg": "rotations about z, then the new y, then the new x",
     "material": "a material's name, or its kind and the values that differ",
 }
 """Default descriptions of fields that most models share."""

@@ -69,7 +69,7 @@ class Pipeline(OnBed):
         headings = []
         for (x0, y0), (x1, y1) in pairwise(self.points_m):
             if math.hypot(x1 - x0, y1 - y0) < 1e-3:
-                raise broken(f"the point ({x1:g}, {y1:g}) m comes twice in a row", at=("points_m",))
+                raise broken(f"the point ({x1:g}, {y1:g}) m occurs twice in a row", at=("points_m",))
             headings.append(math.atan2(y1 - y0, x1 - x0))
         for before, after in pairwise(headings):
             bend_deg = abs(math.degrees(math.remainder(after - before, 2 * math.pi)))

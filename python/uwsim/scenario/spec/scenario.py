@@ -81,7 +81,7 @@ class Scenario(Model):
         for kind, items in (("obstacles", self.obstacles), ("vehicles", self.vehicles)):
             for index, item in enumerate(items):
                 if item.name in taken:
-                    raise broken("is taken", at=(kind, index, "name"), value=item.name)
+                    raise broken("is already in use", at=(kind, index, "name"), value=item.name)
                 taken.add(item.name)
         return self
 

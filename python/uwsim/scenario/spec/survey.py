@@ -38,7 +38,7 @@ class Survey(Model):
     def _limits_only_what_it_filters(self) -> Survey:
         if self.max_uncertainty_m is not None and self.outlier_filter is False:
             raise broken(
-                "is without effect where outlier_filter is false",
+                "has no effect if outlier_filter is false",
                 at=("max_uncertainty_m",),
                 value=self.max_uncertainty_m,
                 unit="m",

@@ -136,7 +136,7 @@ class Faults(Sealed):
         begins = {} if {"at_s", "rate_per_h"} & figures.keys() else {"at_s": self._agenda.tick * step_s}
         spec = checked_fault({**given, **begins})
         if spec.at_s is not None and round(spec.at_s / step_s) < self._agenda.tick:
-            raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is over")
+            raise ValueError(f"faults.inject: at_s = {spec.at_s} s: is in the past")
         fault = self._add(spec, self._agenda.tick)
         if fault.begin_tick <= self._agenda.tick:
             try:
@@ -222,7 +222,7 @@ class Faults(Sealed):
         self._check(spec, vehicle)
         name = spec.name or self._free_name(spec.kind)  # type: ignore[attr-defined]
         if name in self._faults:
-            raise ValueError(f"name = {name!r}: is taken")
+            raise ValueError(f"name = {name!r}: is already in use")
         fault = self._faults[name] = Fault(name, spec, vehicle, 0)
         fault.begin_tick = self._next_begin(fault, tick)
         if isinstance(spec, LinkLoss) and not self._link_carries:

@@ -161,7 +161,7 @@ class Parameters(Mapping[str, Any]):
         inside = {old for old in self._changes if name is None or old == name or old.startswith(name + ".")}
         above = [old for old in self._changes if name is not None and name.startswith(old + ".")]
         if above and not inside:
-            raise ScenarioError(f"{name}: was set with {above[0]}: reset that")
+            raise ScenarioError(f"{name}: was set with {above[0]}: reset that instead")
         switches = {
             switch: self._default(switch)
             for switch in self._switches

@@ -298,32 +298,32 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {number | null} [age_s]
  */
 
-// What runs, and under which names it is seen.
+// Describe the running simulator and the names of its topics and services.
 /** @returns {Promise<Description | Refused>} */
 export const describe = (bridge) => bridge.call('/station/describe');
 
-// Take part under a name.
+// Join under a name.
 /** @returns {Promise<Joined | Refused>} */
 export const join = (bridge, { name }) => bridge.call('/station/join', { name });
 
-// Have the controls, if nobody has them.
+// Take control, if no other client has it.
 /** @returns {Promise<Done | Refused>} */
 export const takeControl = (bridge) => bridge.call('/station/take_control');
 
-// Pass the controls on.
+// Hand control over to another member.
 /** @returns {Promise<Done | Refused>} */
 export const handOver = (bridge, { to }) => bridge.call('/station/hand_over', { to });
 
-// Set efforts, by the pilot.
+// Set efforts; for the pilot only.
 /** @returns {Promise<Driven | Refused>} */
 export const drive = (bridge, { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms }) =>
   bridge.call('/station/drive', { vehicle, surge, sway, heave, roll, pitch, yaw, stamp_ms });
 
-// Stop a vehicle against all commands, by anybody; release it, by the pilot.
+// Stop a vehicle regardless of all commands, or, as the pilot, release it.
 /** @returns {Promise<Commanded | Refused>} */
 export const allStop = (bridge, { vehicle, on }) => bridge.call('/station/all_stop', { vehicle, on });
 
-// Give another command, by the pilot.
+// Issue another command; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */
 export const command = (bridge, { name, vehicle, args }) => bridge.call('/station/command', { name, vehicle, args });
 
@@ -332,21 +332,21 @@ export const command = (bridge, { name, vehicle, args }) => bridge.call('/statio
 export const setView = (bridge, { name, rate_hz, width, quality }) =>
   bridge.call('/station/set_view', { name, rate_hz, width, quality });
 
-// What can be chosen on the start screen.
+// List the options of the start screen.
 /** @returns {Promise<Catalog | Refused>} */
 export const catalog = (bridge) => bridge.call('/station/catalog');
 
-// Say what is wrong with a choice.
+// Report the errors of a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const check = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
   bridge.call('/station/check', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
 
-// Run a simulator of a choice.
+// Start a simulator from a choice.
 /** @returns {Promise<ChoiceTaken | Refused>} */
 export const start = (bridge, { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved }) =>
   bridge.call('/station/start', { scenario, vehicle, sonar, mission_time_s, seed, speed, link, saved });
 
-// Pause, step, restart, save, record and the like; by the pilot.
+// Pause, step, restart, save, record and similar actions; for the pilot only.
 /** @returns {Promise<Commanded | Refused>} */
 export const control = (bridge, { action, steps, speed, name }) =>
   bridge.call('/station/control', { action, steps, speed, name });
