@@ -105,7 +105,7 @@ def run(
     autosave: Autosave = None,
     resume: Resume = False,
 ) -> None:
-    """Fly a mission from a Python file; write a log, a map and a report.
+    """Fly a mission from a file; write its log, map and report.
 
     Ctrl-C ends it early and keeps the results so far. If it is killed, --resume repeats it up to the last saved point,
     without its map, and then continues to the same results.

@@ -47,7 +47,7 @@ def station(
     page: Page = None,
     threads: Threads = None,
 ) -> None:
-    """Serve the operator's station, a web page, and open it in a browser.
+    """Serve the operator's station, a web page, and open it.
 
     It works offline and over a forwarded port. The same port also serves rosbridge clients. Ctrl-C stops it.
     """

@@ -149,7 +149,7 @@ def test_the_calls_that_wait_for_an_answer_are_bounded(live: LiveSimulator) -> N
     with Bounded() as bridge:
         for _ in range(6):
             bridge.call(busy, {}, lambda succeeded, values: answers.append(succeeded))
-        with pytest.raises(ValueError, match="6 calls wait already"):
+        with pytest.raises(ValueError, match="6 calls are already waiting"):
             bridge.call(busy, {}, lambda succeeded, values: None)
         going_on.set()
         until(lambda: len(answers) == 6)

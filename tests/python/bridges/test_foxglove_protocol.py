@@ -317,7 +317,7 @@ def test_calls_without_an_answer_are_bounded() -> None:
         caller.receive(struct.pack("<BIII", protocol.CALL, 1, number, 4) + b"json{}")
     assert len(begun) == session.CALLS_MAX
     failures = [json.loads(box.take() or "") for _ in range(5)]
-    assert all("are not answered yet" in failure["message"] for failure in failures) and box.take() is None
+    assert all("are still unanswered" in failure["message"] for failure in failures) and box.take() is None
 
 
 def test_an_error_of_a_service_goes_to_its_caller(live: LiveSimulator) -> None:

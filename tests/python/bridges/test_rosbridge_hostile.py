@@ -194,7 +194,7 @@ def test_wrong_options_are_refused(server):
         ({"port": 70000}, "port = 70000"),
         ({"token": "short"}, "token: must have 8 to 256"),
         ({"ros": 3}, "ros = 3: must be 1 or 2"),
-        ({"keyfile": "key.pem"}, "keyfile: give the certfile"),
+        ({"keyfile": "key.pem"}, "keyfile: needs certfile"),
         ({"origins": ["station"]}, "origin = 'station'"),
     ):
         with pytest.raises(ValueError, match=complaint):

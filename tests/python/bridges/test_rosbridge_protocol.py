@@ -232,7 +232,7 @@ def test_services_between_clients(pair):
         {"op": "service_response", "id": "call:1", "service": "add", "values": {"sum": 3}, "result": True}
     ]
     server.send("service_response", service="/add", id=request["id"], values={}, result=True)
-    assert "no such call waits" in server.complaint()
+    assert "no such call is waiting" in server.complaint()
 
 
 def test_a_missing_service_and_one_whose_server_leaves_answer_false(pair):
@@ -265,7 +265,7 @@ def test_a_service_cannot_be_taken_over(pair):
         ("{}", "op = None: unknown"),
         ('{"op": ["publish"]}', "op = "),
         ('{"op": "publish", "topic": 3}', "topic = 3: must be a name"),
-        ('{"op": "publish", "topic": "t", "msg": {}}', "its type is not known"),
+        ('{"op": "publish", "topic": "t", "msg": {}}', "its type is unknown"),
         ('{"op": "advertise", "topic": "t", "type": "nonsense"}', "type = 'nonsense': must be the name"),
         ('{"op": "advertise", "topic": "a b", "type": "std_msgs/String"}', "name without spaces"),
         ('{"op": "subscribe", "topic": "t", "compression": "zip"}', "compression = 'zip': must be one of"),
@@ -281,16 +281,16 @@ def test_a_service_cannot_be_taken_over(pair):
         ("[" * 100_000, "100000 lists and objects: must be 20000 at most"),
         (cbor2.dumps([1]), "must be a JSON object, or a CBOR map"),
         (b"\x9b" + b"\xff" * 8, "more items than it has bytes"),
-        (b"\x5b" + b"\xff" * 8, "ends too early"),
+        (b"\x5b" + b"\xff" * 8, "truncated CBOR"),
         (b"\xc2\x5b" + b"\x7f" * 8, "CBOR tag 2"),
         (b"\xc5\x82\x1b\x7f\xff\xff\xff\xff\xff\xff\xff\x01", "CBOR tag 5"),
         (b"\x81" * 200 + b"\x01", "nested more than 32 deep"),
         (b"\x9f\xff", "indefinite length"),
         ('{"op": "status", "id": "\\ud800", "a": NaN}', "half a surrogate pair"),
         ('{"op": "publish", "topic": "t", "a": [' + "NaN," * 60_000 + "1]}", "NaN or Infinity: must be 200000 at most"),
-        (b"\x01\x01", "bytes after its end"),
+        (b"\x01\x01", "followed by further bytes"),
         (b"\xd8\x55\x43abc", "CBOR"),
-        (b"", "ends too early"),
+        (b"", "truncated CBOR"),
     ],
 )
 def test_what_is_wrong_is_said(graph, frame, complaint):

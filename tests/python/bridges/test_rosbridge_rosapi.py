@@ -61,7 +61,7 @@ def test_rosapi_knows_types(ask):
     assert inner[0]["type"] == "std_msgs/Header"
     (trigger,) = ask("service_response_details", type="std_srvs/Trigger")["typedefs"]
     assert trigger["fieldnames"] == ["success", "message"]
-    assert "no such message type" in ask("message_details", expected=False, type="demo/Nothing")
+    assert "unknown message type" in ask("message_details", expected=False, type="demo/Nothing")
 
 
 def test_parameters_are_json_and_a_missing_one_is_null(ask):

@@ -44,7 +44,7 @@ def test_frames_lie_evenly_along_a_track_and_neighbours_stay_in_one_split(tmp_pa
     assert splits.count("val") == 4
     with pytest.raises(ValueError, match="n = 42: the track has 41 poses"):
         make_dataset("pool", tmp_path / "more", 42, along=tmp_path / "own.npz", **SMALL)
-    with pytest.raises(ValueError, match="look_at: is without effect along a track"):
+    with pytest.raises(ValueError, match="look_at: has no effect along a track"):
         make_dataset("pool", tmp_path / "more", 4, along=tmp_path / "own.npz", look_at=("box",), **SMALL)
 
 
@@ -109,16 +109,16 @@ def test_any_camera_can_follow_a_track_but_only_a_fixed_one_is_drawn(tmp_path: P
         ({"write": ("depht",)}, "write"),
         ({"write": ("depth", "depth")}, "must not contain duplicates"),
         ({"effects": "nois"}, "effects"),
-        ({"sonar": "forward_looking"}, "sonar.*without effect"),
-        ({"pictures": "jpg"}, "pictures.*without effect"),
-        ({"label_range_m": 3.0}, "label_range_m = 3 m: is without effect"),
-        ({"min_pixels": 3}, "min_pixels = 3.*is without effect"),
+        ({"sonar": "forward_looking"}, "sonar.*has no effect"),
+        ({"pictures": "jpg"}, "pictures.*has no effect"),
+        ({"label_range_m": 3.0}, "label_range_m = 3 m: has no effect"),
+        ({"min_pixels": 3}, "min_pixels = 3.*has no effect"),
         ({"write": ("yolo",)}, "needs rgb"),
-        ({"write": ("multibeam",)}, "size: are without effect"),
+        ({"write": ("multibeam",)}, "size: have no effect"),
         ({"vehicle": "scout"}, "scout"),
         ({"vary": {"optics.jerlow": {"choices": ["I"]}}}, "jerlow"),
         ({"vary": {"optics.jerlov": {"choices": ["I", "XX"]}}}, "XX"),
-        ({"distance_m": (6.0, 2.0)}, "least, then the greatest"),
+        ({"distance_m": (6.0, 2.0)}, "minimum, then the maximum"),
         ({"distance_m": (500.0, 600.0)}, "no pose was found among .* looks at"),
         ({"n": 0}, "n = 0"),
         ({"depth": 3}, "depth"),

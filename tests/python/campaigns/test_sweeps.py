@@ -132,7 +132,7 @@ def test_every_mistake_is_told_with_its_line(folder: Path) -> None:
     [
         ("method: sobol\nsamples: 100\nvary: {a: {low: 0, high: 1}}", "samples = 100: must be a power of two"),
         ("method: random\nvary: {a: {low: 0, high: 1}}", "samples: must be given for `method: random`"),
-        ("samples: 3", "samples: is without effect on a grid"),
+        ("samples: 3", "samples: has no effect on a grid"),
         ("vary: {a: {low: 0, high: 1}}", "vary.a.steps: must be given on a grid"),
         ("vary: {a: {low: 2, high: 1, steps: 2}}", r"high = 1: must be greater than low \(2\)"),
         ("vary: {a: {low: 2}}", "vary.a: must have low and high, or choices"),

@@ -133,7 +133,7 @@ def test_the_pilot_s_hands_move_nothing_and_release_does_not_move_it_either(live
 def test_all_stop_is_taken_however_many_commands_wait(live: LiveSimulator) -> None:
     waiting: Future[None] = Future()
     held = live.call(lambda sim: waiting.result())
-    with pytest.raises(RuntimeError, match=f"{REQUESTS_MAX} commands wait"):
+    with pytest.raises(RuntimeError, match=f"{REQUESTS_MAX} commands are already waiting"):
         for _ in range(2 * REQUESTS_MAX):
             live.command("set_effort", vehicle="forces", surge=1.0)
     stopped = live.command("all_stop", vehicle="forces")

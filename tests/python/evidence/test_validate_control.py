@@ -15,6 +15,6 @@ def test_bad_gains_miss_and_are_drawn(tmp_path: Path) -> None:
     responses = step_responses("rov", model)
     missed = {check.name for response in responses for check in response_checks(response) if not check.passed}
     assert any(name.startswith("ahead") for name in missed) and any(name.startswith("heading") for name in missed)
-    assert not any(name.startswith("aside") for name in missed)
+    assert not any(name.startswith("sideways") for name in missed)
     draw_steps(responses, tmp_path / "steps.png")
     assert (tmp_path / "steps.png").read_bytes().startswith(b"\x89PNG")

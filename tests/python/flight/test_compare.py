@@ -67,7 +67,7 @@ def test_the_command_flies_files_and_prints_the_table(tmp_path: Path) -> None:
         (("--seeds", "1,1"), "must not contain duplicates"),
         (("frontier", "frontier"), "there is another 'frontier'"),
         (("--by", "guess"), "--by = 'guess': must be one of truth, estimate"),
-        (("--fault", "thruster"), "--fault thruster: must be as in a scenario"),
+        (("--fault", "thruster"), "--fault thruster: must be written as in a scenario"),
         (("--fault", "kind: sensor, sensor: dvl, mode: of"), "mode"),
         (("--set", "bound_km=3", "--seeds", "1"), "bound_km"),
     ],

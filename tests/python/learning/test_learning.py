@@ -170,7 +170,7 @@ def test_render_gives_a_picture_of_each_member() -> None:
         ({"randomize": {"rov.mass_kg": 3}}, r"must be \(low, high\)"),
         ({"randomize": {"rov.mass_kg": (-1, 3)}}, r"rov.mass_kg = -1"),
         ({"duration_s": 0.0}, "duration_s = 0.0 s: must be positive"),
-        ({"camera_size": (10, 10)}, "camera_size: is without effect"),
+        ({"camera_size": (10, 10)}, "camera_size: has no effect"),
         ({"camera": "frnt"}, "camera = 'frnt': must be one of"),
         ({"render_mode": "human"}, "render_mode = 'human'"),
         ({"num_envs": 0}, "num_envs = 0"),

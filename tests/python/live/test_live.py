@@ -198,7 +198,7 @@ def test_stopping_ends_what_waits_and_starting_goes_on() -> None:
     with pytest.raises(NotRunningError, match="start it first"):
         live.call(lambda sim: None)
     live.start()
-    with pytest.raises(RuntimeError, match="runs already"):
+    with pytest.raises(RuntimeError, match="already running"):
         live.start()
     errors: list[Exception] = []
 

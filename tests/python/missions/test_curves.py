@@ -75,7 +75,7 @@ def test_a_vehicle_stops_before_what_is_in_the_way_of_its_curve() -> None:
     ("points", "radius_m", "match"),
     [
         ([[0, 0]], 1.0, "n at least 2"),
-        ([[0, 0], [0, 0]], 1.0, "same place"),
+        ([[0, 0], [0, 0]], 1.0, "coincide"),
         ([[0, 0], [1, 1]], 0.0, "must be positive"),
     ],
 )

@@ -19,7 +19,7 @@ def test_one_has_the_controls_and_hands_them_over():
     assert (lease.pilot, lease.asking) == ("a", ["b"])
     with pytest.raises(ValueError, match="pilot a"):
         lease.hand_over("b", "c")
-    with pytest.raises(ValueError, match="no member"):
+    with pytest.raises(ValueError, match="is not a member"):
         lease.hand_over("a", "d")
     lease.hand_over("a", "b")
     assert (lease.pilot, lease.asking) == ("b", [])

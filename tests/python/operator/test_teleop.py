@@ -383,8 +383,8 @@ def test_its_own_simulator_is_flown_over_a_link():
     ("arguments", "message"),
     [
         (["http://here"], "must begin with ws:// or wss://"),
-        (["ws://127.0.0.1:1", "--scenario", "pool"], "not a URL"),
-        (["ws://127.0.0.1:1", "--link", "s2cm_hs"], "not a URL"),
+        (["ws://127.0.0.1:1", "--scenario", "pool"], "not for a URL"),
+        (["ws://127.0.0.1:1", "--link", "s2cm_hs"], "not for a URL"),
         (["--scenario", "pool", "--vehicle", "nobody"], "--vehicle = 'nobody'"),
         (["--scenario", "pool", "--link", "string"], "string"),
         (["ws://127.0.0.1:1"], "stdin is not a terminal"),
