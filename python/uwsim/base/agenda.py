@@ -6,7 +6,8 @@ tests/python/base/test_agenda.py.
 | when           | rank       | what acts                                              | among themselves     |
 |----------------|------------|--------------------------------------------------------|----------------------|
 | T is reached   | `OBSERVER` | recorders, samplers, mappers and navigation observe    | as attached          |
-|                | `READING`  | readings of `LiveSimulator.every` go to their sinks    | as subscribed        |
+|                | `FRAME`    | readings of time and transforms, which others refer to | as subscribed        |
+|                | `READING`  | other readings of `LiveSimulator.every`                | as subscribed        |
 |                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
@@ -31,13 +32,14 @@ class Rank(IntEnum):
     """The order in which items act that are due at the same tick."""
 
     OBSERVER = 0
-    READING = 1
-    DELIVERY = 2
-    FAULT = 3
-    FAILSAFE = 4
+    FRAME = 1
+    READING = 2
+    DELIVERY = 3
+    FAULT = 4
+    FAILSAFE = 5
 
 
-REACHED = (Rank.OBSERVER, Rank.READING, Rank.DELIVERY)
+REACHED = (Rank.OBSERVER, Rank.FRAME, Rank.READING, Rank.DELIVERY)
 LEFT = (Rank.FAULT, Rank.FAILSAFE)
 
 

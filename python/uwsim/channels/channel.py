@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
@@ -21,13 +22,27 @@ def _no_command(live: LiveSimulator, message: Any) -> None:
     raise ValueError("it is not for commands")
 
 
+class Drops:
+    """The number of a channel's messages that did not reach a peer because it, or its network, was too slow."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.count = 0
+
+    def add(self) -> None:
+        """Count one more, on any thread."""
+        with self._lock:
+            self.count += 1
+
+
 @dataclass(frozen=True)
 class Channel:
     """A topic.
 
     name: without a leading slash. type: in ROS 2's spelling, such as "sensor_msgs/msg/LaserScan". rate_hz: the rate of
     readings in simulated time; None: one reading when the first subscriber connects. latched: whether later subscribers
-    receive the latest message immediately. over_link: whether the channel crosses the acoustic link. priority: on the
+    receive the latest message immediately. leads: whether its readings precede those of the other channels at a
+    tick, which refer to them. over_link: whether the channel crosses the acoustic link. priority: on the
     link, COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the
     link, a name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real
     time, messages are published when they are ready or skipped, as pictures are, so that their timing, but not their
@@ -38,7 +53,7 @@ class Channel:
     of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
     returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
     called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
-    `apply` when the last publisher has gone.
+    `apply` when the last publisher has gone. drops: counted by the sinks; /diagnostics reports it.
     """
 
     name: str
@@ -47,6 +62,7 @@ class Channel:
     description: str
     rate_hz: float | None = None
     latched: bool = False
+    leads: bool = False
     frame_id: str = ""
     over_link: bool = False
     priority: int = INSTRUMENT
@@ -58,6 +74,7 @@ class Channel:
     read: Callable[[Simulator], Any] = _no_message
     apply: Callable[[LiveSimulator, Any], object] = _no_command
     abandoned: Callable[[LiveSimulator], object] | None = None
+    drops: Drops = field(default_factory=Drops, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

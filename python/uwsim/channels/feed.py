@@ -166,7 +166,8 @@ class _Tap:
         """Start reading."""
         self._is_first = True  # while paused, a reading of this tick may predate later commands
         if self._channel.rate_hz is not None:
-            self._subscription = self._live.every(1.0 / self._channel.rate_hz, self._read, self._hand_on)
+            period_s, leads = 1.0 / self._channel.rate_hz, self._channel.leads
+            self._subscription = self._live.every(period_s, self._read, self._hand_on, leads=leads)
         else:
             self.read_once(self._hand_on)
 

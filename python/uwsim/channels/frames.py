@@ -20,7 +20,7 @@ CLOCK_HZ = 100.0
 def clock_channel() -> Channel:
     """Return the channel /clock."""
     return Channel(
-        "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ,
+        "clock", "rosgraph_msgs/msg/Clock", "out", "simulated time", rate_hz=CLOCK_HZ, leads=True,
         read=lambda sim: build.message("rosgraph_msgs/msg/Clock", clock=build.time(sim.time_ns)),
     )  # fmt: skip
 
@@ -31,7 +31,7 @@ def common_channels(sources: Sequence[Source]) -> list[Channel]:
         clock_channel(),
         Channel(
             "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles, sonar heads, cameras that turn or follow",
-            rate_hz=RATE_HZ, over_link=True, read=lambda sim: _moving(sources, sim),
+            rate_hz=RATE_HZ, leads=True, over_link=True, read=lambda sim: _moving(sources, sim),
         ),
         Channel(
             "tf_static", "tf2_msgs/msg/TFMessage", "out", "what does not move: world -> odom, sensors and cameras",

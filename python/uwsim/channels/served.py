@@ -23,5 +23,7 @@ def served_table(
         return live.speed == "max" or live.paused
 
     table = Table(live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth)
-    table.channels.insert(0, clock_channel() if wire == "published" else diagnostics_channel(live))
+    table.channels.insert(
+        0, clock_channel() if wire == "published" else diagnostics_channel(live, lambda: table.channels)
+    )
     return table

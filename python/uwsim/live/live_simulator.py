@@ -237,16 +237,24 @@ class LiveSimulator:
         kept = {key: plain(value, f"command '{name}': {key}") for key, value in arguments.items()}
         return self._submit(bound_command(name, kept), name, kept)
 
-    def every(self, period_s: float, read: Callable[[Simulator], T], sink: Callable[[T], object]) -> Subscription:
+    def every(
+        self,
+        period_s: float,
+        read: Callable[[Simulator], T],
+        sink: Callable[[T], object],
+        *,
+        leads: bool = False,
+    ) -> Subscription:
         """Take a reading now, after each jump in time, and at all multiples of period_s, and pass it to the sink.
 
         Readings are taken after the first step at or after each multiple, in simulated time. Both functions run on the
         stepping thread and must be brief; the sink must not block. Their errors are logged and kept in the
-        subscription. Raises ValueError if the period is invalid, NotRunningError if the simulator is not running.
+        subscription. leads: whether its readings precede all others at the same tick, as time and transforms do. Raises
+        ValueError if the period is invalid, NotRunningError if the simulator is not running.
         """
         if not 0 < period_s <= 1e9:
             raise ValueError(f"period_s = {period_s} s: must be in (0, 1e9]")
-        subscription = Subscription(self.simulator, max(round(period_s * 1e9), 1), read, sink)
+        subscription = Subscription(self.simulator, max(round(period_s * 1e9), 1), read, sink, leads=leads)
         self._loop.subscribe(subscription)
         return subscription
 

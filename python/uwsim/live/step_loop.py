@@ -24,7 +24,7 @@ REQUESTS_MAX = 10_000  # limit of the queue; more are refused, so that a flood c
 REQUESTS_PER_STEP = 1_000  # answered between two steps, so that a flood cannot stop time
 START_NAVIGATION = "start_navigation"
 # Items of the agenda that others wait for: they must be on time, so steps are not batched across them.
-AWAITED = (Rank.READING, Rank.DELIVERY)
+AWAITED = (Rank.FRAME, Rank.READING, Rank.DELIVERY)
 
 logger = logging.getLogger("uwsim.live")
 
@@ -89,7 +89,8 @@ class StepLoop:
         with self.lock:
             self._require_open()
             read = partial(self._read, subscription)
-            self.sim.agenda.add(subscription, Rank.READING, read, jump=subscription.jump)
+            rank = Rank.FRAME if subscription.leads else Rank.READING
+            self.sim.agenda.add(subscription, rank, read, jump=subscription.jump)
             self.lock.notify_all()
 
     def _read(self, subscription: Subscription, tick: int) -> None:

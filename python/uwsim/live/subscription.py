@@ -24,8 +24,14 @@ class Subscription:
         period_ns: int | None,
         read: Callable[[Simulator], Any],
         sink: Callable[[Any], object],
+        *,
+        leads: bool = False,
     ) -> None:
-        """Create a subscription. period_ns: None to read only now and after each jump in time."""
+        """Create a subscription.
+
+        period_ns: None to read only now and after each jump in time. leads: whether it precedes the others at a tick.
+        """
+        self.leads = leads
         self.error: Exception | None = None
         self.errors = 0
         self.cancelled = False

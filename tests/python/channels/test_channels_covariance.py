@@ -72,13 +72,14 @@ def test_a_figure_that_is_changed_while_it_runs_changes_the_covariance():
 def test_diagnostics_tell_the_pace():
     with LiveSimulator("pool", speed=1.0, paused=True) as live:
         channel = diagnostics_channel(live)
-        status, rov = live.read(channel.read).result().status
+        status, delivery, rov = live.read(channel.read).result().status
         values = {pair.key: pair.value for pair in status.values}
         assert (status.level, status.message, values["speed"], values["paused"]) == (0, "paused", "1.0", "True")
+        assert (delivery.name, delivery.level) == ("uwsim: delivery", 0)
         assert (rov.name, rov.level) == ("uwsim: rov", 0)
         live.speed = 1e6  # faster than any machine can run
         live.resume()
         while live.slipped_s == 0.0:
             pass
-        status, rov = live.read(channel.read).result().status
+        status, *_ = live.read(channel.read).result().status
         assert (status.level, status.message) == (1, "the pace is not held")

@@ -14,7 +14,7 @@ from uwsim.bridges.foxglove.shows import Show
 from uwsim.channels import Channel
 from uwsim.channels.cdr import schema
 from uwsim.channels.feed import Reading
-from uwsim.channels.outgoing import Line, Outgoing, queue_of
+from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 
 Sinks = tuple[tuple[Outbox, int], ...]
 """Subscribed clients' outboxes, each with the number that the client chose for its subscription."""
@@ -27,7 +27,9 @@ class Offers:
         self._bridge, self._outgoing = bridge, outgoing
         self._channels = bridge.outputs
         self._shows: dict[str, Show] = {}
-        self._lines = {name: Line(name, queue_of(channel.type)) for name, channel in self._channels.items()}
+        self._lines: dict[str, Line[Job]] = {
+            name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self._channels.items()
+        }
         self._sinks: dict[str, Sinks] = {}  # values are replaced as a whole, since another thread reads them
         self.offers: list[Offer] = []
 

@@ -11,7 +11,7 @@ from uwsim.bridges.foxglove.places import ORIGIN_M, Follow, Leave, Vector, told_
 from uwsim.bridges.foxglove.scenes import MapBlocks, Positions, Tracks, hulls, lake
 from uwsim.channels import Channel
 from uwsim.channels.feed import Reading, Readings
-from uwsim.channels.outgoing import Line, Outgoing
+from uwsim.channels.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
 
 WAITING = 64  # updates per queue; dropping one is bad, since each builds on the previous ones
@@ -29,7 +29,7 @@ class Show:
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
         self._outgoing = outgoing
-        self._line = Line(topic, WAITING)
+        self._line: Line[Job] = Line(topic, WAITING)
         self._send = partial(send, topic)
 
     def begin(self, newcomer: Send) -> None:

@@ -13,7 +13,7 @@ from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import to_bytes
-from uwsim.channels.outgoing import Line, Outgoing, queue_of
+from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
@@ -51,7 +51,9 @@ class Ros1Node(Bridge):
         if CLOCK in self.outputs:
             rospy.set_param("/use_sim_time", True)
         self._outgoing = Outgoing("uwsim-ros1")
-        self._lines = {name: Line(name, queue_of(channel.type)) for name, channel in self.outputs.items()}
+        self._lines: dict[str, Line[Job]] = {
+            name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
+        }
         self._publishers: dict[str, Any] = {}
         self.keep_up()
         for name in self.outputs:

@@ -26,7 +26,7 @@ from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import from_bytes
-from uwsim.channels.outgoing import Line, Outgoing, queue_of
+from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
 NAME = "uwsim"
@@ -67,14 +67,14 @@ class Ros2Node(Bridge):
             dds_name(channel.name)
         super().__init__("ros2", live, self.channels, services, feed, open_calls=OPEN_CALLS_MAX)
         self._writers: dict[str, RawWriter] = {}
-        self._lines: dict[str, Line] = {}
+        self._lines: dict[str, Line[Job]] = {}
         self._sources: dict[RawWriter | RawReader, Channel] = {}
         self._stopping = threading.Event()
         self._participant = Participant(self.settings, PARTICIPANT_DATA)
         self._outgoing = Outgoing("uwsim-ros2-write")
         self._events = self._participant.wait_set()
         self._log = self._writer(LOG_TOPIC, LOG, LOG_DEPTH, latched=True)
-        self._log_line = Line(LOG_TOPIC, LOG_DEPTH)
+        self._log_line: Line[Job] = Line(LOG_TOPIC, LOG_DEPTH)
         for channel in self.channels:
             self._join(channel)
         self.keep_up()
@@ -85,7 +85,7 @@ class Ros2Node(Bridge):
     @property
     def dropped(self) -> dict[str, int]:
         """The number of messages per topic that were dropped for newer ones because the network was too slow."""
-        return {name: line.dropped for name, line in self._lines.items() if line.dropped}
+        return {name: line.drops.count for name, line in self._lines.items() if line.drops.count}
 
     @property
     def written(self) -> dict[str, int]:
@@ -108,7 +108,7 @@ class Ros2Node(Bridge):
         if channel.direction == "out":
             source = self._writer(channel.name, channel.type, 1 if channel.latched else DEPTH, channel.latched)
             self._writers[channel.name] = source
-            self._lines[channel.name] = Line(channel.name, queue_of(channel.type))
+            self._lines[channel.name] = Line(channel.name, queue_of(channel.type), channel.drops)
         else:
             qos = reader_qos(DEPTH, reliable=channel in self._reliable, user_data=self._data(channel.type))
             source = self._participant.reader(dds_name(channel.name), channel.type, qos)

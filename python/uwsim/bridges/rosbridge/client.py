@@ -2,15 +2,14 @@
 
 It advertises topics and services and subscribes to command topics, again after each reconnection. While connected,
 every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The simulator's thread
-never waits: readings pass through a bounded queue, which drops the oldest. If the server closes the connection because
-a message was too large, messages of that size or larger are no longer sent.
+never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the server closes the
+connection because a message was too large, messages of that size or larger are no longer sent.
 """
 
 from __future__ import annotations
 
 import asyncio
 import threading
-from collections import deque
 from collections.abc import Iterable
 from functools import partial
 from typing import Any, Self
@@ -27,11 +26,11 @@ from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import Ros, from_plain, spelled
+from uwsim.channels.outgoing import Line, Turns, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
 
 FIRST_WAIT_S = 0.25
 LONGEST_WAIT_S = 10.0
-WAITING = 200
 STOP_S = 5.0
 TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 
@@ -59,7 +58,10 @@ class RosbridgeClient(Bridge):
         super().__init__("rosbridge", live, channels, services, feed)
         self._ros: Ros = ros
         self._limits = limits or Limits(frame_bytes=16 << 20)
-        self._waiting: deque[Reading] = deque(maxlen=WAITING)
+        self._waiting: Turns[Reading] = Turns()
+        self._lines: dict[str, Line[Reading]] = {
+            name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
+        }
         self._answers: set[asyncio.Future[None]] = set()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -139,7 +141,8 @@ class RosbridgeClient(Bridge):
             writer.cancel()
             for name in self.outputs:
                 self.leave(name)
-            self._waiting.clear()
+            while self._waiting.take(wait=False) is not None:
+                pass
             await asyncio.gather(writer, return_exceptions=True)
 
     def _introduction(self) -> Iterable[dict[str, Any]]:
@@ -161,18 +164,16 @@ class RosbridgeClient(Bridge):
 
     def take(self, reading: Reading) -> None:
         """Queue a reading, on the simulator's thread."""
-        was_empty = not self._waiting
-        self._waiting.append(reading)
-        if was_empty and self._loop is not None:
+        self._waiting.put(self._lines[reading.channel.name], reading)
+        if self._loop is not None and not self._wakes.is_set():
             post(self._loop, self._wakes.set)
 
     async def _write(self, connection: ClientConnection) -> None:
         while True:
-            while self._waiting:
-                await self._send(self._waiting.popleft(), connection)
             self._wakes.clear()
-            if not self._waiting:
-                await self._wakes.wait()
+            while (turn := self._waiting.take(wait=False)) is not None:
+                await self._send(turn[1], connection)
+            await self._wakes.wait()
 
     async def _send(self, reading: Reading, connection: ClientConnection) -> None:
         name = reading.channel.name

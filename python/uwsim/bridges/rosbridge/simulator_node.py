@@ -1,13 +1,12 @@
 """The simulator as a peer in the graph, with its channels and services. A channel is read only while subscribed to.
 
-Readings come from the feed on the simulator's thread and are passed on through a bounded queue; commands and calls go
+Readings come from the feed on the simulator's thread and are passed on through bounded queues; commands and calls go
 the other way. The simulator's thread never waits for the graph's.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections import deque
 from collections.abc import Iterable
 from functools import partial
 from typing import Any
@@ -18,11 +17,12 @@ from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
+from uwsim.channels.outgoing import Line, Turns, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
 """The node's name in the graph for a live simulator, and for a recording."""
-WAITING = 1000  # queued messages from the simulator's thread; beyond that, the oldest are dropped
+WAITING = 10  # times the usual queue of a topic, since the network's thread may be busy for as long with one client
 
 
 class SimulatorNode(Bridge):
@@ -42,7 +42,10 @@ class SimulatorNode(Bridge):
         self._name = PLAYED if live is None else LIVE
         self._graph = graph
         self._loop = loop
-        self._arrived: deque[tuple[Reading, Sample]] = deque(maxlen=WAITING)
+        self._arrived: Turns[tuple[Reading, Sample]] = Turns()
+        self._lines: dict[str, Line[tuple[Reading, Sample]]] = {
+            name: Line(name, WAITING * queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
+        }
         self._latched: dict[str, Reading] = {}  # the latest message of each latched channel
         self._drain_is_due = False
         graph.nodes[self._name] = None
@@ -84,7 +87,7 @@ class SimulatorNode(Bridge):
         """Queue a reading, on the simulator's thread."""
         catch_up = reading.channel.catch_up
         sample = Sample(reading.message, reading.time_ns) if catch_up is None else Growing(catch_up, reading.time_ns)
-        self._arrived.append((reading, sample))
+        self._arrived.put(self._lines[reading.channel.name], (reading, sample))
         if not self._drain_is_due:
             self._drain_is_due = True
             post(self._loop, self._drain)
@@ -92,7 +95,9 @@ class SimulatorNode(Bridge):
     def _drain(self) -> None:
         self._drain_is_due = False
         for _ in range(len(self._arrived)):
-            reading, sample = self._arrived.popleft()
+            turn = self._arrived.take(wait=False)
+            assert turn is not None  # no other thread takes
+            reading, sample = turn[1]
             name, latch = reading.channel.name, reading.channel.latched
             topic = self._graph.topics.get(name)
             if self.is_closed or topic is None or not (topic.sinks or latch):

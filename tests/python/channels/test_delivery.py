@@ -1,0 +1,73 @@
+"""What subscribers receive, and in which order: nothing latched is lost, frames come first, each ping comes once."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from uwsim.bridges.rosbridge.graph import Graph
+from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
+from uwsim.channels import Channel, Table, diagnostics_channel
+from uwsim.channels.build import text
+from uwsim.channels.feed import Feed
+from uwsim.channels.outgoing import Line, Turns
+from uwsim.live import LiveSimulator
+
+TEXT = "std_msgs/msg/String"
+
+
+@pytest.fixture
+def live() -> Iterator[LiveSimulator]:
+    with LiveSimulator("pool", paused=True, speed="max") as live:
+        yield live
+
+
+def test_frequent_messages_displace_only_their_own_and_the_order_is_kept() -> None:
+    turns: Turns[int] = Turns()
+    often, once = Line[int]("often", 3), Line[int]("once", 1)
+    turns.put(often, 0)
+    turns.put(once, -1)
+    for number in range(1, 100):
+        turns.put(often, number)
+    taken = [turns.take(wait=False) for _ in range(len(turns))]
+    assert [turn[1] for turn in taken if turn] == [97, -1, 98, 99]
+    assert turns.take(wait=False) is None and (often.drops.count, once.drops.count) == (97, 0)
+
+
+class BusyLoop:
+    """An event loop that does nothing until it is called upon."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Callable[[], object]] = []
+
+    def call_soon_threadsafe(self, function: Callable[..., object], *arguments: Any) -> None:
+        self.waiting.append(lambda: function(*arguments))
+
+
+def test_a_busy_server_keeps_latched_messages_and_reports_the_others_that_it_drops(live: LiveSimulator) -> None:
+    fixed = Channel("fixed", TEXT, "out", "", latched=True, read=lambda sim: text("fixed"))
+    often = Channel("often", TEXT, "out", "", rate_hz=200.0, read=lambda sim: text("often"))
+    diagnostics, graph, loop, seen = diagnostics_channel(live, lambda: [fixed, often]), Graph(), BusyLoop(), []
+    with SimulatorNode(live, [fixed, often], [], None, graph, loop):  # type: ignore[arg-type]
+        for name in ("fixed", "often"):
+            graph.subscribe("client", name, name, TEXT, lambda sample: seen.append(sample.message.data))
+        live.step(3000)
+        assert diagnostics.read(live.simulator).status[1].level == 1
+        for work in loop.waiting:
+            work()
+    assert seen.count("fixed") == 1 and seen.count("often") + often.drops.count == 3001
+    (pair,) = diagnostics.read(live.simulator).status[1].values
+    assert (pair.key, int(pair.value)) == ("/often", often.drops.count) and often.drops.count > 0
+    assert diagnostics.read(live.simulator).status[1].level == 0, "none since the last message"
+
+
+def test_time_and_transforms_precede_all_readings_of_the_same_tick(live: LiveSimulator) -> None:
+    table, feed, order = {channel.name: channel for channel in Table(live.simulator).channels}, Feed(live), []
+    for name in ("points", "imu", "tf", "clock"):  # the frames are subscribed to last
+        feed.listen(table[name], lambda reading: order.append((reading.tick, reading.channel.name)))
+    live.step(400)
+    ticks = {tick for tick, name in order if name == "points"}
+    assert len(ticks) > 10
+    for tick in ticks:
+        assert {name for at, name in order if at == tick} == {"points", "imu", "tf", "clock"}
+        assert {name for at, name in [one for one in order if one[0] == tick][:2]} == {"tf", "clock"}
