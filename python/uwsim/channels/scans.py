@@ -15,8 +15,8 @@ from uwsim.channels.channel import PING, Channel
 from uwsim.channels.pings import Pings, TakenPing
 from uwsim.channels.source import Source
 from uwsim.mapping import ranging
+from uwsim.simulator.simulator import Simulator
 
-SCAN_HZ = 50.0
 FLOAT32 = 7  # PointField.FLOAT32
 
 
@@ -34,17 +34,15 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic whose messages depend on a single ping: live, the latest one; in a recording, each one.
+    """A topic with one message for each ping; repeated at 50 Hz, as by the paper's node, maps would count it often.
 
-    rate_hz: the rate at which the latest ping is published; None: each ping once. make: called with head, ping and
-    frame; returns None for no message. packing: see Channel.
+    make: called with head, ping and frame; returns None for no message. packing: see Channel.
     """
 
     name: str
     type: str
     description: str
     make: Callable[[Head, TakenPing, str], Any]
-    rate_hz: float | None = None
     frame: str = "base_scan"
     packing: str = ""
 
@@ -52,10 +50,16 @@ class PingTopic:
         """Return the channel for a vehicle's latest ping."""
         frame_id = source.frame(self.frame) if self.frame else ""
         make = _once_a_ping(lambda taken: self.make(pings, taken, frame_id))
+        period_ns = round(1e9 / pings.rate_hz)
+
+        def read(sim: Simulator) -> Any:
+            taken = pings.newest(sim)
+            # Parameters may have made the pings rarer than the channel's readings.
+            return make(taken) if sim.time_ns - taken.ping.time_ns < period_ns else None
+
         return Channel(
-            source.topic(self.name), self.type, "out", self.description, rate_hz=self.rate_hz or pings.rate_hz,
-            frame_id=frame_id, over_link=True, priority=PING, packing=self.packing,
-            read=lambda sim: make(pings.newest(sim)),
+            source.topic(self.name), self.type, "out", self.description, rate_hz=pings.rate_hz, frame_id=frame_id,
+            over_link=True, priority=PING, packing=self.packing, read=read,
         )  # fmt: skip
 
 
@@ -71,7 +75,7 @@ def scan_channels(source: Source, pings: Pings) -> list[Channel]:
 
 
 def _once_a_ping(make: Callable[[TakenPing], Any]) -> Callable[[TakenPing], Any]:
-    """Cache the last result of `make`, since each ping is published several times."""
+    """Cache the last result of `make`, since several sinks read the same ping."""
     last: tuple[TakenPing, Any] | None = None
 
     def made(taken: TakenPing) -> Any:
@@ -138,13 +142,9 @@ def cloud(columns: dict[str, NDArray[np.float32]], stamp_ns: int, frame_id: str)
 
 
 SCAN_TOPICS = (
-    PingTopic(
-        "scan", "sensor_msgs/msg/LaserScan", "the newest ping, stamped with its time", _scan, SCAN_HZ, packing="scan"
-    ),
-    PingTopic("ping", "sensor_msgs/msg/LaserScan", "each ping once, as /scan says it", _scan, packing="scan"),
-    PingTopic(
-        "laserPointCloud", "sensor_msgs/msg/PointCloud2", "the scan as laser_geometry projects it", _projected, SCAN_HZ
-    ),
+    PingTopic("scan", "sensor_msgs/msg/LaserScan", "each ping once, stamped with its time", _scan, packing="scan"),
+    PingTopic("ping", "sensor_msgs/msg/LaserScan", "an earlier name of /scan", _scan, packing="scan"),
+    PingTopic("laserPointCloud", "sensor_msgs/msg/PointCloud2", "the scan as laser_geometry projects it", _projected),
     PingTopic("points", "sensor_msgs/msg/PointCloud2", "each ping's echoes with their intensity [dB]", _echoes),
 )
 DEPTH_ARRAY = PingTopic(

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from channel_tools import stamp_ns
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.channels import Channel, Table, diagnostics_channel
@@ -71,3 +72,16 @@ def test_time_and_transforms_precede_all_readings_of_the_same_tick(live: LiveSim
     for tick in ticks:
         assert {name for at, name in order if at == tick} == {"points", "imu", "tf", "clock"}
         assert {name for at, name in [one for one in order if one[0] == tick][:2]} == {"tf", "clock"}
+
+
+@pytest.mark.parametrize("name", ["scan", "ping", "laserPointCloud", "points"])
+def test_each_ping_is_published_once_even_when_pings_become_rarer(live: LiveSimulator, name: str) -> None:
+    (channel,) = [one for one in Table(live.simulator).channels if one.name == name]
+    stamps: list[int] = []
+    Feed(live).listen(channel, lambda reading: stamps.append(stamp_ns(reading.message)))
+    live.step(200)
+    quick = len(stamps)
+    assert 10 <= quick <= 15, "about 13 pings a second to 55 m"
+    live.command("set_parameter", name="rov.sonar.model", value=1).result()  # to 95 m
+    live.step(400)
+    assert stamps == sorted(set(stamps)) and 10 <= len(stamps) - quick <= 16
