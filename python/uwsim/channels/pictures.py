@@ -74,7 +74,7 @@ class Pictures:
     it is at that time, on a separate thread. If the steps may wait, the next reading in a later period waits for the
     picture and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in
     the first period in which it is ready, and no other picture is started before, so pictures are skipped if the
-    machine is too slow.
+    machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber receives none of them.
 
     may_wait: called at each reading; returns whether the steps may wait.
     """
@@ -83,6 +83,7 @@ class Pictures:
         self._may_wait = may_wait
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
+        self._last_slot: dict[str, int] = {}  # of each camera's last reading
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
 
     @property
@@ -121,8 +122,11 @@ class Pictures:
         """Return the result of `begin` from the last period, or None if none was due."""
         stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
-        waits = self._may_wait()
-        is_first = not jobs or slot - jobs[-1].slot > 1 + RATE_HZ / stream.rate_hz
+        waits, pause = self._may_wait(), 1 + RATE_HZ / stream.rate_hz
+        if not waits and slot - self._last_slot.get(name, slot) > pause:
+            jobs = []
+        self._last_slot[name] = slot
+        is_first = not jobs or slot - jobs[-1].slot > pause
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
         if is_due and (waits or not jobs or jobs[-1].picture.done()):
             before = [] if waits and is_first else jobs[-1:]

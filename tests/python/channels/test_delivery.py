@@ -6,12 +6,14 @@ from typing import Any
 import pytest
 
 from channel_tools import stamp_ns
+from uwsim import Simulator
 from uwsim.bridges.rosbridge.graph import Graph
 from uwsim.bridges.rosbridge.simulator_node import SimulatorNode
 from uwsim.channels import Channel, Table, diagnostics_channel
 from uwsim.channels.build import text
 from uwsim.channels.feed import Feed
 from uwsim.channels.outgoing import Line, Turns
+from uwsim.channels.pictures import Pictures
 from uwsim.live import LiveSimulator
 
 TEXT = "std_msgs/msg/String"
@@ -85,3 +87,28 @@ def test_each_ping_is_published_once_even_when_pings_become_rarer(live: LiveSimu
     live.command("set_parameter", name="rov.sonar.model", value=1).result()  # to 95 m
     live.step(400)
     assert stamps == sorted(set(stamps)) and 10 <= len(stamps) - quick <= 16
+
+
+def test_the_first_picture_after_a_pause_shows_the_present() -> None:
+    sim, pictures = Simulator("pool"), Pictures(lambda: False)
+
+    def read() -> int | None:
+        def begin(stream: Any) -> Callable[[], int]:
+            time_ns = sim.time_ns
+            return lambda: time_ns
+
+        found: int | None = pictures.read_made(sim, "camera", begin)
+        pictures.submit(lambda: None).result()  # what has been started is finished
+        return found
+
+    def first_seen() -> int:
+        for _ in range(10):
+            if (found := read()) is not None:
+                return found
+            sim.advance(0.1)
+        raise AssertionError("no picture within a second")
+
+    first_seen()
+    sim.advance(30.0)
+    again_ns = sim.time_ns
+    assert first_seen() >= again_ns
