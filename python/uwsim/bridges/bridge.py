@@ -115,7 +115,10 @@ class Bridge:
 
     def apply(self, channel: Channel, message: Any) -> None:
         """Apply a command. Raises ValueError, RuntimeError."""
-        channel.apply(require_live(self.live), message)
+        live = require_live(self.live)
+        channel.apply(live, message)
+        if channel.watch is not None:
+            channel.watch.commanded(live, channel)
 
     def receive(self, channel: Channel, data: bytes, decode: Callable[[bytes, str], Any]) -> None:
         """Decode a command and apply it, or call `refuse` with the error."""
@@ -137,7 +140,10 @@ class Bridge:
         if channel.abandoned is None or self.live is None:
             return
         try:
-            channel.abandoned(self.live)
+            if channel.watch is not None:
+                channel.watch.left(self.live, channel)
+            else:
+                channel.abandoned(self.live)
         except (ValueError, RuntimeError) as error:
             self.log.warning("topic '%s': %s", channel.name, error)
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from uwsim.live import LiveSimulator, NotRunningError, Subscription
 from uwsim.simulator.simulator import Simulator
+
+if TYPE_CHECKING:
+    from uwsim.channels.watchdog import Watchdog
 
 COMMAND, PANEL, INSTRUMENT, PING, PICTURE = range(5)
 """Priorities on the acoustic link."""
@@ -53,7 +56,9 @@ class Channel:
     of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
     returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
     called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
-    `apply` when the last publisher has gone. drops: counted by the sinks; /diagnostics reports it.
+    `apply` when the last publisher has gone. idle: for "in": the message that stands for no command; `abandoned`
+    applies it, and a channel with one is also abandoned after a time without a command. watch: the vehicle's watchdog,
+    for channels that steer. drops: counted by the sinks; /diagnostics reports it.
     """
 
     name: str
@@ -74,7 +79,14 @@ class Channel:
     read: Callable[[Simulator], Any] = _no_message
     apply: Callable[[LiveSimulator, Any], object] = _no_command
     abandoned: Callable[[LiveSimulator], object] | None = None
+    idle: Any = None
+    watch: Watchdog | None = None
     drops: Drops = field(default_factory=Drops, compare=False, repr=False)
+
+    @property
+    def has_timeout(self) -> bool:
+        """Whether its command ends after a time without a further one."""
+        return self.idle is not None
 
 
 @dataclass(frozen=True)

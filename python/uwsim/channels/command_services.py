@@ -30,6 +30,8 @@ def _given(vehicle: str, command: Command, steering: Steering) -> Callable[[Live
     def give(live: LiveSimulator, request: Request) -> object:
         arguments = arguments_of(command, request)
         require_link(live, vehicle, command.name)
+        if command.steers or command.is_vital:
+            steering.watch.forget()
         if command.steers:
             return steering.give(live, command.name, **arguments).result()
         return live.command(command.name, vehicle=vehicle, **arguments).result()

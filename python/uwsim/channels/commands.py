@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim.channels import build
 from uwsim.channels.channel import COMMAND, Channel
 from uwsim.channels.source import Source
 from uwsim.channels.steering import Steering
@@ -27,21 +28,26 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
     vehicle, topic, frame_id = source.of(sim), source.topic, source.frame("base_link")
     thrusters, fins = list(vehicle.thrusters), list(vehicle.fins)
 
-    def hear(name: str, kind: str, description: str, apply: Any, packing: str = "deflate") -> Channel:
+    def hear(
+        name: str, kind: str, description: str, apply: Any, *, idle: Any = None, packing: str = "deflate"
+    ) -> Channel:
+        """Return a channel. idle: the message that ends a steering command."""
+        steers = idle is not None
         return Channel(
             topic(name), kind, "in", description, frame_id=frame_id, over_link=True, priority=COMMAND, packing=packing,
-            apply=apply,
+            apply=apply, idle=idle, watch=steering.watch if steers else None,
+            abandoned=(lambda live: apply(live, idle)) if steers else None,
         )  # fmt: skip
 
     found = [
         hear(
-            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next command",
+            "cmd_vel", "geometry_msgs/msg/Twist", "velocity [m/s, rad/s] in body axes, held until the next",
             lambda live, message: steering.hold_velocity(live, _six("cmd_vel", message.linear, message.angular)),
-            packing="twist",
+            idle=build.message("geometry_msgs/msg/Twist"), packing="twist",
         ),
         hear(
             "cmd_wrench", "geometry_msgs/msg/Wrench", "force [N] and torque [N m] of the thrusters in still water",
-            lambda live, message: _wrench(live, steering, message),
+            lambda live, message: _wrench(live, steering, message), idle=build.message("geometry_msgs/msg/Wrench"),
         ),
     ]  # fmt: skip
     if thrusters:
@@ -51,6 +57,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
                 lambda live, message: steering.give(
                     live, "set_thrusters", commands=_named("cmd_thrusters", thrusters, message.data, THRUSTER)
                 ),
+                idle=build.message(FLOATS, data=np.zeros(len(thrusters))),
             )
         )  # fmt: skip
     if fins:
@@ -60,6 +67,7 @@ def command_channels(source: Source, sim: Simulator, steering: Steering) -> list
                 lambda live, message: steering.give(
                     live, "set_fins", angles_rad=_named("cmd_fins", fins, message.data, FIN)
                 ),
+                idle=build.message(FLOATS, data=np.zeros(len(fins))),
             )
         )  # fmt: skip
     if source.has_sonar:

@@ -86,7 +86,7 @@ def published_channels(
             "(starboard); w: 1 release, 2/3 front light off/on, 4/5 down light off/on, 6/7/8 tilt down/hold/up",
             over_link=True, priority=COMMAND, packing="key",
             apply=lambda live, message: apply_key(live, source, steering, message),
-            abandoned=lambda live: let_go(live, steering),
+            abandoned=lambda live: let_go(live, steering), watch=steering.watch,
         ),
     ]  # fmt: skip
     if "proximity_port" in vehicle.sensors:

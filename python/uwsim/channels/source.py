@@ -40,6 +40,11 @@ class Source:
         """Return the vehicle's model with its current parameters."""
         return next(entry.model for entry in sim.parameters.scenario.vehicles if entry.name == self.name)
 
+    def command_timeout_s(self, sim: Simulator) -> float:
+        """Return the time after which commands of a silent publisher end; 0: never."""
+        entries = sim.parameters.scenario.vehicles
+        return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
+
     def topic(self, name: str) -> str:
         """Return the full name of a topic, service or frame."""
         return self.prefix + name

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.channels.source import Source
+from uwsim.channels.watchdog import Watchdog
 from uwsim.live import LiveSimulator, Subscription
 from uwsim.navigation.control.velocity_hold import VelocityHold
 from uwsim.simulator.command_gate import CommandGate
@@ -26,7 +27,7 @@ class Steering:
     """Steers a vehicle by the last effort, wrench or thruster command, or holds a velocity until the next command.
 
     Commands do not wait for the step at which they take effect; failures are logged. by_keys: whether the current
-    efforts came from the published keyboard.
+    efforts came from the published keyboard. watch: ends commands whose publisher has fallen silent.
     """
 
     def __init__(self, source: Source) -> None:
@@ -36,6 +37,7 @@ class Steering:
         self._stops = 0  # the gate's count of all stops when the loop began
         self._wanted = np.zeros(6)
         self.by_keys = False
+        self.watch = Watchdog(source.command_timeout_s)
 
     def ask(self, live: LiveSimulator, name: str, **arguments: Any) -> Future[Any]:
         """Issue a command that does not steer. It is lost silently while a fault has cut the vehicle's link."""

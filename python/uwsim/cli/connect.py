@@ -59,7 +59,7 @@ def connect(
         may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
     )
     if wire != "published":
-        table.channels.append(diagnostics_channel(live))
+        table.channels.append(diagnostics_channel(live, lambda: table.channels))
     with live, ExitStack() as sinks:
         if simulator.link is not None:
             from uwsim.link import Carrier

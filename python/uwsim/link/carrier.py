@@ -158,9 +158,12 @@ class Carrier:
             payload = one.packing.pack(message)
             return self._send(one.vehicle, channel.name, payload, replaces=one.packing.may_replace(message))
 
-        abandoned = channel.abandoned
-        far = self.remote()
-        return replace(channel, apply=apply, abandoned=None if abandoned is None else lambda live: abandoned(far))
+        abandoned, idle, far = channel.abandoned, channel.idle, self.remote()
+        if abandoned is None:
+            return replace(channel, apply=apply)
+        # Aboard, silence may be the modem's: the station watches its publishers, and sends that they are gone.
+        gone = (lambda live: abandoned(far)) if idle is None else (lambda live: apply(live, idle))
+        return replace(channel, apply=apply, abandoned=gone)
 
     def _send(self, vehicle: str, topic: str, payload: bytes, *, replaces: bool, is_vital: bool = False) -> Future[Any]:
         """Submit a message to the link. is_vital: whether it is sent even if late, and repeated."""

@@ -76,8 +76,12 @@ def test_the_scenes_come_to_each_client(server):
 
 def test_what_a_client_publishes_and_calls_is_a_logged_command(client, live):
     assert client.call("/undock", {}) == {"success": True, "message": ""}
-    client.publish("/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 0.4}})
-    until(lambda: live.simulator.rov.velocity.linear_body_m_s[0] > 0.2, "motion")
+
+    def moves() -> bool:
+        client.publish("/cmd_vel", "geometry_msgs/Twist", {"linear": {"x": 0.4}})
+        return bool(live.rov.velocity.linear_body_m_s[0] > 0.2)
+
+    until(moves, "motion")
     assert {"undock", "set_effort"} <= {entry.name for entry in live.log}
 
 

@@ -1,6 +1,7 @@
 """The simulator as a ROS 1 node, tested with Debian's rospy, tf2 and laser_geometry."""
 
 import json
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -288,6 +289,35 @@ print(json.dumps(found))
     stopped, refusals, released = json.loads(run_node(script, ros))
     assert stopped and released
     assert refusals == [f"/key: vehicle 'rov': set_effort: {STOPPED}"]
+
+
+PUSH = """
+import json, rospy, time
+from geometry_msgs.msg import Wrench
+from std_msgs.msg import String
+rospy.init_node("pusher")
+parameters = rospy.Publisher("/simulation/set_parameters", String, queue_size=1, latch=True)
+push = rospy.Publisher("/cmd_wrench", Wrench, queue_size=1)
+parameters.publish(json.dumps({"values_json": json.dumps({"rov.command_timeout_s": 1e6})}))
+while not (push.get_num_connections() and parameters.get_num_connections()):
+    time.sleep(0.02)
+wrench = Wrench()
+wrench.force.x = 50.0
+for _ in range(20):
+    push.publish(wrench)
+    time.sleep(0.05)
+"""
+
+
+def test_a_publisher_that_exits_ends_its_command(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    options = ("pool", "--record", str(path), "--record-topic", "clock")
+    with master(tmp_path) as environment, serving(environment, *options):
+        run_node(PUSH, environment)
+        time.sleep(1.0)
+    pushes = [command for command in recording.open(path).commands() if command.name == "set_wrench"]
+    forces_n = [command.arguments["force_body_n"][0] for command in pushes]
+    assert forces_n.count(50.0) > 0 and forces_n[-1] == 0.0, "though it could have been silent for 10^6 s"
 
 
 def test_connections_that_send_nothing_delay_no_subscriber(ros: dict[str, str]) -> None:

@@ -17,10 +17,11 @@ from uwsim.bridges.ros2.parameter_topic import value_of
 from uwsim.bridges.ros2.qos import reader_qos
 from uwsim.bridges.ros2.settings import unicast_port
 from uwsim.channels import Table, build, channels
-from uwsim.channels.cdr import schema, store_of
+from uwsim.channels.cdr import encode, schema, store_of
 from uwsim.channels.messages import default_message
 from uwsim.live import LiveSimulator
 
+TWIST = "geometry_msgs/msg/Twist"
 RANGE = "sensor_msgs/msg/Range"
 LATCHED = reader_qos(10, reliable=True, user_data=b"", latched=True)
 SETTINGS = Ros2Settings(domain_id=free_domain())
@@ -75,9 +76,22 @@ def test_commands_are_logged_and_move_the_vehicle(node, other, live):
     twist = default_message("geometry_msgs/msg/Twist")
     twist.linear.x = 0.4
     other.say("undock", default_message("std_msgs/msg/Empty"))
-    other.say("cmd_vel", twist)
-    until(lambda: live.simulator.rov.velocity.linear_body_m_s[0] > 0.2, "motion")
+    steering = other.writer("cmd_vel", TWIST)
+    until(lambda: steering.write(encode(twist)) and live.rov.velocity.linear_body_m_s[0] > 0.2, "motion")
     assert {"undock", "set_effort"} <= {entry.name for entry in live.log}
+
+
+def test_a_publisher_that_leaves_the_domain_ends_its_command(node, live):
+    def forces_n() -> list[float]:
+        return [entry.arguments["force_body_n"][0] for entry in live.log if entry.name == "set_wrench"]
+
+    live.command("set_parameter", name="rov.command_timeout_s", value=1e6).result()  # silence does not matter
+    with peer(SETTINGS) as leaving:
+        wrench = build.message("geometry_msgs/msg/Wrench", force=build.vector((50.0, 0.0, 0.0)))
+        steering = leaving.writer("cmd_wrench", wrench.__msgtype__)
+        until(lambda: steering.write(encode(wrench)) and forces_n()[-1:] == [50.0], "a force")
+    until(lambda: forces_n()[-1] == 0.0, "its end")
+    live.command("set_parameter", name="rov.command_timeout_s", value=0.5).result()
 
 
 def test_the_answer_of_a_call_and_the_reason_of_a_refusal_are_said_on_rosout(node, other):
@@ -97,8 +111,8 @@ def test_all_stop_is_set_and_released_by_a_message_and_commands_meanwhile_are_re
     other.listen("rosout", "rcl_interfaces/msg/Log", latched=True)
     twist = default_message("geometry_msgs/msg/Twist")
     twist.linear.x = 0.4
-    other.say("cmd_vel", twist)
-    until(lambda: live.rov.effort.any(), "efforts")
+    steering = other.writer("cmd_vel", TWIST)
+    until(lambda: steering.write(encode(twist)) and live.rov.effort.any(), "efforts")
     other.say("all_stop", build.message("std_msgs/msg/Bool", data=True))
     until(lambda: live.rov.all_stopped and not live.rov.effort.any(), "all stop")
     other.say("cmd_vel", twist)

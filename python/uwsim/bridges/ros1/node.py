@@ -86,13 +86,23 @@ class Ros1Node(Bridge):
         )
 
     def _subscriber(self, channel: Channel) -> Any:
-        return self._rospy.Subscriber(
+        subscriber = self._rospy.Subscriber(
             f"/{channel.name}",
             raw_type(channel.type),
             lambda received: self.receive(channel, received.data, read_message),
             queue_size=DEPTH,
             tcp_nodelay=True,
         )
+        remove = subscriber.impl.remove_connection
+
+        def removed(connection: Any) -> None:
+            """Notice when the last publisher has gone, for which rospy has no callback."""
+            remove(connection)
+            if not subscriber.get_num_connections():
+                self.abandon(channel)
+
+        subscriber.impl.remove_connection = removed
+        return subscriber
 
     def take(self, reading: Reading) -> None:
         """Queue a reading, on the simulator's thread."""

@@ -160,7 +160,9 @@ class Participant:
 
     def reader(self, topic: str, type_name: str, qos: Qos) -> RawReader:
         """Return a new reader."""
-        return RawReader(DataReader(self._participant, self._topic(topic, type_name), qos))
+        reader: DataReader[Any] = DataReader(self._participant, self._topic(topic, type_name), qos)
+        reader.set_status_mask(DDSStatus.SubscriptionMatched)
+        return RawReader(reader)
 
     def wait_set(self) -> Events:
         """Return an object that can wait for several writers and readers."""
@@ -183,7 +185,7 @@ class RawWriter:
     """Writes CDR to one topic."""
 
     def __init__(self, writer: DataWriter[Any]) -> None:
-        self.entity: Entity = writer
+        self.entities: list[Entity] = [writer]
         self._writer = writer
 
     @property
@@ -207,7 +209,7 @@ class RawReader:
 
     def __init__(self, reader: DataReader[Any]) -> None:
         self._reader = reader
-        self.entity: Entity = ReadCondition(reader, UNREAD)
+        self.entities: list[Entity] = [ReadCondition(reader, UNREAD), reader]
 
     @property
     def guid(self) -> bytes:
@@ -219,9 +221,13 @@ class RawReader:
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
         return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
 
+    def writers(self) -> int:
+        """Return the number of matching writers, and clear the event that reported a change."""
+        return int(self._reader.get_subscription_matched_status().current_count)
+
 
 class Events:
-    """Waits for changes of writers' matching readers, and for readers with new messages."""
+    """Waits for changes of writers' matching readers and readers' matching writers, and for new messages."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
@@ -232,7 +238,8 @@ class Events:
 
     def attach(self, source: RawWriter | RawReader) -> None:
         """Add a source to wait for."""
-        self._attach(source.entity, source)
+        for entity in source.entities:
+            self._attach(entity, source)
 
     def wake(self) -> None:
         """End a wait, from any thread."""

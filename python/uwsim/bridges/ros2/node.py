@@ -133,7 +133,7 @@ class Ros2Node(Bridge):
         self._graph.write(encode(info, distro))
 
     def _listen(self) -> None:
-        """Receive commands, and track when subscribers come and go."""
+        """Receive commands, and track when subscribers and publishers come and go."""
         while not self._stopping.is_set():
             for source in self._events.wait(LOOK_S):
                 if isinstance(source, RawWriter):
@@ -141,6 +141,8 @@ class Ros2Node(Bridge):
                 else:
                     for data in source.take(DEPTH):
                         self.receive(self._sources[source], data, from_bytes)
+                    if not source.writers():
+                        self.abandon(self._sources[source])
             self._stopping.wait(PAUSE_S)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:

@@ -141,6 +141,8 @@ class RosbridgeClient(Bridge):
             writer.cancel()
             for name in self.outputs:
                 self.leave(name)
+            for channel in self.inputs.values():
+                self.abandon(channel)
             while self._waiting.take(wait=False) is not None:
                 pass
             await asyncio.gather(writer, return_exceptions=True)

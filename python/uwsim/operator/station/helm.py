@@ -115,6 +115,7 @@ class Helm:
                     return
 
     def _set(self, vehicle: str, efforts: dict[str, float], answer: Values) -> Future[Values]:
+        self._steering[vehicle].watch.forget()
         future = self._steering[vehicle].give(self._live, "set_effort", **efforts)
         self._efforts[vehicle] = efforts
         return answered(self._live, future, answer)

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim.scenario.spec.failsafe import Failsafe
-from uwsim.scenario.spec.fields import AssetName, Degrees, Model, Name, Point3, broken
+from uwsim.scenario.spec.fields import AssetName, Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
 from uwsim.scenario.spec.vehicle import Trim, VehicleModel, load_vehicle
 
@@ -45,7 +45,9 @@ class VehicleEntry(Model):
 
     sonar: its multibeam, on the model's mount. model: the name of a packaged vehicle or the path of its YAML file,
     which is read into a VehicleModel. failsafe, trim: override the model's. start: `station` (docked there; None in
-    Python) or a free pose.
+    Python) or a free pose. command_timeout_s: the simulated time after which it stops if a publisher of steering
+    commands, such as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the
+    published topic `key` are held in any case.
     """
 
     name: Name
@@ -56,3 +58,4 @@ class VehicleEntry(Model):
     sonar: SonarSetup = SonarSetup()
     failsafe: Failsafe | None = None
     trim: Trim | None = None
+    command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5

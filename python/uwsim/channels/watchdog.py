@@ -1,0 +1,81 @@
+"""Watchdog: stops a vehicle when the publisher of its commands falls silent or leaves."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+from uwsim.channels.channel import Channel
+from uwsim.live import LiveSimulator, NotRunningError, Subscription
+from uwsim.simulator.simulator import Simulator
+
+CHECK_S = 0.05
+TOGETHER = ("cmd_thrusters", "cmd_fins")
+"""Ends of the names of channels whose commands do not replace each other."""
+
+logger = logging.getLogger("uwsim.channels")
+
+
+class Watchdog:
+    """Watches the command channels of one vehicle for all bridges, which report to it what they apply.
+
+    A channel's command is in effect until a command of another kind replaces it. If the channel then neither brings a
+    further command for timeout_s simulated seconds nor keeps a publisher, its `abandoned` is called. timeout_s: returns
+    the limit; 0: commands are held in both cases. Channels without a limit, such as the published wire's, are held
+    through silence in any case.
+    """
+
+    def __init__(self, timeout_s: Callable[[Simulator], float]) -> None:
+        self._timeout_s = timeout_s
+        self._lock = threading.Lock()
+        self._since_ns: dict[str, tuple[Channel, int]] = {}  # time of the last command, by the channels in effect
+        self._checks: Subscription | None = None
+
+    def commanded(self, live: LiveSimulator, channel: Channel) -> None:
+        """Note that a command of a channel has been applied, on any thread."""
+        with self._lock:
+            together = channel.name.endswith(TOGETHER)
+            self._since_ns = {
+                name: entry for name, entry in self._since_ns.items() if together and name.endswith(TOGETHER)
+            }
+            self._since_ns[channel.name] = channel, live.time_ns
+            if self._checks is None and channel.has_timeout:
+                self._checks = live.every(CHECK_S, lambda sim: sim.time_ns, lambda now_ns: self._check(live, now_ns))
+
+    def left(self, live: LiveSimulator, channel: Channel) -> None:
+        """Note that a channel has no publisher any more, on any thread. Raises ValueError, RuntimeError."""
+        with self._lock:
+            is_in_effect = channel.name in self._since_ns
+            if not is_in_effect or (channel.has_timeout and self._timeout_s(live.simulator) == 0.0):
+                return
+            del self._since_ns[channel.name]
+        _stop(live, channel)
+
+    def forget(self) -> None:
+        """Note that another way of commanding has replaced the channels' commands."""
+        with self._lock:
+            self._since_ns = {}
+
+    def _check(self, live: LiveSimulator, now_ns: int) -> None:
+        """Stop what has become silent, on the simulator's thread. A time in the future precedes a reset."""
+        timeout_ns = round(1e9 * self._timeout_s(live.simulator))
+        with self._lock:
+            timed = [entry for entry in self._since_ns.values() if entry[0].has_timeout]
+            silent = [channel for channel, since in timed if timeout_ns and not since <= now_ns < since + timeout_ns]
+            for channel in silent:
+                del self._since_ns[channel.name]
+            if len(timed) == len(silent) and self._checks is not None:
+                self._checks.cancel()
+                self._checks = None
+        for channel in silent:
+            logger.info("topic '%s': no command for %g s: it is stopped", channel.name, 1e-9 * timeout_ns)
+            try:
+                _stop(live, channel)
+            except (ValueError, NotRunningError) as error:  # such as an all stop, which has stopped it already
+                logger.info("topic '%s': %s", channel.name, error)
+
+
+def _stop(live: LiveSimulator, channel: Channel) -> None:
+    if channel.abandoned is not None:
+        channel.abandoned(live)
