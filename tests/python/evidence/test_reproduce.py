@@ -66,14 +66,16 @@ def test_pictures_show_something_and_have_their_values(sim, tmp_path, make):
 def test_the_release_falls_and_the_depth_image_agrees_with_rays(sim, tmp_path):
     fall = place_and_release.release(sim, tmp_path / "release.png").values
     assert fall["fastest_fall_m_s"] == pytest.approx(np.sqrt(2 * 9.81 * (1.0 - 0.35)), rel=0.1)
-    assert 0.1 < fall["rises_at_m_s"] < 0.3
+    assert fall["rests_at_m"] == pytest.approx(fall["deepest_m"], abs=0.02)
     assert sonar.depth_image(sim, tmp_path / "depth.png").values["mean_m"] < 0.1
 
 
-def test_the_map_of_the_lawn_mower_has_the_walls_that_it_turned_at(tmp_path):
+def test_the_lawn_mower_keeps_its_depth_and_maps_the_bed_and_the_walls_that_it_turned_at(tmp_path):
     figure = mown_map.mown_map(tmp_path / "map.png", tmp_path / "map.bt")
     assert figure.values["collisions"] == 0
     assert figure.values["lanes"] >= 6
+    assert 4.8 < figure.values["least_depth_m"] < figure.values["greatest_depth_m"] < 5.8
+    assert figure.values["bed_mapped_percent"] > 50
     assert (tmp_path / "map.bt").stat().st_size > 20_000
     x, y, _ = np.transpose(figure.rows)
     assert (x.min(), x.max()) == pytest.approx((-22.0, 42.0), abs=6.0)  # between the walls

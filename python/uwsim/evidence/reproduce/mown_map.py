@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from uwsim import _core
 from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
 from uwsim.bridges.nodes.map_builder import MapBuilder
 from uwsim.channels import build, channels
+from uwsim.channels.table import ORIGINS
 from uwsim.evidence.reproduce.figure import Figure
 from uwsim.figures.style import ACCENT, HEIGHTS, add_colour_bar, height_range, label_axes, new_figure, save_figure
 from uwsim.live import LiveSimulator
@@ -22,6 +25,8 @@ from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, Key, Seen, publish
 CONTROL_S = 0.1
 FALL_S = 5.0  # the published node's wait after the release
 LONGEST_S = 2000.0
+MAPPED_M = 0.5
+ORIGIN_M = np.array(ORIGINS["published"])  # of the world, in odom
 
 
 class Flight:
@@ -73,6 +78,22 @@ class Flight:
         return self._table[topic].read(self._live.simulator)
 
 
+def bed_share(
+    world: _core.World, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64], range_max_m: float
+) -> float:
+    """Return the share of the bed within sonar range of a track that is mapped; all positions (n, 3) in the world.
+
+    The bed is sampled at every metre; a sample is mapped if the centre of an occupied voxel is within half a metre.
+    """
+    low, high = (np.round(pick(track_m[:, :2], axis=0)) for pick in (np.min, np.max))
+    x, y = np.meshgrid(*(np.arange(a - range_max_m, b + range_max_m) for a, b in zip(low, high, strict=True)))
+    sides = np.stack([x.ravel(), y.ravel()], axis=1)
+    bed_m = np.column_stack([sides, world.height_at(sides)])
+    bed_m = bed_m[np.isfinite(bed_m[:, 2]) & (bed_m[:, 2] < 0.0)]
+    within = bed_m[cKDTree(track_m).query(bed_m)[0] < range_max_m]
+    return float(np.mean(cKDTree(voxels_m).query(within)[0] < MAPPED_M))
+
+
 def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64]) -> None:
     figure = new_figure(9.0, 7.0)
     axes, limits = figure.add_axes((0.0, 0.0, 0.95, 1.0)), height_range(voxels_m[:, 2])
@@ -92,9 +113,12 @@ def mown_map(path: Path, map_file: Path) -> Figure:
         flight = Flight(live)
         keys = flight.fly()
         seconds, collisions = live.simulator.time_s, live.rov.collisions
-    flight.builder.write(map_file)
-    track, voxels = np.array(flight.track_m), flight.builder.map.occupied_voxels()
+        flight.builder.write(map_file)
+        track, voxels = np.array(flight.track_m), flight.builder.map.occupied_voxels()
+        mapped = bed_share(live.simulator.world, track - ORIGIN_M, voxels - ORIGIN_M, live.rov.sonar.model.range_max_m)
     _draw(path, track, voxels)
+    first = next(number for number, key in enumerate(keys) if key.surge == FULL_AHEAD)
+    depth_m = ORIGIN_M[2] - track[first:, 2]
     ahead = [key.surge == FULL_AHEAD for key in keys[1:]]
     lanes = sum(now and not before for before, now in zip([False, *ahead], ahead, strict=False))
     length_m = float(np.linalg.norm(np.diff(track, axis=0), axis=1).sum())
@@ -102,7 +126,8 @@ def mown_map(path: Path, map_file: Path) -> Figure:
         12, "The map", "The OctoMap that the published lawn-mower leaves, in odom; its surface is at z = 75.3 m.",
         values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.builder.inserted,
                 "path_m": round(length_m, 1), "collisions": collisions,
-                "occupied_voxels": len(voxels), "voxel_m": 0.2},
+                "least_depth_m": round(float(depth_m.min()), 2), "greatest_depth_m": round(float(depth_m.max()), 2),
+                "occupied_voxels": len(voxels), "voxel_m": 0.2, "bed_mapped_percent": round(100.0 * mapped, 1)},
         columns=("x [m]", "y [m]", "z [m]"),
         rows=[tuple(round(value, 3) for value in point) for point in track[:: math.ceil(len(track) / 200)].tolist()],
     )  # fmt: skip
