@@ -74,7 +74,8 @@ class Pictures:
     it is at that time, on a separate thread. If the steps may wait, the next reading in a later period waits for the
     picture and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in
     the first period in which it is ready, and no other picture is started before, so pictures are skipped if the
-    machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber receives none of them.
+    machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber receives none
+    of them.
 
     may_wait: called at each reading; returns whether the steps may wait.
     """
