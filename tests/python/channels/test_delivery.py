@@ -1,4 +1,4 @@
-"""What subscribers receive, and in which order: nothing latched is lost, frames come first, each ping comes once."""
+"""Delivery to subscribers, and its order: nothing latched is lost, frames come first, each ping comes once."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
