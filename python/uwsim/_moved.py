@@ -48,7 +48,7 @@ def new_name(old: str) -> str | None:
 
 
 class _OldNames(MetaPathFinder, Loader):
-    """Finds the moved module itself under its old name, so that it exists only once, with one class of each name."""
+    """Finds the moved module itself under its old name, so that the module and its classes exist only once."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None

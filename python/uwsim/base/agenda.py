@@ -1,6 +1,6 @@
 """Agenda: schedules everything that acts in simulated time, in a fixed order.
 
-The order at tick T is as follows. Reproducibility depends on it, so it is defined here only, and checked by
+The order at tick T is as follows. Reproducibility depends on it, so it is defined only here, and checked by
 tests/python/base/test_agenda.py.
 
 | when           | rank       | what acts                                              | among themselves     |
@@ -11,7 +11,7 @@ tests/python/base/test_agenda.py.
 |                | `DELIVERY` | links deliver arrived messages and send due ones       | arrivals first       |
 | the clock rests|            | commands of missions, programs and other threads       | as issued            |
 | T is left      | `FAULT`    | faults begin, end and grow                             | as declared          |
-|                | `FAILSAFE` | failsafes check and steer                              | as their vehicles    |
+|                | `FAILSAFE` | failsafes check and steer                              | in vehicle order     |
 |                |            | one native step to T + 1 (`Simulation::step_once`, C++)|                      |
 
 Hence observers never see a command issued at their own tick, failsafes see all of them, and nothing depends on how many
@@ -48,7 +48,7 @@ class Due(Protocol):
 
     @property
     def due_tick(self) -> int:
-        """The tick at which it acts next; must increase each time it acts."""
+        """The tick at which the item acts next; must increase each time the item acts."""
 
 
 class _Entry(NamedTuple):
@@ -81,7 +81,7 @@ class Agenda:
         *,
         jump: Callable[[int], object] = lambda tick: None,
     ) -> None:
-        """Call act(tick) when the item is due, after the others of its rank; an overdue item acts after the next step.
+        """Call act(tick) when an item is due, after earlier ones of its rank; an overdue item acts after the next step.
 
         jump: called with the new tick when a reset or a restored state has changed the time.
         """
@@ -116,7 +116,7 @@ class Agenda:
         return due_tick(self._entries)
 
     def parts(self, steps: int) -> Iterator[int]:
-        """Split `steps` at ticks where items act: let them act, and yield the number of steps to the next such tick.
+        """Split `steps` where items act: let due items act, then yield the number of steps until the next ones are due.
 
         Ends early if the simulation is not at the expected tick after a part: its steps failed, or an item reset or
         restored the simulation.
@@ -158,6 +158,6 @@ def act(entries: Iterable[_Entry], tick: int) -> bool:
 
 
 def next_tick(tick: int, period_ns: int, step_ns: int) -> int:
-    """Return the first tick at or after the next multiple of a period, which lies after `tick`."""
+    """Return the first tick that reaches the next multiple of a period after `tick`."""
     periods = tick * step_ns // period_ns + 1
     return -(-periods * period_ns // step_ns)

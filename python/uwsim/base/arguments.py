@@ -29,7 +29,7 @@ def number(value: Any, name: str, unit: str = "") -> float:
 def require_positive(step: str = "", /, **values: float) -> None:
     """Raise ValueError unless all values, whose names end in their units, are positive and finite.
 
-    step: the function that received them, named in the message.
+    step: the name of the function that received the values, for the message.
     """
     for name, value in values.items():
         if not 0.0 < value < math.inf:
@@ -73,6 +73,6 @@ def checked_threads(threads: int | None) -> int:
 
 
 def read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Make an array read-only and return it: writing to it would not change the state, so it raises an error."""
+    """Make an array read-only and return it: writing to it, which would not change the state, then raises an error."""
     array.setflags(write=False)
     return array

@@ -6,7 +6,7 @@ import warnings
 
 
 def warn_if_cut_short(name: str, content: bytes) -> None:
-    """Warn if a text file does not end in a line break, as after an aborted download. name: its name in the message."""
+    """Warn if a text file does not end in a line break, as after an aborted download. name: the file's name."""
     if content and not content.endswith((b"\n", b"\r")):
         end = content.rstrip()[-20:].decode("utf-8", errors="replace").split("\n")[-1]
         warnings.warn(

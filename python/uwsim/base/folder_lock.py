@@ -1,4 +1,4 @@
-"""A lock on an output folder: two runs would overwrite each other's files, and neither could be resumed."""
+"""A lock on an output folder: without it, two runs could overwrite each other's files, and neither could be resumed."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class SavedState:
         return self._core.save_state(*origin, json.dumps({key: self._parts[key].save() for key in KEYS}))
 
     def restore(self, state: bytes, origin: Origin) -> None:
-        """Continue from a result of `save`. Raises ValueError without changing anything."""
+        """Restore a state that `save` returned. If it is invalid, raises ValueError without changing anything."""
         before, states = self.save(origin), self._read(state, origin)
         try:
             self._put(state, origin, states)

@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class WallTimer:
-    """Accumulates wall time by stage, continuing that of an earlier flight, if any. One thread times each stage."""
+    """Accumulates wall time by stage, added to that of an earlier flight, if any. Each stage is timed by one thread."""
 
     def __init__(self, stages: Iterable[str] = (), wall_s: Mapping[str, float] | None = None) -> None:
         self.wall_s = {**dict.fromkeys(stages, 0.0), **(wall_s or {})}
@@ -47,7 +47,7 @@ class _Inner(threading.local):
 class Measurement:
     """Adds the time of a `with` block, excluding nested blocks, to a stage.
 
-    A class, since a generator-based context manager would be slower and each ping uses several.
+    This is a class because a generator-based context manager would be slower, and each ping uses several measurements.
     """
 
     __slots__ = ("_before_s", "_inner", "_stage", "_start_s", "_took_s", "_wall_s")

@@ -1,4 +1,4 @@
-"""Programs aboard one member of a batch: its faults and its vehicles' failsafes, as in a Simulator."""
+"""The onboard programs of one member of a batch: its faults and its vehicles' failsafes, as in a Simulator."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class MemberAboard:
-    """The programs aboard a member; valid until it is reset.
+    """The onboard programs of a member; valid until the member is reset.
 
     events: the log of faults, alarms and failsafes so far. faults: injects and ends faults. failsafes: the failsafe of
     each vehicle by name; see uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda:
@@ -102,7 +102,7 @@ class MemberAboard:
         return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
-        """Handle an effort (6,) that was set: it ends the vehicle's silence, or a steering failsafe overrides it."""
+        """Note that an effort (6,) was set, so the vehicle is not silent; a steering failsafe overrides the effort."""
         if vehicle in self.failsafes:
             self._vehicles[vehicle].set_effort(*effort.tolist())
 

@@ -1,4 +1,4 @@
-"""Checks of the arguments of a batch for each of its members."""
+"""Validates a batch's per-member arguments."""
 
 from __future__ import annotations
 

@@ -46,9 +46,9 @@ class Batch(Sealed):
     threads. The members share terrain, obstacles and the acceleration structures for rays and contacts.
 
     scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default the
-    scenario's seed and the numbers that follow it. parameters: values by the names of Simulator.parameters, as one
-    mapping per member or a single mapping for all. faults: replace the scenario's faults, with the same keys; n lists,
-    or one list for all. threads: the number of threads; by default one per core.
+    scenario's seed and the numbers that follow it. parameters: values by name, with the names of Simulator.parameters,
+    as one mapping per member or a single mapping for all. faults: these replace the scenario's faults and have the same
+    keys; n lists, or one list for all. threads: the number of threads; by default one per core.
 
     Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch: the
     next such call overwrites them, so copy what you keep. Only one thread at a time may use a batch. Raises ValueError;
@@ -244,7 +244,7 @@ class Batch(Sealed):
             self._programs.begin(k, member)
 
     def aboard(self, member: int) -> MemberAboard:
-        """Return the programs aboard a member (faults, failsafes and events), valid until it is reset.
+        """Return a member's onboard programs (faults, failsafes and events), valid until the member is reset.
 
         Raises ValueError.
         """

@@ -14,7 +14,7 @@ from uwsim.batch.results import BatchSamples, Buffers
 
 
 class Programs:
-    """Keeps track of members' faults, failsafes and sensors that are off. Members that have none of these cost nothing.
+    """Keeps track of members' faults, failsafes and sensors that are off. Members without any of these add no cost.
 
     Each member has its own agenda (`base/agenda.py`): between two ticks at which its Python items act, it is stepped
     like any other member. The members may be at different ticks meanwhile, so that every round of parts keeps all
@@ -55,7 +55,7 @@ class Programs:
         return k in self._aboard
 
     def aboard(self, k: int, made: Callable[[], Member]) -> MemberAboard:
-        """Return the programs aboard a member, creating them if there are none yet."""
+        """Return a member's onboard programs, creating them if there are none yet."""
         if k not in self._aboard:
             self._aboard[k] = self._new(k, made())
         return self._aboard[k]

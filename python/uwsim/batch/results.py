@@ -77,7 +77,7 @@ class BatchPhysicsPings(BatchPings):
 
 @dataclass(frozen=True, eq=False)
 class Buffers(Generic[R]):
-    """The arrays that the core fills, in its order, and the read-only result that shows them."""
+    """The arrays that the core fills, in the order that it expects, and the read-only result that exposes them."""
 
     writable: tuple[NDArray[Any], ...]
     shown: R
