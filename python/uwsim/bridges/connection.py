@@ -73,7 +73,7 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, even within a message, without waiting long for the client, which may not read it."""
+        """Close with a reason, even within a message; do not wait long for a client that may not be reading."""
         reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
         try:
             async with asyncio.timeout(GOING_S), self.send_context():

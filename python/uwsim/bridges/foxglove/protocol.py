@@ -77,7 +77,7 @@ def advertisement(offers: Sequence[Offer]) -> str:
 
 
 def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
-    """Return the frame that advertises services, each (number, name, type). A request is any JSON object."""
+    """Return the frame that advertises services, each (number, name, type). A request may be any JSON object."""
 
     def described(number: int, name: str, kind: str) -> dict[str, Any]:
         schema = {"schemaName": kind, "schemaEncoding": "jsonschema", "schema": '{"type":"object"}'}

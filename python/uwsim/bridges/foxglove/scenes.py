@@ -107,7 +107,7 @@ class MapBlocks:
         self._newest: Reading | None = None
 
     def changed(self, reading: Reading) -> SceneUpdate | None:
-        """Apply a MapChanges message; return the blocks that changed, or None if it is older than the current state."""
+        """Apply a MapChanges message; return the blocks that changed, or None if the message is outdated."""
         message = reading.message
         deletions = []
         if message.snapshot:

@@ -125,7 +125,7 @@ class FoxgloveServer(Bridge):
 
     @property
     def heard(self) -> str:
-        """The command topics that the server subscribes to, for messages."""
+        """The command topics that the server subscribes to, listed as text for messages to the user."""
         return f"/{', /'.join(self.inputs)}" if self.inputs else "none"
 
     def subscribe(self, session: Session, offer_id: int) -> None:

@@ -90,7 +90,7 @@ class TrackShow(Show):
         self._leave: Leave | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all segments, later those that grow."""
+        """Send all segments now, and later those that grow."""
         time_ns = self._live.simulator.time_ns
         self._offer(lambda: self._tracks.whole(time_ns), time_ns, newcomer)
         if self._leave is None:
@@ -118,7 +118,7 @@ class MapShow(Show):
         self._leave: Callable[[], None] | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all blocks, later those that change."""
+        """Send all blocks now, and later those that change."""
         if self._leave is None:
             self._leave = self._feed.listen(self._channel, self._take)
         else:

@@ -122,7 +122,7 @@ def tf_broadcaster(node: Node, out: Path) -> None:
 
 
 def octomap(node: Node, out: Path) -> None:
-    """laserPointCloud, tf -> a map, saved to `out` at the end, and before that in at most a tenth of the time."""
+    """laserPointCloud, tf -> a map, saved to `out` at the end; earlier saves take at most a tenth of the time."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
     due_s = 0.0
 

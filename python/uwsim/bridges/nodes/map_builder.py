@@ -42,7 +42,7 @@ class MapBuilder:
         self._clouds.append(message)
 
     def insert_ready(self) -> int:
-        """Insert the clouds for whose time transforms have arrived; return their number."""
+        """Insert the clouds whose transforms have arrived; return their number."""
         before = self.inserted
         while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
             cloud = self._clouds.popleft()

@@ -55,13 +55,13 @@ class Node:
     def call(
         self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
     ) -> None:
-        """Call a service; `answer` receives the response: `result`, and `values`, which on failure is the reason."""
+        """Call a service; `answer` receives the response: `result` and `values` (on failure, the reason)."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
         self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
 
     def settle(self, patience_s: float = 10.0) -> None:
-        """Wait until the server has processed all requests so far, since it answers in order. Needs rosapi."""
+        """Wait until the server, which answers requests in order, has processed all requests so far. Needs rosapi."""
         answers: list[dict[str, Any]] = []
         self.call("/rosapi/get_time", answers.append)
         deadline_s = time.monotonic() + patience_s

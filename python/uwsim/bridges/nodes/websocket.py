@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 
 
 def checked_url(url: str) -> str:
-    """Return the URL of a WebSocket server. Raises ValueError for any other."""
+    """Return the URL of a WebSocket server. Raises ValueError for any other URL."""
     if not url.startswith(("ws://", "wss://")):
         raise ValueError(f"url = '{url}': must begin with ws:// or wss://")
     return url

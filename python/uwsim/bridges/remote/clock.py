@@ -53,7 +53,8 @@ class RemoteClock:
 class LockstepClock:
     """Pauses a remote simulator and steps it only while the mission waits; resumes it on `close`.
 
-    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when its latest message has the new time.
+    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when the latest message on this topic has the
+    new time.
     """
 
     def __init__(self, connection: RemoteConnection, beacon: str) -> None:

@@ -1,4 +1,4 @@
-"""Protection of the two sockets that rospy opens from browser pages; see SECURITY.md."""
+"""Protects the two sockets that rospy opens against requests from browser pages; see SECURITY.md."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def guard_sockets() -> None:
 def _guard_xmlrpc(xmlrpc: Any) -> None:
     """Refuse requests from browser pages to the XML-RPC server.
 
-    It would accept a POST from any page: with `publisherUpdate`, a page could make the node read commands from the
-    page's server; with `shutdown`, it could end the node.
+    The server would otherwise accept a POST from any page: with `publisherUpdate`, a page could make the node read
+    commands from the page's server; with `shutdown`, it could end the node.
     """
     door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
 
@@ -50,7 +50,7 @@ def _guard_tcpros(tcpros: Any) -> None:
     """Limit the header of a connection in bytes and in time, and read each header on a separate thread.
 
     rospy reads a header before it accepts the next client, so a client that sends nothing would block all others. The
-    first characters of an HTTP request, interpreted as the header's length, mean 1 GB.
+    first characters of an HTTP request, interpreted as the header's length, would mean 1 GB.
     """
     read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
 

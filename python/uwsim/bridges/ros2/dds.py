@@ -49,7 +49,7 @@ _dds_delete.argtypes, _dds_delete.restype = [ctypes.c_int32], ctypes.c_int32
 def keep_blocks_of_messages() -> None:
     """Make glibc keep the memory of large messages for later messages.
 
-    By default, it returns freed blocks of about 100 kB or more to the system, so that every copy of such a message
+    By default, glibc returns freed blocks of about 100 kB or more to the system, so that every copy of such a message
     causes page faults: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are left alone.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
@@ -90,7 +90,7 @@ def own_udp_sockets() -> Iterator[socket.socket]:
 
 
 class Domains:
-    """The DDS domains of this process: one instance of each is allowed, which all participants in the process share."""
+    """The DDS domains of this process; each may be created only once, and is shared by all participants."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -149,7 +149,7 @@ class Participant:
 
     @property
     def entity(self) -> DomainParticipant:
-        """The underlying participant of Cyclone DDS, for features that this class lacks."""
+        """The underlying Cyclone DDS participant, for features that this class lacks."""
         return self._participant
 
     def writer(self, topic: str, type_name: str, qos: Qos) -> RawWriter:

@@ -106,7 +106,7 @@ def settings_from(
 
 
 def unicast_port(domain_id: int, participant: int) -> int:
-    """Return the UDP port on which a domain's participant is discovered; a host's first participant is 0."""
+    """Return the UDP port on which a domain's participant is discovered; participants of a host are numbered from 0."""
     return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
 
 

@@ -117,7 +117,7 @@ class Calls:
         self._outbox.reply(frame)
 
     def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
-        """Pass a call of a service to the client, which offers it. Raises ValueError if too many wait."""
+        """Pass a service call to the client, which offers the service. Raises ValueError if too many wait."""
         if len(self._received) >= self._limits.open_calls:
             raise ValueError(f"service '{service}': {self._limits.open_calls} calls are waiting for its response")
         identity = f"service_request:{service}:{next(self._numbers)}"
@@ -133,7 +133,7 @@ class Calls:
             self._account.give(CALL_BYTES)
 
     def close(self) -> None:
-        """When the client has left, answer all calls of its services, and drop its calls of others' services."""
+        """After the client has left, fail all waiting calls of its services, and drop its calls of other services."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply in received.values():

@@ -1,8 +1,8 @@
 """RosbridgeClient: connects the simulator to a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises topics and services and subscribes to command topics, again after each reconnection. While connected,
-every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The simulator's thread
-never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the server closes the
+It advertises topics and services and subscribes to command topics, and repeats this after each reconnection. While
+connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
+simulator's thread never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the server closes the
 connection because a message was too large, messages of that size or larger are no longer sent.
 """
 

@@ -115,7 +115,7 @@ class Sample:
 
     @property
     def is_taken(self) -> bool:
-        """Whether it has been encoded for any subscriber."""
+        """Whether the message has been encoded for any subscriber."""
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
@@ -164,7 +164,7 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other: a subscriber receives one message with all it lacks.
+    """A change to a topic whose messages build on each other: a subscriber receives all changes that it lacks at once.
 
     catch_up: returns the message for a cursor (None: the subscriber has nothing), and the next cursor.
     """

@@ -13,7 +13,7 @@ from uwsim.channels.message_types import shortened
 class Fragments:
     """The unfinished messages of one client.
 
-    Limits bounds their number and size. account: charged for the bytes stored.
+    limits: the bounds on their number and size. account: charged for the bytes stored.
     """
 
     def __init__(self, limits: Limits, account: Account) -> None:

@@ -53,7 +53,7 @@ class GuestNode:
         return name in self._wanted
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for the last message of a topic, or no message has been published."""
+        """Return whether a subscriber was ready for a topic's last message, or no message has been published yet."""
         newest = self._newest.get(name)
         return newest is None or newest.is_taken
 

@@ -21,7 +21,7 @@ class JsonScan:
         self.outside: Any = np.cumsum(self.quotes, dtype=np.uint8) & 1 == 0
 
     def find(self, wanted: str) -> Places:
-        """Return the places of any of these characters outside strings."""
+        """Return the positions of all occurrences of these characters outside strings."""
         return np.flatnonzero(self._are(wanted))
 
     def count(self, wanted: str) -> int:
@@ -29,7 +29,7 @@ class JsonScan:
         return int(np.count_nonzero(self._are(wanted)))
 
     def flat_lists(self, length: int) -> list[tuple[int, int]]:
-        """Return the places of the brackets of all lists of numbers, true, false and null with a minimum length."""
+        """Return the bracket positions of all lists of numbers, true, false and null that have a minimum length."""
         places = np.flatnonzero(self._are("[]{}") | self.quotes)
         signs = self.characters[places]
         flat = (signs[:-1] == ord("[")) & (signs[1:] == ord("]")) & (np.diff(places) >= length)

@@ -57,7 +57,7 @@ class Account:
         return self.bytes + size <= self.limit and self._ledger.bytes + size <= self._ledger.limit
 
     def take(self, size: int) -> None:
-        """Count bytes that are stored from now on."""
+        """Add bytes that are stored from now on."""
         if self._is_closed:
             return
         self.bytes += size
@@ -66,7 +66,7 @@ class Account:
         self._ledger.relieve()
 
     def give(self, size: int) -> None:
-        """Count bytes that are no longer stored."""
+        """Subtract bytes that are no longer stored."""
         if self._is_closed:
             return
         self.bytes -= size

@@ -103,7 +103,7 @@ def _from_json(text: str, *, remembers: bool = False, bounded: bool = True) -> A
 
 
 def _in_pieces(text: str, *, bounded: bool) -> Any:
-    """Decode JSON text: first its long lists of numbers, in pieces, and then the rest, where marks replace them."""
+    """Decode JSON text: first its long lists of numbers, in pieces, then the rest, with marks in their place."""
     data = text.encode()
     places = JsonScan(data).flat_lists(LONG_LIST)
     lists = [_list_in_pieces(data[first + 1 : last]) for first, last in places]

@@ -173,7 +173,7 @@ class Session:
         perform(self)(operation)
 
     def _wrong_with(self, identity: object) -> str | None:
-        """Return the error in an id as text, or None if answers can carry it."""
+        """Return what is wrong with an id, as text, or None if answers can carry the id."""
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
         if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:
