@@ -33,7 +33,7 @@ Tell = Callable[[int, int, int], None]
 class Dataset:
     """A dataset that is complete or in progress.
 
-    finished: the number of frames that exist, of n. files: the tables that cover all frames, written once all exist.
+    finished: how many of the n frames exist. files: the tables that cover all frames, written once all exist.
     made: the number of frames rendered by this call, in wall_s seconds.
     """
 

@@ -23,7 +23,7 @@ SEEN_M = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A pose of the vehicle, orientation x, y, z, w, and the name of its camera's target, None on a track."""
+    """A pose of the vehicle (orientation as x, y, z, w), and the name of its camera's target (None on a track)."""
 
     position_m: Floats
     orientation_xyzw: Floats
@@ -134,6 +134,7 @@ def _rays(eye: Eye, random: np.random.Generator) -> Floats:
 def visibility_m(water: _core.WaterOptics) -> float:
     """Return the distance at which a diver sees a dark object horizontally: 4.8 / c, with c [1/m] at 550 nm.
 
-    Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, for 532 nm.
+    Zaneveld and Pegau 2003, "Robust underwater visibility parameter", Optics Express 11, which gives the factor for 532
+    nm.
     """
     return 4.8 / float(water.beam_attenuation[1])

@@ -1,4 +1,4 @@
-"""Studio: a simulator with a camera, a sonar and targets, kept from frame to frame."""
+"""Studio: a simulator with a camera, a sonar and targets, reused from frame to frame."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Studio:
 
     @property
     def label_range_m(self) -> float:
-        """The largest distance of labelled objects: if not specified, the water's current visibility."""
+        """The largest distance at which objects are labelled; by default the water's current visibility."""
         if self.spec.label_range_m is not None:
             return self.spec.label_range_m
         return visibility_m(core_optics(self.sim.optics).water) if "attenuation" in self.effects else np.inf
@@ -106,7 +106,7 @@ class Studio:
         return int(self._random(number, TIME).integers(round(LATEST_S / self.sim.step_s))) * step_ns
 
     def viewpoint(self, number: int) -> Viewpoint:
-        """Return a random pose for a frame, with the current water. Raises ValueError if none is found."""
+        """Return a random pose for a frame, in the current water. Raises ValueError if none is found."""
         spec = self.spec
         if self._drawing is None:
             self._drawing = self._targets(), self._eye()

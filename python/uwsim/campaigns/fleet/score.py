@@ -24,7 +24,7 @@ RETRIES = 2
 
 
 class _ScoreJobs(Mapping[int, ScoreJob]):
-    """The jobs that score the tiles, built one at a time to save memory, since a ping may belong to several."""
+    """The jobs that score the tiles, built one at a time to save memory, since a ping may belong to several jobs."""
 
     def __init__(self, jobs: Mapping[int, TileJob], grid: Grid, results: Mapping[int, Mapping[str, Any]], out: Path):
         self._jobs, self._grid, self._results = jobs, grid, results

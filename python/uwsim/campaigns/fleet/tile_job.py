@@ -109,7 +109,8 @@ def window_m(base: Scenario, area_m: NDArray[np.float64]) -> tuple[tuple[float, 
 def fly_tile(job: TileJob) -> dict[str, Any]:
     """Survey a tile; return its values, its map as .ot bytes, and its pings' positions as .npy bytes.
 
-    The result of a tile without enough water has `dry` set, that of a failed tile `error`. Raises OSError, MemoryError.
+    The result of a tile without enough water has `dry` set; the result of a failed tile has `error` set. Raises
+    OSError, MemoryError.
     """
     begun_s, begun_cpu_s = time.perf_counter(), time.process_time()
     result: dict[str, Any] = {"error": None, "dry": None, "build": build_fingerprint()}

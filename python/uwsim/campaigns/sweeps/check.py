@@ -1,4 +1,4 @@
-"""Checks of a sweep before it flies: every name that it varies, and both ends of every range, one at a time."""
+"""Checks a sweep before it is flown: every name that it varies, and both ends of every range, one at a time."""
 
 from __future__ import annotations
 
@@ -64,8 +64,8 @@ class Jobs:
 def require_flyable(spec: SweepSpec, source: SourceFile, folder: Path) -> None:
     """Raise ScenarioError, with one line per mistake, if a choice or an end of a range is rejected.
 
-    Each value is tried alone, so that a mistake is reported once, and if rejected, again with the first values of all
-    other names. Builds one simulator, with all first values.
+    Each value is first tried alone, so that each mistake is reported once. A rejected value is tried again with the
+    first values of all other names. Builds one simulator, with all first values.
     """
     jobs, mistakes = Jobs(spec, folder), list[str]()
     first = {name: extremes(variation)[0] for name, variation in spec.vary.items()}

@@ -73,7 +73,7 @@ def _grid(variation: Variation) -> list[Level]:
 
 
 def _rounded(level: Level) -> Level:
-    """Return 0.6 for 0.6000000000000001."""
+    """Round away floating-point noise: 0.6000000000000001 becomes 0.6."""
     value = level.value if isinstance(level.value, int) else float(f"{level.value:.12g}")
     return Level(value, value)
 
