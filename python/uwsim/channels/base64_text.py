@@ -1,4 +1,4 @@
-"""Base64 in pieces: one call for megabytes would block all other threads, since it holds the interpreter."""
+"""Base64 in pieces: one call for megabytes would block all other threads, since it holds the GIL."""
 
 from __future__ import annotations
 

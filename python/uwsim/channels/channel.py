@@ -48,15 +48,15 @@ class Channel:
     tick, which refer to them. over_link: whether the channel crosses the acoustic link. priority: on the
     link, COMMAND to PICTURE; the lowest number goes first. packing: how messages are packed into few bytes for the
     link, a name in uwsim.link.packing.PACKINGS, or "" for messages that no modem can carry. late: whether, in real
-    time, messages are published when they are ready or skipped, as pictures are, so that their timing, but not their
-    content, depends on the machine. pieced: whether a late picture is assembled from earlier ones, so that its content
-    also depends on the machine. catch_up: for a channel whose messages build on each other: returns one message with
-    everything since a cursor (None: since the beginning), and the next cursor; called on any thread. keep_up: called
-    between two steps at rate_hz as soon as a server offers the channel, with or without subscribers, since the content
-    of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the simulator's thread;
-    returns a message of `messages.typestore()` stamped with simulated time, or None if there is none. apply: for "in":
-    called on any thread; must not block; raises ValueError for impossible commands. abandoned: for "in": called like
-    `apply` when the last publisher has gone. idle: for "in": the message that stands for no command; `abandoned`
+    time, messages are published as soon as they are ready, and some are skipped, as with pictures; their timing, but
+    not their content, then depends on the machine. pieced: whether a late picture is assembled from earlier ones, so
+    that its content also depends on the machine. catch_up: for a channel whose messages build on each other: returns
+    one message with everything since a cursor (None: since the beginning), and the next cursor; called on any thread.
+    keep_up: called between two steps at rate_hz as soon as a server offers the channel, with or without subscribers,
+    since the content of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the
+    simulator's thread; returns a message of `messages.typestore()` stamped with simulated time, or None if there is
+    none. apply: for "in": called on any thread; must not block; raises ValueError for impossible commands. abandoned:
+    for "in": called like `apply` when the last publisher has gone. idle: for "in": the message that stands for no command; `abandoned`
     applies it, and a channel with one is also abandoned after a time without a command. watch: the vehicle's watchdog,
     for channels that steer. drops: counted by the sinks; /diagnostics reports it.
     """

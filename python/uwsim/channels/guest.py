@@ -49,7 +49,7 @@ class Node(Protocol):
         """Return whether a topic has subscribers."""
 
     def is_awaited(self, name: str) -> bool:
-        """Return whether a subscriber was ready for the last message of a topic, or no message has been published."""
+        """Return whether a subscriber was ready for a topic's last message, or no message has been published yet."""
 
     def silence_s(self, client: str) -> float:
         """Return how long [s] nothing has been received from a client, including answers to pings."""

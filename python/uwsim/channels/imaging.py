@@ -47,7 +47,7 @@ class View(Protocol):
     rate_hz: float
 
     def begin(self, sonar: ImagingSonar, time_ns: int) -> Callable[[], tuple[Any, ...]]:
-        """Store the current state; return a function for its level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
+        """Store the state; return a function that computes level_db, bearings_rad, ranges_m and picture (h, w, 3)."""
 
 
 class Ahead:

@@ -41,7 +41,7 @@ Write = Callable[[Any, Any, Errors], Any]
 class Kind(NamedTuple):
     """The messages of a kind of sensor.
 
-    write(value, header, errors): builds one. even_invalid: whether samples without an echo are published, too.
+    write(value, header, errors): builds a message. even_invalid: whether samples without an echo are published, too.
     """
 
     type: str

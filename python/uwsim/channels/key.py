@@ -1,4 +1,4 @@
-"""The published keyboard's message `key`: a function, and efforts, where sway and yaw are positive to starboard."""
+"""The message `key` of the published keyboard node: a function code, and efforts (sway, yaw positive to starboard)."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ class PingMap:
         ]  # fmt: skip
 
     def read(self, sim: Simulator) -> Any:
-        """Insert the latest ping; once a second, return the map that was begun at the previous reading, else None."""
+        """Insert the latest ping; once a second, return the map as of the previous reading, else None."""
         self.keep_up(sim)
         self._whole.at_ping(self._newest_ns, self._interval_ns, lambda: self._worker.submit(binary, self._map))
         said = self._whole.said

@@ -1,8 +1,8 @@
 """The ROS message types in use: names, fields and classes, from the typestores of `rosbags`.
 
-A message is an object of `typestore().types[name]`, whatever the client: the classes of ROS 2 Jazzy, whose spelling of
-names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its fields in the spelling of ROS 1
-(Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or ROS 2.
+Whichever client it is for, a message is an instance of `typestore().types[name]`, a class of ROS 2 Jazzy, whose
+spelling of names is used here ("sensor_msgs/msg/LaserScan"). `fields(name, ros)` returns its fields in the spelling of
+ROS 1 (Noetic: a header has `seq`, times are `secs` and `nsecs`, camera matrices are `K`) or ROS 2.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Kind(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One field. name: in the client's spelling. attribute: its name in the message object, or None if it lacks it."""
+    """One field. name: in the client's spelling. attribute: its name in the message object; None if absent there."""
 
     name: str
     attribute: str | None
@@ -120,7 +120,7 @@ def typestore() -> Typestore:
 
 @cache
 def ros1_typestore() -> Typestore:
-    """Return the types for ROS 1's serialisation: those of Noetic, plus those that it lacks."""
+    """Return the types for ROS 1's serialisation: those of Noetic, plus those that Noetic lacks."""
     store = get_typestore(Stores.ROS1_NOETIC)
     jazzy = get_typestore(Stores.ROS2_JAZZY).fielddefs
     missing = {name: jazzy[name] for name in jazzy.keys() - store.fielddefs.keys()}
@@ -155,7 +155,7 @@ def resolve(name: object) -> tuple[str, Ros | None]:
 
 
 def spelled(name: str, ros: Ros) -> str:
-    """Spell a type's full name as in a generation of ROS."""
+    """Return a type's full name as a generation of ROS spells it."""
     return name if ros == 2 else name.replace("/msg/", "/", 1)
 
 
@@ -192,7 +192,7 @@ def kind_of(description: Any) -> Kind:
 
 
 def is_unicode(text: str) -> bool:
-    """Return whether a text is valid Unicode: clients may send half a surrogate pair in JSON or CBOR."""
+    """Return whether text is valid Unicode: clients may send half a surrogate pair in JSON or CBOR."""
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 

@@ -73,7 +73,7 @@ class Pictures:
     Simulated time is divided into periods of 1 / RATE_HZ. The first reading in a period starts rendering the scene as
     it is at that time, on a separate thread. If the steps may wait, the next reading in a later period waits for the
     picture and returns it, so results do not depend on how long rendering takes. If not, readings return the picture in
-    the first period in which it is ready, and no other picture is started before, so pictures are skipped if the
+    the first period in which it is ready, and no other picture is started until then, so pictures are skipped if the
     machine is too slow. After a pause in reading, earlier pictures are dropped, so that a new subscriber receives none
     of them.
 
@@ -142,7 +142,7 @@ class Pictures:
 
 
 def _is_read(job: _Job, slot: int, waits: bool) -> bool:
-    """Return whether readings in this period get the picture: usually the first later period with a reading."""
+    """Return whether readings in this period get the picture: usually those in the first later period with any."""
     if waits and job.is_first and job.slot == slot:
         return True
     if job.read_in is None and job.slot < slot and (waits or job.picture.done()):

@@ -212,7 +212,7 @@ def let_go(live: LiveSimulator, steering: Steering) -> None:
 
 
 def _functions(live: LiveSimulator, source: Source) -> dict[int, tuple[str, dict[str, Any]]]:
-    """Return the command for each function, or "" if the vehicle lacks the part: the keyboard then lacks the key."""
+    """Return each function's command, or "" if the vehicle lacks the part for it and thus ignores the key."""
     vehicle = source.of(live.simulator)
 
     def lamp(name: str, on: bool) -> tuple[str, dict[str, Any]]:

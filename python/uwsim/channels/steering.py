@@ -91,7 +91,7 @@ class Steering:
         return live.simulator.vehicles[self._source.name].gate
 
     def _end_if_stopped(self, gate: CommandGate) -> None:
-        """Stop holding a velocity if all stop was set since then, even if it has been released again."""
+        """Stop holding a velocity if all stop was set after the hold began, even if it has been released again."""
         if self._loop is not None and gate.stops != self._stops:
             self._loop.cancel()
             self._loop = None

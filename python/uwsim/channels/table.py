@@ -74,7 +74,7 @@ class Table:
         self.services: list[Service] = self._services(sim)
 
     def look_anew(self) -> None:
-        """Forget the latest pings and pictures, so that a recording starts with new ones. On the simulator's thread."""
+        """Forget the latest pings and pictures, so that a recording starts with new ones; on the simulator's thread."""
         for pings in self.pings.values():
             pings.forget()
         self.pictures.forget()
