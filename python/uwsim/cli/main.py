@@ -90,7 +90,7 @@ _add("Check", validate, fingerprint, reproduce, bench=bench_app)
 
 
 def main() -> NoReturn:
-    """Run the command. A user's mistake gives one line on stderr and a non-zero exit code, without a traceback."""
+    """Run the command. A user's mistake produces one line on stderr and a non-zero exit code, without a traceback."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _exit_on_signal)
     _spare_address_space()

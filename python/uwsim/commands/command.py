@@ -22,7 +22,7 @@ class Argument:
     """A value that a command takes.
 
     low, high: inclusive bounds of each number. length: the number of values, for "numbers". default: used if the
-    argument is missing; REQUIRED if it may not be. An argument whose default is None may be None.
+    argument is missing; REQUIRED if the argument must be passed. An argument whose default is None may be None.
     """
 
     name: str
