@@ -135,7 +135,7 @@ def draw_power(
 
 
 def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-    """Draw distances from the true position, times (n,) [s] and distances (n,) [m] by name. Raises OSError."""
+    """Draw distances [m] from the true position over times [s], (n,) each, as pairs by name. Raises OSError."""
     figure, axes = _over_time("Estimate against truth", "distance [m]", next(iter(errors.values()))[0], 2.2)
     for colour, (name, (time_s, error_m)) in zip(_colours(len(errors)), errors.items(), strict=True):
         axes.plot(time_s / 60.0, error_m, color=colour, linewidth=1.4, label=name)

@@ -169,7 +169,7 @@ def _solids(world: _core.World) -> list[_core.RayScene]:
 
 
 def _render_block(comparison: _Comparison, area_m: NDArray[np.float64], elevation_rad: float) -> _Row:
-    """Return the view and the pictures of truth and map over a convex polygon; None instead of an empty map's."""
+    """Return the view and the pictures of truth and map over a convex polygon; the latter is None for an empty map."""
     mapped = comparison.occupied_centres_m[inside_polygon(comparison.occupied_centres_m[:, :2], area_m)]
     ground = _ground_heights(comparison.world, area_m)
     levels = np.concatenate([ground, mapped[:, 2]]) if len(ground) + len(mapped) else np.zeros(1)

@@ -41,7 +41,7 @@ class Mount:
 
     @property
     def label(self) -> str:
-        """The part's place in the file, such as `sensors.dvl`."""
+        """The part's key in the file, such as `sensors.dvl`."""
         return f"{self.key}.{self.name}" if self.name else self.key
 
 
@@ -135,7 +135,7 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
     """Return whether a ray from outside a closed surface of outward-winding triangles (m, 3, 3) hits the surface.
 
-    A ray from inside first hits a back face: False. Moeller and Trumbore 1997, "Fast, minimum storage
+    Returns False for a ray from inside, which first hits a back face. Moeller and Trumbore 1997, "Fast, minimum storage
     ray-triangle intersection".
     """
     a = corners_m[:, 0]

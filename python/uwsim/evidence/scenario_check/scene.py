@@ -73,9 +73,10 @@ class VehicleScene:
 
     altitude_m: smallest height of its hull above the bed. beside_terrain: whether a part of the hull is outside the
     terrain. free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: radius of a
-    sphere around its hull. weight_n: weight in air. net_buoyancy_n: deep in still water; positive if it rises. lift_n:
-    largest thrust down (negative) and up. current_m_s: current at its start, see CURRENT_SHARE. holds_current: whether
-    it can hold its position in that current. figures: properties of its model in this water.
+    sphere around its hull. weight_n: weight in air. net_buoyancy_n: buoyancy minus weight, deep in still water;
+    positive if the vehicle rises. lift_n: largest thrust down (negative) and up. current_m_s: current at its start, see
+    CURRENT_SHARE. holds_current: whether it can hold its position in that current. figures: properties of its model in
+    this water.
     """
 
     name: str

@@ -61,7 +61,7 @@ class Probe:
         at_m: Sequence[float] = START_M,
         attitude_xyzw: Sequence[float] = LEVEL,
     ) -> Array:
-        """Return the actuators' wrench (6,): M times the difference in acceleration, plus half that in resistance."""
+        """Return the actuators' wrench (6,): M x the acceleration difference + half of the resistance difference."""
         after = []
         for sim in (self._driven, self._bare):
             sim.rov.place(at_m, attitude_xyzw, velocity)

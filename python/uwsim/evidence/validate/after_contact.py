@@ -42,7 +42,7 @@ def after_contact(sim: Simulator, seed: int, height_m: float, velocity_m_s: tupl
 
 
 def contact_checks(sim: Simulator, seeds: int) -> list[Check]:
-    """Fly each contact with all seeds; compare the mean NEES with its upper 97.5 % bound, times BEYOND if listed."""
+    """Fly each contact with all seeds; compare the mean NEES with BEYOND (default 1) times its upper 97.5 % bound."""
     most = float(chi2.ppf(0.975, seeds * ERRORS) / seeds)
     return [
         at_most(

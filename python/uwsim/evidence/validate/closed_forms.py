@@ -39,7 +39,7 @@ def simulator_with_body(
     friction: float = 0.5,
     restitution: float = 0.1,
 ) -> Simulator:
-    """Return a simulator with a vehicle that has these coefficients and this hull, built as a user's would be."""
+    """Return a simulator with a vehicle with these coefficients and this hull, built like a user's vehicle."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hull.obj"
         _write_obj(mesh, path)

@@ -110,7 +110,8 @@ def consistency_checks(nees: Array, how: str = "") -> list[Check]:
 def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
     """Hover, then switch off DVL and USBL.
 
-    Return the final covariance of the horizontal position, by the filter and by the closed form, and its error (2,).
+    Return the final covariance of the horizontal position, by the filter and by the closed form, and the position's
+    error (2,).
     """
     navigator, draws = start_navigation(sim, seed)
     for _ in range(round(DROP_OUT_AFTER_S / LEG_S) - 3):

@@ -170,7 +170,7 @@ def _open_spec() -> _core.LinkSpec:
 
 
 def _even_water() -> _core.Water:
-    """Return an ocean of uniform temperature, in which the speed of sound increases only through depth."""
+    """Return an ocean of uniform temperature, in which the speed of sound increases only with depth."""
     water = _core.Water()
     water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10.0
     water.salinity_psu = 35.0

@@ -97,7 +97,7 @@ def driven_terminal_speed(name: str = "bluerov2_heavy", model: VehicleModel | No
     """Check that BlueROV2 Heavy's thrust, minus the loss to inflow, equals its drag at terminal speed ahead and up.
 
     The horizontal thrusters push at 45 degrees. Full effort ahead is 39.9 N from each front thruster and 51.5 N from
-    each rear thruster; efforts up to 0.87 of that are shared evenly. The vertical thrusters give 51.5 N each.
+    each rear thruster; efforts up to 0.87 of that are shared evenly. The vertical thrusters deliver 51.5 N each.
     """
     body, used = BLUEROV2_HEAVY, model or load_vehicle(name)
     slanted, ahead_n = np.sqrt(0.5), 0.5 * (39.9 + 51.5)

@@ -1,7 +1,8 @@
 """Navigation of a vehicle that turns about all axes: the filter's errors match its covariance.
 
 A BlueROV2 without control hardly rights itself, so small torques make it roll, pitch and tumble, even upside down: then
-its DVL sees no bottom, and depth, compass, USBL and the IMU continue. The measure is the NEES of estimation.py.
+its DVL sees no bottom, while the depth sensor, compass, USBL and IMU continue to measure. The measure is the NEES of
+estimation.py.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Checks the packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
 
-Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % makes a check miss.
+Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % makes a check fail.
 Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
 """
 
@@ -41,7 +41,7 @@ class Curve:
 def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[Check], list[Curve]]:
     """Return all checks of a packaged vehicle, and its curves.
 
-    model: replaces the vehicle, to show that checks can miss.
+    model: replaces the vehicle, to show that checks can fail.
     """
     body = PUBLISHED[name]
     used = model or load_vehicle(name)
