@@ -22,7 +22,7 @@ class Ashore:
 
     table: the simulator's channels. only: name endings of the channels that the vehicle sends, unless the scenario
     selects what its link carries; if None, all channels that the link can carry. steps: simulator steps between
-    collections. saved: the result of `save`, to continue from. The link does not affect anything aboard.
+    collections. saved: the result of `save`, to continue from. The link does not affect anything on board.
     """
 
     def __init__(

@@ -6,9 +6,9 @@
     OUT/checkpoint/map-N.ot        the map with its log-odds; also reference-N.ot, if there is a reference map
 
 A mission with `save` and `restore` continues from its saved state. Any other mission is a running Python function,
-which cannot be saved: on resuming, it is flown again from its start, without mapping, up to the saved tick. There the
-simulator's state must be the same to the last bit, unless another build saved it. From then on, pings are added to the
-saved map. The repetition costs only the time of the physics. Both ways give the same map.
+which cannot be saved: on resuming, it is flown again from its start, without mapping, up to the saved tick. At that
+tick, the simulator's state must equal the saved one to the last bit, unless another build saved it. From then on, pings
+are added to the saved map. The repetition costs only the time of the physics. Both ways give the same map.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class FlightCheckpoint:
     def read(self, memory_limit_mb: float | None = None) -> SavedFlight:
         """Return the saved flight. memory_limit_mb: memory limit of its map.
 
-        Raises ValueError if there is none or it is damaged, OSError if it cannot be read.
+        Raises ValueError if there is no saved flight or it is damaged, OSError if it cannot be read.
         """
         self.require_one()
         path = self.folder / STATE

@@ -32,10 +32,10 @@ Curve = tuple[list[float], list[float]]
 class Row:
     """Results of one flight.
 
-    seen_m2: area of the columns of 1 m x 1 m in which the sonar has had an echo. seen_share: their share of the columns
-    seen by any of the compared flights. half_seen_s: time at which half of seen_m2 had been seen. effort_s: mean
-    absolute command, integrated over time, which gives seconds of full thrust. estimate_rms_m: RMS distance between
-    true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within scored_area_m.
+    seen_m2: area of the 1 m x 1 m columns in which the sonar has received an echo. seen_share: seen_m2 as a share of
+    the area seen by all compared flights together. half_seen_s: time at which half of seen_m2 had been seen. effort_s:
+    mean absolute command, integrated over time, which gives seconds of full thrust. estimate_rms_m: RMS distance
+    between true and estimated position; 0 if the mission uses the truth. map_coverage: coverage within scored_area_m.
     map_error_m: mean distance of the map's occupied voxels from the true surface. Both are NaN without a scored map.
     """
 

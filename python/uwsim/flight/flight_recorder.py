@@ -44,7 +44,7 @@ class FlightRecorder:
 def flight_recorder(
     sim: Simulator, path: Path, topics: tuple[str, ...] | None, survey: FlightRequest | None
 ) -> FlightRecorder:
-    """Return the recorder of a flight, by default of all channels except pictures and maps.
+    """Return a flight's recorder, which by default records all channels except pictures and maps.
 
     survey: the request of a planned flight, whose map and report can be rebuilt from its recording.
     """

@@ -106,7 +106,7 @@ def _named(error: BaseException) -> str:
 def parsed_arguments(texts: list[str], parse: Callable[[str], Any]) -> dict[str, Any]:
     """Return the values of NAME=VALUE texts by name; a value that `parse` refuses stays text.
 
-    Raises MissionError for another form.
+    Raises MissionError if a text is not of this form.
     """
     arguments = {}
     for text in texts:

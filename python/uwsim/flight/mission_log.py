@@ -47,7 +47,7 @@ class MissionLog:
 
 
 def rewrite_if_lost(out: Path, events: Iterable[Event]) -> None:
-    """Write the events again if their file is missing, because the folder was deleted in flight or the disk was full.
+    """Write the events again if their file is missing, because the folder was deleted meanwhile or the disk was full.
 
     Raises OSError.
     """

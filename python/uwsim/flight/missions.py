@@ -1,4 +1,4 @@
-"""Finds the mission to fly, by value or by name: steps, or a planned mission such as the survey's lawn-mower."""
+"""Finds the mission to fly, by value or by name: a stepped mission, or a planned one such as a lawn-mower survey."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Begun:
     def resumable(self) -> ResumableMission | None:
         """The mission, if it can be saved and restored, else None.
 
-        Several parts cannot, since some would still be waiting when another is saved.
+        Several parts cannot be saved, since some would still be waiting when another is saved.
         """
         only = self.parts[0] if len(self.parts) == 1 else None
         return only if isinstance(only, ResumableMission) else None
@@ -58,7 +58,8 @@ class FlownMission:
     """A mission to fly.
 
     title: its name in reports. steps: its function or class; None for a planned mission. make: creates a planned
-    mission. file: the file that contains it, if any. name: how a resumed flight finds a mission that is not in a file.
+    mission. file: the file that contains it, if any. name: the name from which a resumed flight imports a mission that
+    is not in a file.
     """
 
     title: str

@@ -40,8 +40,8 @@ class PingLog:
     """The position at each ping, the number of echoes, and a sample: the ping with the most distinct labels.
 
     area_world_m: polygon in which the sample must have been taken; None allows any place. positions_m: the sonar's true
-    positions. mapped_m: its positions as used for the map. pings_with_warning: the number of pings during which each of
-    PANEL_WARNINGS was on.
+    positions. mapped_m: the sonar's positions as used for the map. pings_with_warning: the number of pings during which
+    each of PANEL_WARNINGS was on.
     """
 
     area_world_m: Array | None = None

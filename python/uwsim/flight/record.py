@@ -33,7 +33,7 @@ class FlightRecord:
     """The record of a flown mission.
 
     scenario, seed, step_s: as in the simulator; for remote vehicles, scenario is the URL and the others are None.
-    estimate: source of the poses used. result: the mission's return value; None if it did not end by itself.
+    estimate: source of the poses used. result: the mission's return value; None if the mission did not end by itself.
     ended_because: the reason, as a clause. ended_early: whether anything but the mission itself or --time-limit ended
     the flight. error: the exception that the mission raised, if any. samples: by vehicle. stage_wall_s: wall time of
     each stage in seconds. link: the link's traffic by topic. ashore: the station's data, if there is a link.

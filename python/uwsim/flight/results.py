@@ -115,7 +115,7 @@ def _is_exact(flown: FlightRecord, sim: Simulator) -> bool:
 
 
 def _map_ashore(ashore: Ashore, aboard: OccupancyMap) -> OccupancyMap:
-    """Return the station's map, with the voxel size of the map aboard."""
+    """Return the station's map, with the voxel size of the onboard map."""
     return ashore.made_map(aboard.resolution_m, aboard.engine)
 
 

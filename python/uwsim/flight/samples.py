@@ -93,7 +93,7 @@ class Samples:
         return tuple(name.partition(" ")[2] for name in self.names[len(COLUMNS) :])
 
     def lit_s(self, warning: str) -> float:
-        """Return how long a warning on the panel was on in seconds, to the resolution of the samples."""
+        """Return for how many seconds a warning on the panel was on, to the resolution of the samples."""
         return float(self[f"{warning}_warning"].sum()) * PERIOD_S
 
     def write(self, path: Path) -> None:

@@ -96,9 +96,10 @@ def read_state(data: bytes) -> StateFile:
 class SavedFlight:
     """A flight to be resumed.
 
-    tick: when it was saved. state_digest: digest of the simulator's state then. build: fingerprint of the build that
-    saved it. wall_s: wall time used so far. pinging: None without a map. mission: None if the mission must be flown
-    again up to `tick`; otherwise simulation has the bytes of Simulator.save_state, and samples the rows by vehicle.
+    tick: the tick at which it was saved. state_digest: digest of the simulator's state at that tick. build: fingerprint
+    of the build that saved it. wall_s: wall time used so far. pinging: None without a map. mission: None if the mission
+    must be flown again up to `tick`; otherwise `simulation` contains the bytes of Simulator.save_state, and `samples`
+    the rows by vehicle.
     """
 
     request: FlightRequest
@@ -182,7 +183,7 @@ def state_digest(state: bytes) -> str:
 
 
 def _arrays_of_version_1(paths: Mapping[str, NDArray[Any]], echo_count: int) -> dict[str, NDArray[Any]]:
-    """Return the paths by vehicle of version 1 as arrays of this version; the first vehicle gets all echoes."""
+    """Convert version 1's paths, by vehicle, to arrays of this version; all echoes go to the first vehicle."""
     found: dict[str, NDArray[Any]] = {}
     for vehicle, path in paths.items():
         log = {"path": path, "mapped": path, "counts": np.array([echo_count, 0, 0, 0]), "score": np.array([-1.0])}

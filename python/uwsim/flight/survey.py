@@ -1,4 +1,4 @@
-"""run_survey and resume_survey: fly a survey, which maps the scenario's survey area, by default as a lawn-mower."""
+"""run_survey and resume_survey: fly a survey, which maps the scenario's survey area, by default in parallel lanes."""
 
 from __future__ import annotations
 

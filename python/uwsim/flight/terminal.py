@@ -37,7 +37,7 @@ class Silent:
 
     @contextmanager
     def flight(self, activity: str) -> Iterator[Show | None]:
-        """Show progress while the block runs, by the function that it yields; None: nothing is shown."""
+        """Yield a function that shows progress while the block runs, or None if nothing is shown."""
         yield None
 
 
