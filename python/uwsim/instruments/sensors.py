@@ -106,7 +106,7 @@ class Sensor(Sealed, Generic[R]):
     def distort(self, distortion: Distortion | None) -> None:
         """Distort readings from now on; None ends the distortion.
 
-        Faults call this. Raises ValueError if it does not fit.
+        Faults call this. Raises ValueError if the distortion does not fit the sensor's fields.
         """
         if distortion is not None:
             distortion.check(self._fields)
@@ -141,7 +141,7 @@ class Sensor(Sealed, Generic[R]):
         """Return the newest sample that has arrived: a float in `unit`, or several values (`readings.py`).
 
         Between samples, the last sample is returned; dropped samples are skipped. Before the first sample arrives, the
-        present value is measured. `sample` distinguishes these cases. noise=False returns the current true value,
+        current value is measured. `sample` distinguishes these cases. noise=False returns the current true value,
         without errors, rate, latency or drop-outs. A sensor that is off returns NaN.
         """
         return self._value(self._simulation.read_sensor(self._vehicle, self._index, noise), noise)
@@ -158,7 +158,7 @@ class Sensor(Sealed, Generic[R]):
     def stream(self, from_ns: int | None = None) -> SampleStream:
         """Return a stream of the sensor's future samples: each once, in order of arrival, without dropped samples.
 
-        from_ns: the earliest measurement time; by default, any time after the present. Samples are kept until they are
+        from_ns: the earliest measurement time; by default, any time after now. Samples are kept until they are
         taken, so take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that
         is off are invalid.
         """

@@ -46,7 +46,7 @@ class DepthMap:
         return self.width * self.height * self.cameras
 
     def camera(self) -> _core.DepthCamera:
-        """Return one of the cameras, which are alike. Raises ValueError if a setting is invalid."""
+        """Return one of the cameras, which are all identical. Raises ValueError if a setting is invalid."""
         if self.reduction not in REDUCTIONS:
             raise ValueError(f"depth_map.reduction = {self.reduction!r}: must be one of {', '.join(REDUCTIONS)}")
         for name in ("width", "height", "cameras", "depth_bits"):
@@ -103,7 +103,7 @@ def ranges_m(sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, mod
 class Difference:
     """Statistics of the differences between ranges and exact ranges.
 
-    beams: number of beams with an echo in both; the differences in metres are over these. missed: number of beams with
+    beams: number of beams with an echo in both; the differences in metres refer to these. missed: number of beams with
     an echo only in the exact ranges. invented: number of beams with an echo only in the other ranges.
     """
 

@@ -39,8 +39,8 @@ class Fleet(imaging.Place, Protocol):
 class ImagingSonar(Sealed):
     """An imaging sonar on a vehicle; its pings include the other vehicles.
 
-    Pinging does not advance simulated time, and all pings at one time are equal. model: its parameters, of one of the
-    models in uwsim.instruments.sonars.imaging.
+    Pinging does not advance simulated time, and all pings at one time are equal. model: its parameters, an instance of
+    one of the model classes in uwsim.instruments.sonars.imaging.
     """
 
     name: str
@@ -79,17 +79,17 @@ class ImagingSonar(Sealed):
         return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
     def look(self, *, with_labels: bool = False) -> SonarImage:
-        """Return a forward-looking sonar's picture. Raises ValueError for another kind."""
+        """Return a forward-looking sonar's picture. Raises ValueError for another kind of sonar."""
         self._require(ForwardLooking)
         return cast(SonarImage, self.ping(with_labels=with_labels))
 
     def line(self, *, with_labels: bool = False) -> Waterfall:
-        """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind."""
+        """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind of sonar."""
         self._require(SideScan)
         return cast(Waterfall, self.ping(with_labels=with_labels))
 
     def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
-        """Return a single beam's pings at angles (n,) from the current pose. Raises ValueError for another kind."""
+        """Return a single beam's pings at angles (n,) from the current pose. Raises ValueError for other kinds."""
         self._require(SingleBeam)
         return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 

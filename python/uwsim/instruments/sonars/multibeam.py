@@ -100,7 +100,7 @@ class Sonar(Sealed):
         """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving the vehicle.
 
         The result's arrays are (n, beams); see _core.PingBatch. The mode is always geometry, with the head at its
-        present elevation. threads: by default all; results do not depend on it. Raises ValueError if a pose is not
+        current elevation. threads: by default all; results do not depend on it. Raises ValueError if a pose is not
         rigid.
         """
         return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

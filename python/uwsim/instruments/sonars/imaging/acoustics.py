@@ -108,7 +108,7 @@ class ImagingKind:
 def check(model: Acoustics, sim: Place | None = None) -> None:
     """Raise ValueError, which names the parameter, if a model is invalid.
 
-    strengths_db is checked only if there is a sim.
+    strengths_db is checked only if a sim is passed.
     """
     instrument(sim, model)
 

@@ -26,9 +26,9 @@ from uwsim.instruments.sonars.poses import Matrix, checked_pose, split_poses
 class SingleBeam(Acoustics):
     """A profiling sonar with one pencil beam. The defaults resemble the Imagenex 881L.
 
-    [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is round here; the 881L's is a fan of 1.8 x 20
-    deg. Values without a source are assumed. detection_db: least height of an echo's peak above the noise; lower echoes
-    are discarded.
+    [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is conical here; the 881L's is a fan of 1.8 x
+    20 deg. Values without a source are assumed. detection_db: least height of an echo's peak above the noise; lower
+    echoes are discarded.
     """
 
     kind: ClassVar[str] = "single_beam"
