@@ -67,7 +67,7 @@ class Episodes:
         self._motion: Motion | None = None
 
     def seed(self, member: int, seed: int | None) -> None:
-        """Assign a new generator to a member; if the seed is None, only if it has none yet, with a random seed."""
+        """Give a member a new generator with this seed; None: a random seed, and only if it has no generator yet."""
         if seed is not None or self.generators[member] is None:
             self.generators[member], self.generator_seeds[member] = np_random(seed)
 
@@ -178,7 +178,7 @@ class Episodes:
 
 
 def task_scenario(kind: type[Task], scenario: str | Path | Scenario | None) -> Scenario:
-    """Return the scenario that replaces the task's, or else the task's own."""
+    """Return the scenario that replaces the task's own or, if there is none, the task's own."""
     return load(assets_folder() / "learning" / kind.scenario_file if scenario is None else scenario)
 
 

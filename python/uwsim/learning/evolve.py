@@ -45,10 +45,10 @@ def evolve(
     spread: float = 0.5,
     told: Callable[[Generation], None] = lambda generation: None,
 ) -> LinearPolicy:
-    """Return the mean of the last generation's distribution. Episodes have the seeds from first_seed on.
+    """Return the mean of the last generation's distribution. Episodes are seeded consecutively from first_seed.
 
-    start: the mean of the first candidates; by default all weights are zero. spread: their standard deviation, for a
-    weight times the usual size of its input. Raises MissingExtraError if cma is not installed.
+    start: the mean of the first candidates; by default all weights are zero. spread: the standard deviation of their
+    weights, each multiplied by the usual size of its input. Raises MissingExtraError if cma is not installed.
     """
     need_extra("cma", "learn", "learning by CMA-ES")
     import cma

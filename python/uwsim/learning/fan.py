@@ -18,7 +18,7 @@ def ranges_field(beams: int, range_max_m: float) -> Field:
 
 
 def seen_by_fan(batch: Batch, vehicle: str, fields: tuple[Field, ...]) -> Floats:
-    """Return ranges and altitude, (n, beams + 1). Raises ValueError if the sonar's number of beams differs."""
+    """Return ranges and altitude, (n, beams + 1). Raises ValueError if the task needs another number of beams."""
     fan = fields[0]
     ranges = batch.ping(vehicle).ranges_m
     if ranges.shape[1] != fan.width:

@@ -26,8 +26,8 @@ class EpisodeOptions:
     scenario: replaces the task's scenario; it must contain what the task needs. randomize: (low, high) by name in
     `Simulator.parameters`; values are drawn uniformly for each episode. They add to the task's own ranges and override
     those of the same name. duration_s: time after which an episode is truncated. threads: by default all. camera: name
-    of a vehicle's camera whose pictures, of camera_size (height, width), are added to the observation. faults: replace
-    the scenario's faults in each episode, and have the same keys; random faults (rate_per_h) are drawn for each
+    of a vehicle's camera whose pictures, of camera_size (height, width), are added to the observation. faults: these
+    replace the scenario's faults in each episode and have the same keys; random faults (rate_per_h) are drawn for each
     episode. sonar_mode: mode of the task's sonar, "geometry" or "physics".
     """
 

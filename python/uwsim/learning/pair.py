@@ -37,7 +37,8 @@ class Exchange(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no type stu
 
     Observation: as in uwsim/StationKeeping-v0 with respect to the target, then the other vehicle's relative position
     and velocity. Reward: as in uwsim/StationKeeping-v0 with respect to the target, and -20 for both vehicles on a
-    collision. End, for both: a collision, or one vehicle is 8 m from its target. Episodes are truncated after 30 s.
+    collision. Termination, for both: a collision, or one vehicle is 8 m from its target. Episodes are truncated after
+    30 s.
     """
 
     metadata = {"name": "uwsim_exchange_v0", "render_modes": RENDER_MODES, "render_fps": 20}  # noqa: RUF012

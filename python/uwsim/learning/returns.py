@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 class Flown:
     """Results of one episode per seed.
 
-    total: (n,), reward. steps: (n,). figures: (steps, n) by name, NaN after the end.
+    total: (n,), sum of rewards. steps: (n,), number of steps. figures: (steps, n) by name, NaN after the end.
     """
 
     total: Floats

@@ -68,7 +68,7 @@ class Task(ABC):
     time after which an episode is truncated. axes: the efforts that an action sets, in [-1, 1]. randomize: ranges (low,
     high) of parameters that are drawn uniformly for each episode. draws: number of random values in [0, 1) that `start`
     needs per member. pings: whether the task uses the vehicle's first sonar. sensors: the sensors that the task reads;
-    all else is true motion.
+    all other observed values are the true motion.
 
     A task may have additional arrays; `start` resets the rows of the members that begin.
     """

@@ -27,7 +27,8 @@ class Coverage(Task):
 
     The map is an image (1, 40, 40): 255 for surveyed cells of 0.5 m; rows from south to north, columns from west to
     east. Start: in the plot, with any heading. Reward of a step: 100 x the newly surveyed share of the plot, except for
-    the first ping; 10 on reaching 95 %, -5 for a collision. End: 95 %, a collision, or 4 m outside the plot.
+    the first ping; 10 on reaching 95 %, -5 for a collision. Termination: 95 % surveyed, a collision, or 4 m outside the
+    plot.
     """
 
     scenario_file = "plot.yaml"

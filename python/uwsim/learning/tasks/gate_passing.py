@@ -24,7 +24,7 @@ class GatePassing(Task):
     Start: 6 to 11 m in front of the gate, at most 3 m to the side, 1.5 to 2.5 m above the bed, heading within 25
     degrees of the direction to the gate. Reward of a step: the approach to the opening's centre in metres, minus 0.01 x
     the mean square of the efforts; 10 for passing between the posts and below the bar, -5 for passing anywhere else and
-    -5 for a collision. End: any of these, or 18 m from the gate.
+    -5 for a collision. Termination: any of these, or 18 m from the gate.
     """
 
     scenario_file = "gate.yaml"

@@ -28,7 +28,7 @@ class PipelineFollowing(Task):
     Start: along the pipe, at most 1.5 m to the side, within 20 degrees of its direction. Reward of a step: progress
     along the pipe in metres / (1 + (cross-track error / 1 m)^2), minus 0.02 x |altitude - 3 m| and 0.01 x the mean
     square of the efforts; 10 for reaching the end of the pipe, -5 for losing it (5 m to the side) and -5 for a
-    collision. End: any of these.
+    collision. Termination: any of these.
     """
 
     scenario_file = "pipeline.yaml"
