@@ -28,8 +28,8 @@ LookedFor = Callable[[str, Simulator], object]
 class MapAshore(PingMap):
     """A map in the odom frame, built from the pings that have arrived at the station.
 
-    Over a modem, where the next ping may take long to arrive, the changes by a ping are published at once; over other
-    links, as they are aboard.
+    Over a modem, where the next ping may take long to arrive, the changes made by a ping are published at once; over
+    other links, they are published on the same schedule as on board.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ def maps_ashore(
     carried: dict[str, Carried],
     looked_for: LookedFor | None = None,
 ) -> list[Channel]:
-    """Return the channels, with maps built ashore in place of those aboard, which the table's services then save."""
+    """Return the channels, with onboard maps replaced by maps built ashore, which the table's services then save."""
     aboard = {channel.name for ping_map in table.maps.values() for channel in ping_map.map_channels()}
     made: dict[str, Channel] = {}
     for source in table.sources:

@@ -31,7 +31,7 @@ def vehicle_of(channel: Channel, sim: Simulator) -> str | None:
 def carried_channels(channels: Iterable[Channel], sim: Simulator) -> list[Carried]:
     """Return the channels that the scenario's link carries.
 
-    It does not carry channels that belong to several vehicles.
+    The link does not carry channels that belong to several vehicles.
     """
     network, setup = sim.link, sim.scenario.link
     if network is None or setup is None:

@@ -44,9 +44,9 @@ class Carrier:
             table.channels, table.services = carrier.channels, carrier.over(table.services)
 
     simulator: a live simulator, or one stepped by its owner. table: contains all of its channels. Every message is sent
-    by a command in the log, so that a replay sends the same; arriving messages are unpacked from the bytes carried.
-    Over a modem, every channel named in the scenario is sent at a rate within the modem's capacity (`rates`); over a
-    cable or the ideal link, only the channels that the station reads are sent. A picture is sent only after the
+    by a command in the log, so that a replay sends the same messages; arriving messages are unpacked from the bytes
+    carried. Over a modem, every channel named in the scenario is sent at a rate within the modem's capacity (`rates`);
+    over a cable or the ideal link, only the channels that the station reads are sent. A picture is sent only after the
     previous one has been read. only: name endings of the channels that vehicles may send, unless the scenario selects
     them with `carries`.
     """
@@ -226,7 +226,8 @@ class Carrier:
     def due_tick(self) -> int:
         """The first tick at which a message may arrive.
 
-        Once a message has arrived, the network's next arrival is a later one, but this one is still to be applied.
+        Once a message has arrived, the network reports a later message as its next arrival, although the arrived
+        message is still to be applied.
         """
         arrival = -(-self._network.next_arrival_ns // round(self._sim.step_s * 1e9))
         self._awaited_tick = min(self._awaited_tick, arrival)

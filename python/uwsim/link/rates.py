@@ -57,9 +57,9 @@ def send_rates(
     """Return the rates [Hz] of a vehicle's channels by name; channels that cannot be sent are missing.
 
     Capacity is assigned by priority: the channels of one priority get their desired rates, but at most SHARE of the
-    remaining capacity. The last channels to get any also get what remains unused. Pictures take turns, so each has the
-    rate of all together. sizes: sizes of packed messages in bytes. times: how many times each message is sent, by
-    default once. taken: share of time used by the vehicle's instruments.
+    remaining capacity. The channels of the last priority that gets any capacity also get what remains unused. Pictures
+    take turns: the rate returned for each is that of all pictures together. sizes: sizes of packed messages in bytes.
+    times: how many times each message is sent, by default once. taken: share of time used by the vehicle's instruments.
     """
     left = max(airtime_share(modem, access, nodes) - taken, 0.0)
     times = times or {}
@@ -86,7 +86,7 @@ def send_rates(
 
 
 def _shared_out(costs_s: Mapping[str, float], wanted_hz: float, budget: float) -> dict[str, float]:
-    """Return the rates of channels of one priority: equal or, if these are too low, from SHARE of the rest for each."""
+    """Return the rates of one priority's channels: equal or, if that is too low, SHARE of the rest to each in turn."""
     even_hz = min(wanted_hz, budget / sum(costs_s.values()))
     if even_hz * EVEN_S >= 1.0:
         return dict.fromkeys(costs_s, even_hz)

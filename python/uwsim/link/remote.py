@@ -18,8 +18,8 @@ TOPIC = "command/"
 class RemoteSimulator:
     """A LiveSimulator whose commands to vehicles are sent over the link.
 
-    Their futures resolve when they are queued, since their arrival is unknown. has_sent: whether any command has gone
-    over the link.
+    The futures of these commands resolve when the commands are queued, since their arrival is unknown. has_sent:
+    whether any command has gone over the link.
     """
 
     def __init__(self, live: LiveSimulator, send: Callable[[str, str, dict[str, Any]], Future[Any]]) -> None:
@@ -28,7 +28,7 @@ class RemoteSimulator:
         self.has_sent = False
 
     def __getattr__(self, name: str) -> Any:
-        """Return any other attribute, which is the simulator's."""
+        """Return any other attribute of the simulator."""
         return getattr(self._live, name)
 
     def command(self, name: str, /, **arguments: Any) -> Future[Any]:

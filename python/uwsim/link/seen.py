@@ -22,7 +22,7 @@ MODEM_HZ, QUICK_HZ = 20.0, 100.0
 def seen_channels(
     sim: Simulator, table: Table, given: Iterable[Channel] | None = None, looked_for: LookedFor | None = None
 ) -> list[Channel]:
-    """Return a table's channels as seen at the station: those that cross the link deliver the messages that arrived.
+    """Return a table's channels as seen at the station: those that cross the link deliver arrived messages.
 
     Channels that could go over the link but are not carried are missing; maps, including the table's own, are built
     ashore. Messages depend only on the simulator's state, so that a replay reads the same messages. given: the table's

@@ -60,7 +60,7 @@ INFINITE = ("distance_to_seabed",)
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return about 100 bytes: positions in cm, attitude to 1/126, commands to 1 %, and alarms as text."""
+    """Return about 100 bytes: positions in cm, a quaternion in steps of 1/126, commands to 1 %, and alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
@@ -130,5 +130,5 @@ def _unpack_notices(data: bytes) -> dict[str, Any]:
 
 
 def value_of(whole: int, quantum: float, code: str, none: float = math.nan) -> float:
-    """Return the value of a whole number of quanta, or `none` if it stands for a missing value."""
+    """Return the value of a whole number of quanta, or `none` if the number stands for a missing value."""
     return none if whole == NONE[code] else whole * quantum
