@@ -6,7 +6,7 @@ from uwsim.live.step_loop import StepLoop
 
 
 class LiveClock:
-    """A Clock (uwsim.navigation.control.Clock) for one mission on one thread; time does not wait for the mission.
+    """A Clock (uwsim.navigation.control.Clock) for one mission on one thread; the simulator does not wait for it.
 
     A wait ends duration_s after the end of the previous wait if that is in the future, else duration_s from now, so
     that a control loop keeps its period although it computes between waits.
@@ -45,7 +45,7 @@ class LiveClock:
 
 
 class MissionClock(LiveClock):
-    """A LiveClock with which no step is made between the mission's waits; see LiveSimulator.mission_clock."""
+    """A LiveClock that stops the simulator between the mission's waits; see LiveSimulator.mission_clock."""
 
     def __init__(self, loop: StepLoop) -> None:
         super().__init__(loop)

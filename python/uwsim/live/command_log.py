@@ -19,8 +19,8 @@ CALL, RESET = "call", "reset"
 class Entry(NamedTuple):
     """A command and the tick at which it took effect, before the next step.
 
-    name: one of COMMANDS; "reset", with argument state: bytes, or None for the start; or "call", with arguments
-    function, and raised: whether it raised an exception. Only the same process can repeat a call.
+    name: one of COMMANDS; "reset", with the argument `state` (bytes, or None for the start); or "call", with the
+    arguments `function` and `raised` (whether it raised an exception). Only the same process can repeat a call.
     """
 
     tick: int

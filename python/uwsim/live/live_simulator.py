@@ -42,10 +42,10 @@ class LiveSimulator:
     per wall second, or "max". paused: whether it starts paused.
 
     Commands from all threads form one queue in order of arrival; they take effect between two steps, or immediately
-    while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` gives the same bytes.
-    If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip after longer
-    delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the reason, and
-    `reset` continues.
+    while paused. Each command is logged with its tick, so that `replay(scenario, live.log, tick)` reproduces the same
+    bytes. If the simulator cannot keep the pace, it catches up after short delays and lets the schedule slip after
+    longer delays; see `factor`, `lateness` and `slipped_s`. If a step fails, the simulator pauses; `error` has the
+    reason, and `reset` continues.
 
     The attribute simulator is for fixed properties and single readings; do not step or command it directly. vehicles,
     rov: accept commands from any thread. log: the CommandLog.
@@ -78,7 +78,7 @@ class LiveSimulator:
             with live.mission_clock() as clock:
                 run(mission, live.rov, clock)
 
-        Thus the mission gives the same bytes as on a Simulator, no matter how busy the machine is. A mission that
+        The mission thus produces the same bytes as on a Simulator, no matter how busy the machine is. A mission that
         computes for long makes the simulator late.
         """
         clock = MissionClock(self._loop)
@@ -211,7 +211,7 @@ class LiveSimulator:
     def reset(self, state: bytes | None = None) -> None:
         """Go to a state from save_state, by default the initial state; return once there.
 
-        Raises ValueError if it does not fit.
+        Raises ValueError if the state does not fit this simulator.
         """
         future = self._submit(lambda sim: sim.restore_state(state or self.log.start_state), RESET, {"state": state})
         future.result()

@@ -20,9 +20,9 @@ BATCH_STEPS_MAX = 10_000
 class Pace:
     """The schedule of steps at a given speed: simulated seconds per wall second, or "max".
 
-    All arguments now_s are times on the same monotonic clock. lateness_s: largest delay of a step, both behind its
-    schedule and behind the time until which it was meant to wait. slipped_s: total wall time by which the schedule has
-    slipped. factor: speed achieved over the last second.
+    All arguments now_s are times on the same monotonic clock. lateness_s: largest delay of a step behind its schedule,
+    or behind the time until which it was allowed to wait, if that is later. slipped_s: total wall time by which the
+    schedule has slipped. factor: speed achieved over the last second.
     """
 
     def __init__(self, speed: Speed, step_s: float) -> None:

@@ -22,7 +22,7 @@ class LiveVehicle(Placeable):
     """A vehicle with the same public names as a Simulator's Vehicle, for missions and controllers on other threads.
 
     Readings are from the last step, which may be 20 ms old; two readings may be from different ticks. Command methods
-    return once the command has taken effect, at the start of the next step, and raise its exceptions.
+    return once the command has taken effect, at the start of the next step, and raise the command's exceptions.
     """
 
     def __init__(self, live: LiveSimulator, vehicle: Vehicle) -> None:
