@@ -125,9 +125,9 @@ class MapFiller:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Insert all scans, however the flight ended.
+        """Insert all remaining scans, no matter how the flight ended.
 
-        An error in this is raised only if the flight itself raised none.
+        If inserting fails, the error is raised only if the flight itself raised none.
         """
         try:
             self.finish()

@@ -46,14 +46,15 @@ class OccupancyMap(Sealed):
     same bytes, since OctoMap's tree would take gigabytes. hit: probability that a voxel with a point in it is occupied,
     in [0.5, 1). miss: the same for a voxel that a ray passes through, in (0, 0.5]. clamping: the limits of the
     probability that scans can give a voxel. The defaults are OctoMap's. instruction_set: used by the bricks' kernels,
-    for tests and benchmarks; the bytes do not depend on it. on_outside: "raise" refuses a scan with points outside the
-    cube: ValueError, and nothing is inserted. "count" discards such points (all points, if the scan's origin is
-    outside) and counts them in statistics(). memory_limit_mb: approximate limit of the bricks' memory, not including
-    one batch of scans and the states kept for changed_voxels. The least recently used parts of the map are moved to an
-    unnamed file in spill_dir (by default the system's folder for temporary files; it must not be on a memory file
-    system) and loaded again when needed. The file disappears when the process ends, for whatever reason. The bytes of
-    the map do not depend on the limit. If that file cannot be written, inserting raises OSError with nothing inserted,
-    and the map stays intact. Up to 64 MB of voxels from deleted maps, and the tables of rays, are kept for new maps.
+    for tests and benchmarks; the bytes do not depend on it. on_outside: with "raise", a scan with points outside the
+    cube raises ValueError, and nothing is inserted; with "count", such points (all points, if the scan's origin is
+    outside) are discarded, and counted in statistics(). memory_limit_mb: approximate limit of the bricks' memory, not
+    including one batch of scans and the states kept for changed_voxels. The least recently used parts of the map are
+    moved to an unnamed file in spill_dir (by default the system's folder for temporary files; it must not be on a
+    memory file system) and loaded again when needed. The file disappears when the process ends, for whatever reason.
+    The bytes of the map do not depend on the limit. If that file cannot be written, inserting raises OSError with
+    nothing inserted, and the map stays intact. Up to 64 MB of voxels from deleted maps, and the tables of rays, are
+    kept for new maps.
 
     The bytes of a map depend only on the scans and their order. Calls release the GIL; concurrent calls run one at a
     time.

@@ -105,7 +105,7 @@ def to_laser_scan(
 def scan_of_decoded(
     ranges_m: NDArray[np.float32], model: _core.MultibeamModel, stamp_s: float, ping_interval_s: float = 0.1
 ) -> LaserScan:
-    """Return the LaserScan of a ping as `to_laser_scan` does, of ranges as decode_depth_string returns them."""
+    """Return the LaserScan of a ping, like `to_laser_scan`, for ranges in the form that decode_depth_string returns."""
     first_rad = model.angle_min_rad
     return LaserScan(
         frame_id="base_scan",
@@ -144,7 +144,7 @@ def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertaint
 
 
 def reject_outliers(scan: LaserScan) -> LaserScan:
-    """Replace outliers along the swath, such as false detections, by inf. Too few neighbours agree with an outlier.
+    """Replace outliers along the swath, such as false detections, by inf: ranges with which too few neighbours agree.
 
     A neighbour k beams away agrees if the two ranges differ by at most NOISE_M plus the difference that a plane at
     STEEPEST_RAD causes: |r_i - r_j| <= NOISE_M + k angle_increment tan(STEEPEST_RAD) min(r_i, r_j). A range is kept if

@@ -102,7 +102,7 @@ def _improve(fit: _Fit, target: Submap, reach_m: float) -> float | None:
 
 
 def _common(submap: Submap, other: Submap) -> Array:
-    """Return about POINTS points of a submap that lie in the plan of another."""
+    """Return about POINTS points of a submap that lie within the horizontal extent of another."""
     cells = np.floor(submap.points_world_m[:, :2] / CELL_M).astype(np.int64).tolist()
     common = submap.points_world_m[[tuple(cell) in other.cells for cell in cells]]
     return np.asarray(common[:: max(1, len(common) // POINTS)], np.float64)

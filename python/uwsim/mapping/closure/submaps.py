@@ -54,7 +54,7 @@ class Submap:
         return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))[1][:, :, 0])
 
     def overlap(self, other: Submap) -> float:
-        """Return the share of the smaller submap's plan that both have in common."""
+        """Return the share of the smaller submap's area, seen from above, that both have in common."""
         return len(self.cells & other.cells) / max(min(len(self.cells), len(other.cells)), 1)
 
 

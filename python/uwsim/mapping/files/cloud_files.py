@@ -30,7 +30,8 @@ class _CloudFormat:
     """A file format.
 
     encode: converts finite points (n, 3), n > 0, float32 or float64, to bytes. decode: the reverse; may raise any
-    exception. text_mark: the part of a header that marks a file with numbers as text; None if all files are binary.
+    exception. text_mark: the part of a header by which a file declares that its numbers are text; None if all files are
+    binary.
     """
 
     name: str
