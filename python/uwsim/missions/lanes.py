@@ -55,7 +55,7 @@ def lawn_mower_lanes(
 
     Where the polygon is concave, a line across it is split into several lanes, which are grouped into cells that are
     flown one after the other. The lanes run parallel to the polygon's longest edge, at most spacing_m apart and at most
-    half of that from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking sonar sees the
+    spacing_m / 2 from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking sonar sees the
     polygon's rim. Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)

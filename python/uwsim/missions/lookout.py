@@ -98,6 +98,6 @@ class Lookout(Sealed):
         return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
 
     def share_of_speed(self, z_world_m: float) -> float:
-        """Return the fraction of its speed at which the vehicle reaches a height in time: below 1 during a climb."""
+        """Return the fraction of full speed at which the vehicle reaches a height in time: below 1 during a climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
         return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)

@@ -33,7 +33,7 @@ class ResumableMission(Protocol):
     def save(self) -> dict[str, Any]:
         """Return, as JSON values, all state that the rest of the mission depends on except that of vehicle and clock.
 
-        Called while `steps` is suspended at a `yield`; its further actions must follow from this state.
+        Called while `steps` is suspended at a `yield`; the mission's further actions must depend only on this state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:

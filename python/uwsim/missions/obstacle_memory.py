@@ -43,7 +43,7 @@ class ObstacleMemory(Sealed):
     def restore(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
         """Replace the stored echoes by peaks_world_m (n, 3), oldest first.
 
-        Raises ValueError if too many, or not finite.
+        Raises ValueError if there are too many echoes, or if any is not finite.
         """
         peaks = np.asarray(peaks_world_m, np.float64).reshape(-1, 3)
         if len(peaks) > len(self._ring) or not np.isfinite(peaks).all():

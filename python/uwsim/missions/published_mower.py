@@ -1,8 +1,8 @@
 """The published simulator's adaptive lawn-mower, as its ROS node flies it: observations in, commands out.
 
-Source: UWRoboticsSimulator, ROS/controllerpkg/src/lawn_mower.py. It steers by three beams of the level sonar and by the
-distance to port, with the sign conventions of the published messages. It uses neither depth nor a polygon, assumes that
-the yaw is 0 at the start, and ends each turn 5 degrees early.
+Source: UWRoboticsSimulator, ROS/controllerpkg/src/lawn_mower.py. The node steers by three beams of the level sonar and
+by the distance to port, with the sign conventions of the published messages. It uses neither depth nor a polygon,
+assumes that the yaw is 0 at the start, and ends each turn 5 degrees early.
 """
 
 from __future__ import annotations

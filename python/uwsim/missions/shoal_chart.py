@@ -80,7 +80,7 @@ class ShoalChart(Sealed):
     def next_point(self, start_m: Point, goal_m: Point) -> Point | None:
         """Return the point to head for: the goal, or the last visible point of a path around shoals.
 
-        None if there is no path.
+        Returns None if there is no path.
         """
         if not self.blocks(start_m, goal_m):
             return goal_m
@@ -101,7 +101,7 @@ class ShoalChart(Sealed):
     def _way(self, start: Cell, goal: Cell) -> list[Cell] | None:
         """Return the cheapest path over cells that are not shoals, including both ends.
 
-        It depends only on the chart.
+        The result depends only on the chart.
         """
         if self._known_way is None or self._known_way[:2] != (start, goal):
             self._known_way = start, goal, self._search(start, goal)

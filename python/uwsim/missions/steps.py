@@ -1,4 +1,4 @@
-"""Simulated time for missions: a mission is a generator that yields waits; it is composed of steps, also generators.
+"""Simulated time for missions: a mission is a generator that yields waits, composed of steps that are also generators.
 
     def mission(vehicle):
         vehicle.undock()

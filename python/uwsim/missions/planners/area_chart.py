@@ -27,8 +27,8 @@ ECHOES_IN_A_CELL = 3  # fewer echoes in one ping may be false detections
 class AreaChart:
     """The chart of a polygon (k, 2). Nothing higher than top_z_m can be passed over.
 
-    start_m: the vehicle's position, (2,). If it is outside, the vehicle may approach through the convex hull of area
-    and start until it has reached the area.
+    start_m: the vehicle's position, (2,). If this is outside the area, the vehicle may approach through the convex hull
+    of the area and start_m until it has reached the area.
     """
 
     def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
@@ -119,7 +119,7 @@ class AreaChart:
     def ways_from(self, start_m: Floats) -> AreaWays:
         """Return the paths from a point (2,).
 
-        From a point too close to a shoal, they first lead back along the vehicle's track.
+        Paths from a point too close to a shoal first lead back along the vehicle's track.
         """
         return AreaWays(self, self._passable, self.cells_of(start_m[None])[0][0])
 
@@ -153,7 +153,7 @@ class AreaChart:
 
 
 class AreaWays:
-    """All shortest paths from one cell over the open cells of a chart, as charted at that time."""
+    """All shortest paths from one cell over the cells of a chart that were open when the paths were computed."""
 
     def __init__(self, chart: AreaChart, open_cells: NDArray[np.bool_], first: NDArray[np.int64]) -> None:
         self._chart = chart

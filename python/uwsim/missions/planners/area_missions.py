@@ -32,7 +32,7 @@ def frontier(
 def boustrophedon(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[MownArea]:
-    """Mow the circle as a polygon, whether or not it contains land."""
+    """Mow the circle of radius bound_m as a polygon, whether or not it contains land."""
     _leave_station(vehicle)
     x, y, _ = vehicle.pose.position_world_m.tolist()
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS)]

@@ -1,4 +1,4 @@
-"""AreaPilot: goes from place to place in an area by its chart, and changes its path when the sonar reveals more."""
+"""AreaPilot: goes from place to place in an area using its chart, and changes its path when the sonar reveals more."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class AreaPilot:
     ) -> Steps[bool | None]:
         """Go to a point (2,) through open water until it is reached or `enough` is true; return the outcome.
 
-        False if the point was closed or time ran out before. None if the remaining path turned out to be longer than
-        most_m.
+        The outcome is False if the point was closed or time ran out first, and None if the remaining path turned out to
+        be longer than most_m.
         """
         here, vehicle = self.here(), self.lookout.vehicle
         way, last = self.chart.ways_from(here).to(goal), here

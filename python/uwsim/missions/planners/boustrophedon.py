@@ -52,7 +52,7 @@ def mow_area(
 ) -> Steps[MownArea]:
     """Mow a polygon (k, 2) at altitude_m above the bed, around everything that cannot be passed over.
 
-    The vehicle does not leave the polygon: paths stay within BEYOND_M of it, except the one that leads into it.
+    The vehicle stays in the polygon: paths extend at most BEYOND_M outside it, except the one that leads into it.
     overlap: fraction of the swath that neighbouring lanes share, in [0, 0.9]. known: a map from an earlier visit; parts
     that it shows to be too high are excluded before the flight. Patches not seen from the lanes are visited at the end.
     See fly_lanes for its log entries; `shallow` is logged where the water is too shallow for the altitude. Raises
@@ -124,7 +124,8 @@ def _direction(area: Floats) -> Floats:
 def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float, list[Span]]]:
     """Return parallel lines at most spacing_m apart, each with its intervals inside the polygon.
 
-    The outermost lines are at most half of that from the polygon's ends and from its inner corners, where cells meet.
+    The outermost lines are at most half of spacing_m from the polygon's ends and from its inner corners, where cells
+    meet.
     """
     sweeps = []
     for low, high in pairwise(_ends_and_inner_corners(along, across)):

@@ -47,8 +47,8 @@ class Cells:
 def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Collection[Cell]) -> list[Cell] | None:
     """Return the shortest path from a cell to the nearest wanted one over passable cells, including both ends.
 
-    None if there is no path. A wanted cell need not be passable. Of several shortest paths, the one that keeps to the
-    first direction in NEIGHBOURS for as long as possible is chosen, then to the second, and so on.
+    Returns None if there is no path. A wanted cell need not be passable. Of several shortest paths, the one that keeps
+    to the first direction in NEIGHBOURS for as long as possible is chosen, then to the second, and so on.
     """
     ground = {start, *passable}
     goals = {cell for here in ground for cell in _around(here) if cell != start and wanted(cell)}

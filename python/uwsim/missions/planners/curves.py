@@ -1,4 +1,4 @@
-"""Flight through waypoints along Dubins paths or splines: smooth tracks, and for vehicles that cannot turn on the spot.
+"""Flight through waypoints on Dubins paths or splines, for smooth tracks or vehicles that cannot turn on the spot.
 
 A Dubins path is the shortest one made of arcs of one radius and straight lines (Dubins, "On curves of minimal length
 with a constraint on average curvature", 1957), computed by OMPL. The spline is a cubic through all points, parametrised
@@ -42,8 +42,8 @@ def fly_through(
     """Fly on a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
 
     radius_m: turning radius of the Dubins path, which begins at the vehicle's heading. Returns the path that was
-    followed, (m, 3) or (m, 2). It does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and a sensor
-    'altitude' looks ahead, and stops before obstacles at its height. Raises ValueError for invalid arguments,
+    followed, (m, 3) or (m, 2). The path does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and a
+    sensor 'altitude' looks ahead, and stops before obstacles at its height. Raises ValueError for invalid arguments,
     StoppedError if stopped.
     """
     width = 3 if altitude_m is None else 2

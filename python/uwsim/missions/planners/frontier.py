@@ -1,9 +1,9 @@
 """Frontier exploration of the live OctoMap: always go to the nearest column that is unknown in the map.
 
 Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, applied to columns of the map: a column is
-known if any voxel in it is occupied (at least the bed), and closed if one is too high for the vehicle to pass over.
-Paths lead over known, open columns, so the map alone avoids obstacles; the sonar still looks ahead. Exploration ends
-when no unknown column within the bound is adjacent to a reachable one.
+known if any voxel in it is occupied (at least the bed), and closed if an occupied voxel is too high for the vehicle to
+pass over. Paths lead over known, open columns, so the map alone avoids obstacles; the sonar still looks ahead.
+Exploration ends when no unknown column within the bound is adjacent to a reachable one.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ STUCK_S = 30.0  # added to the time limit of a path, four times its nominal dura
 
 @dataclass(frozen=True, eq=False)
 class Explored:
-    """The outcome of `explore`. map: built during the flight. known_m2: area of the known columns within the bound.
+    """The outcome of `explore`. map: as built in the flight. known_m2: area of the known columns within the bound.
 
     given_up: centres of the columns that remained unknown.
     """

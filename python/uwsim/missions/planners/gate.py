@@ -1,8 +1,8 @@
-"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of its middle, and passes through.
+"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of them, and passes between.
 
 A post is a narrow group of neighbouring beams whose echoes are nearer than those on both sides. Two posts whose
-distance matches the gate's width are the gate; its position is the median over several pings. It is measured from afar,
-and again from in front of it.
+distance matches the gate's width are the gate; its position is the median over several pings. The gate is measured from
+afar, and again from directly in front of it.
 """
 
 from __future__ import annotations

@@ -44,9 +44,9 @@ class FlownLanes:
 def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
     """Fly lanes in order, then the parts that were left over.
 
-    Logs `trimmed` for parts known to be too high before the flight, `lane` at the beginning of each, `left_over` when
-    it returns to one, and `left_out`. The lookout must pass its echoes to the chart. Raises StoppedError if the vehicle
-    cannot continue.
+    Logs `trimmed` for parts known to be too high before the flight, `lane` at the beginning of each lane, `left_over`
+    when the vehicle returns to one, and `left_out`. The lookout must pass its echoes to the chart. Raises StoppedError
+    if the vehicle cannot continue.
     """
     return (yield from _LaneFlight(lookout, lanes, chart).steps())
 
@@ -54,8 +54,8 @@ def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> St
 class _LaneFlight:
     """The progress of `fly_lanes`.
 
-    _left: for each lane, which of its points are still to be flown. _flown: how many were flown. _next: for each lane,
-    the index after the last flown point.
+    _left: for each lane, which of its points are still to be flown. _flown: how many points were flown. _next: for each
+    lane, the index after the last flown point.
     """
 
     def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:

@@ -58,7 +58,7 @@ class PipeTrack:
         return self._end + along_m * self._direction
 
     def add_ping(self, echoes_world_m: Floats) -> bool:
-        """Add the point where the pipe crosses a ping; return whether it is seen."""
+        """Add the point where the pipe crosses a ping; return whether the pipe is seen."""
         bumps = crossings(echoes_world_m, self._diameter_m)
         if not len(bumps):
             return False
@@ -121,7 +121,7 @@ class PipeTrack:
 
 
 def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
-    """Return where a bump as wide as a pipe stands out of the bed in a ping, (n, 3) in beam order: (k, 2).
+    """Return the positions (k, 2) where echoes (n, 3), in beam order, show a bump on the bed as wide as a pipe.
 
     The fan hits the bed along a line across the direction of travel. After subtracting the running median, which is the
     bed, a pipe is a bump.

@@ -4,8 +4,8 @@ The picture is projected onto the level of the pipe's axis, so that lengths are 
 tilt. For each direction, values are averaged along all parallel lines (a Radon transform), and each bar as wide as the
 pipe is compared with the strips on both sides. The bar that differs most is the pipe. The comparison uses the
 logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics, shadows
-and lamps brighten and darken all colours together, so they count little compared with a difference of hue. It needs
-light, water that is clear down to the bed, and both sides of the pipe in the picture.
+and lamps brighten and darken all colours together, so they count little compared with a difference of hue. The method
+needs light, water that is clear down to the bed, and both sides of the pipe in the picture.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def _strongest_bar(x: Floats, y: Floats, values: Floats, edge_m: float, below_m:
 
 
 def _lines(x: Floats, y: Floats, k: int, edge_m: float) -> tuple[NDArray[np.int64], int]:
-    """Return the indices, from 0, of the lines in direction k through points (n,), and the number of line 0."""
+    """Return the indices (from 0) of the lines in direction k through points (n,), and line 0's offset in cells."""
     angle = math.pi * k / DIRECTIONS
     line = np.rint((y * math.cos(angle) - x * math.sin(angle)) / edge_m).astype(np.int64)
     first = int(line.min())

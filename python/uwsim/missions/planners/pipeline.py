@@ -99,7 +99,7 @@ def follow_pipeline(
 
 
 class _Look:
-    """Looks for the pipe with sonar and camera whenever each is due. sights: number of sightings by each."""
+    """Looks for the pipe with sonar and camera whenever each is due. sights: sightings by each of them."""
 
     def __init__(self, vehicle: OwnVehicle, lookout: Wayfinder, eye: Any, track: PipeTrack, diameter_m: float) -> None:
         self._vehicle, self._lookout, self._track, self._diameter_m = vehicle, lookout, track, diameter_m

@@ -1,7 +1,7 @@
 """A digital twin: map an area while mowing it, revisit where the map is thin or uncertain, return and dock.
 
 A column of the map is thin if no voxel in it is occupied. It is uncertain if none is occupied with a probability of at
-least `certain`: its observations contradict each other, or there are only one or two from afar.
+least `certain`: its observations contradict each other, or only one or two were made, from afar.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """The outcome of `make_twin`. map: from the whole flight; first_map: before any patch was revisited.
+    """The outcome of `make_twin`. map: built in the whole flight; first_map: as it was before any revisit.
 
     weak_before, weak_after: fraction of the area's columns that were thin or uncertain, before and after. patches:
     number of patches revisited. docked: whether the vehicle is back in the station's dock.

@@ -1,14 +1,14 @@
 """The adaptive lawn-mower for unknown water: without polygon or chart, it turns where the sonar sees an obstacle.
 
 It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees anything ahead that cannot be
-passed over; then the vehicle steps aside and turns. If nothing unflown is left next to it, it returns over flown water
+passed over; then the vehicle steps aside and turns. If no unflown water is left next to it, it returns over flown water
 to the nearest opening, and continues mowing from there. The mission is complete when no opening is left within the
 bound.
 
 The rule for turning is the published simulator's; returning to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
 online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
-It leaves out cells containing anything higher than the vehicle may fly, and water that is connected only by passages
-narrower than about two cells.
+The mission leaves out cells containing anything higher than the vehicle may fly, and water that is connected only by
+passages narrower than about two cells.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def mow_unknown_water(
 
 
 def find_bed(vehicle: OwnVehicle) -> Steps[None]:
-    """Dive on the spot until the altimeter sees the bed. Raises StoppedError if it does not see it in time."""
+    """Dive on the spot until the altimeter sees the bed. Raises StoppedError if this takes too long."""
     pose, end_s = vehicle.pose, vehicle.time_s + FIND_BED_S
     while not math.isfinite(float(vehicle.sensors["altitude"].read())):
         if vehicle.time_s > end_s:
@@ -112,7 +112,7 @@ class _Mower:
     def _next(self, cell: Cell) -> list[Cell] | None:
         """Return the path to the next unflown cell: along the lane, else to the side, else the nearest opening.
 
-        None if none is left.
+        Returns None if no such cell is left.
         """
         for di, dj in PRIORITY:
             following = (cell[0] + di, cell[1] + dj)

@@ -75,7 +75,7 @@ def scan_wall(
 
 
 def _settle(vehicle: OwnVehicle, distance_m: float, depth_m: float) -> Steps[None]:
-    """Face the wall at the required distance and depth, and wait until all three are within tolerance."""
+    """Face the wall at the required distance and depth, and wait until they and the heading are within tolerance."""
     end_s = vehicle.time_s + SETTLE_S
     while True:
         wall = wall_ahead(vehicle, FARTHEST * distance_m)
@@ -127,7 +127,7 @@ def _along(vehicle: OwnVehicle, too_far_m: float, heading_rad: float, port_m_s: 
 def wall_ahead(vehicle: OwnVehicle, farthest_m: float) -> tuple[float, float] | None:
     """Return the horizontal distance to the wall ahead and the heading that faces it.
 
-    None if no wall is seen.
+    Returns None if no wall is seen.
     """
     ping = vehicle.sonar.ping()
     count = len(ping.ranges_m)
