@@ -22,9 +22,9 @@ class PathFollower(Sealed):
 
     The vehicle faces along the path, or along its course if it cannot sway. points_m: (n, 3), waypoints. lookahead_m:
     distance ahead on the path at which the course aims: near the path, the cross-track error decays at the rate speed /
-    lookahead. integral_m_s: gain of the cross-track integral, for a vehicle in a current that does not control its
-    velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for both speed and path, the
-    vehicle stays on the path and slows down.
+    lookahead. integral_m_s: gain of the cross-track integral, for a vehicle that drifts in a current because it does
+    not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for both
+    speed and path, the vehicle stays on the path and slows down.
     """
 
     controller: Controller

@@ -1,4 +1,4 @@
-"""The interfaces of vehicle and clock for missions; uwsim.Simulator implements them, and remote vehicles may."""
+"""The interfaces of vehicle and clock for missions; uwsim.Simulator implements them, and remote vehicles may too."""
 
 from __future__ import annotations
 

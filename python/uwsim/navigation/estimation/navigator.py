@@ -35,10 +35,11 @@ YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will m
 class Navigator(Sealed):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
-    vehicle: has sensors by name; the first of each kind is used. start: by default at rest at the first USBL fixes.
-    station_world_m: the origin of the USBL's fixes. gravity_m_s2. density_kg_m3: density of the water, used with a
-    pressure sensor if there is no depth sensor. Errors follow from the sensors' noise parameters. Raises ValueError for
-    a vehicle without an IMU, or with neither a start nor a USBL.
+    vehicle: has sensors by name; the first of each kind is used. start: the initial motion; by default at rest at the
+    first USBL fixes. station_world_m: the origin of the USBL's fixes. gravity_m_s2: the acceleration of gravity.
+    density_kg_m3: density of the water, used with a pressure sensor if there is no depth sensor. The filter's error
+    models follow from the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with neither a
+    start nor a USBL.
 
     Readings are processed whenever `pose` and the other results are read; the estimate does not depend on how often
     that happens. See docs/guides/estimation.md.
