@@ -36,7 +36,7 @@ def depth_tiff(running: Running, vehicle: str) -> bytes:
 
 
 def snapshot_png(running: Running, view: str) -> bytes:
-    """Return a lossless picture of a view, and store the panel's values at that moment. Raises ValueError.
+    """Return a lossless picture of a view, and store the panel's values at that time. Raises ValueError.
 
     For a view received over a link, these are the last picture and the last panel that arrived.
     """

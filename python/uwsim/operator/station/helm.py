@@ -23,10 +23,10 @@ ZERO = dict.fromkeys(AXES, 0.0)
 
 
 class LeastDelay:
-    """Estimates how late a message is from its sender's own clock.
+    """Estimates the delay of a message from the time that its sender's clock showed when it was sent.
 
-    The two clocks differ. The smallest difference between them in the last WINDOW_S to 2 WINDOW_S is assumed to be that
-    of a message without delay, so that clocks may drift.
+    The sender's clock differs from ours. The smallest difference in the last WINDOW_S to 2 WINDOW_S is assumed to be
+    that of a message without delay; the limited window allows the clocks to drift.
     """
 
     def __init__(self) -> None:

@@ -40,8 +40,8 @@ class Running:
     """A live simulator, from `start` to `stop`.
 
     Its map is built from the start, so that late visitors see all of it. stir: called when a picture may be due. truth:
-    whether the true position may be shown. edition: a number that changes when parameters change, and with them
-    `describe`; see `notice_changes`.
+    whether the true position may be shown. edition: a number that increases when a parameter, and thus the result of
+    `describe`, changes; see `notice_changes`.
     """
 
     def __init__(

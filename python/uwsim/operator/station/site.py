@@ -76,7 +76,7 @@ class Site:
     def _made(self, path: str) -> File:
         """Generate the content for a path.
 
-        Raises LookupError if there is none, ValueError if it is not available now.
+        Raises LookupError for an unknown path, ValueError if the content is not available now.
         """
         asked = PREVIEW.fullmatch(path)
         if asked is not None:

@@ -73,7 +73,7 @@ class Stream:
 
     @property
     def is_free(self) -> bool:
-        """Whether none of its pictures is being rendered."""
+        """Whether none of the stream's pictures is being rendered."""
         return self.job is None or self.job.done()
 
 
@@ -94,7 +94,7 @@ class View:
         self.call("view", "small")
 
     def call(self, large: str, small: str) -> None:
-        """Set the names of its topics, each followed by the view's name."""
+        """Set the view's topics, whose names are `large` and `small`, each followed by the view's name."""
         small_size = Size(1.0 / SMALL_PERIOD_S, SMALL_WIDTH, SMALL_QUALITY)
         whole, reduced = self.camera.resized(self.camera.mount.width), self.camera.resized(SMALL_WIDTH)
         self.large = Stream(f"station/{large}/{self.name}", whole, Size(), self.frame_id)
@@ -190,7 +190,7 @@ class Views:
         return self.views[name]
 
     def capture(self, view: View, also: Callable[[Simulator], Any]) -> tuple[Frame, Any]:
-        """Return a picture at the camera's full size, and the result of `also` at the same moment. Blocks."""
+        """Return a picture at the camera's full size, and the result of `also` at the same time. Blocks."""
         snapshot, read = self._live.read(lambda sim: (view.camera.snapshot(), also(sim))).result()
         camera = view.camera.resized(view.camera.mount.width)
         return self._pictures.submit(lambda: camera.capture(at=snapshot, threads=THREADS)).result(), read

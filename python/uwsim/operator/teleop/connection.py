@@ -103,7 +103,7 @@ class Connection:
     def all_stop(self, *, on: bool) -> None:
         """Set or release all stop.
 
-        The request to set it is repeated until a server has done so, across reconnections.
+        The request to set all stop is repeated, across reconnections, until a server has carried it out.
         """
         with self._sending:
             if on and self._stop_asked_s is not None:
@@ -194,7 +194,7 @@ class Connection:
     def _offered(self, node: Node) -> set[str]:
         """Return the server's topics, or an empty set if it does not list them.
 
-        In that case it is assumed to have the published ones.
+        In that case the server is assumed to have the published topics.
         """
         answers: list[dict[str, Any]] = []
         node.call("/rosapi/topics", answers.append)

@@ -116,7 +116,7 @@ class Hands:
             return next((TILTING[key] for key in self._held if key in TILTING), Function.TILT_HOLD)
 
     def _forget(self, now_s: float) -> None:
-        """Remove keys that no longer hold."""
+        """Remove keys whose hold time has expired."""
         if now_s - self._beaten_s > STALL_S:
             self._drop()
         self._held = {key: until_s for key, until_s in self._held.items() if until_s > now_s}
