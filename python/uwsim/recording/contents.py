@@ -46,7 +46,7 @@ INDEXES: dict[int, str] = {
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk of a file. checksum: of its record's content. channels: those whose messages it contains."""
+    """A chunk of a file. checksum: CRC-32 of its record's content. channels: those with messages in it."""
 
     number: int
     start: int

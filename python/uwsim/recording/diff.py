@@ -1,4 +1,4 @@
-"""Finds where two recordings diverge: the first tick and channel whose messages differ, by how much, what follows."""
+"""Finds where two recordings diverge: the first tick and channel that differ, by how much, and what follows."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Comparison:
 
     @property
     def same(self) -> bool:
-        """Whether all messages of both are identical to the last byte."""
+        """Whether all messages of both recordings are identical to the last byte."""
         return not self.partings
 
 

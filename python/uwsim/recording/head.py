@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class RecordedHead:
     """A multibeam.
 
-    interval_s: time between pings. prefix: of its vehicle's topics and frames. hull_m: its vehicle's box.
+    interval_s: time between pings. prefix: the prefix of its vehicle's topics and frames. hull_m: the box around its
+    vehicle's hull.
     """
 
     model: _core.MultibeamModel

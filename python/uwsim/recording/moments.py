@@ -22,14 +22,14 @@ class Moments:
 
     At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
     on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
-    come before or after, so pictures are rendered before and after each. The content of a picture depends only on its
-    time, not on the topic.
+    come before or after the picture, so pictures are rendered before and after each command. The content of a picture
+    depends only on its time, not on the topic.
     """
 
     def __init__(
         self, sim: Simulator, channels: Iterable[Channel], pictures: Pictures, recorded: Iterable[Recorded]
     ) -> None:
-        """channels: those with pictures. recorded: the messages to render."""
+        """channels: the channels that carry pictures. recorded: the messages to render."""
         self._sim = sim
         self._pictures = pictures
         self._by_kind: dict[tuple[str, str], Channel] = {}

@@ -1,8 +1,8 @@
-"""Scenarios of recordings that contain all fields of all models, whether or not the scenario set them.
+"""Scenarios in old recordings, which contain all fields of all models, whether or not the scenario set them.
 
-In them the presence of a key has no meaning. So keys whose presence matters are removed if they have their default
-value; the scenario is then built as it was for the recording. It cannot be determined whether a value of `sonar.noise`
-or `link.carries` was set to exactly its default.
+In such scenarios the presence of a key has no meaning. So keys whose presence matters are removed if they have their
+default value; the scenario is then built as it was for the recording. It cannot be determined whether a value of
+`sonar.noise` or `link.carries` was set to exactly its default.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BESIDE_PROFILE = ("density_kg_m3", "surface_temperature_deg_c", "bottom_temperat
 
 
 def without_defaults(scenario: Any) -> Any:
-    """Return an old recording's scenario, modified in place, without those keys."""
+    """Remove keys with default values whose presence matters from an old scenario, in place; return the scenario."""
     for path, (model, keys) in PRESENCE.items():
         defaults = {key: _every_field(model.model_fields[key].default) for key in keys}
         for values in _at(scenario, path):

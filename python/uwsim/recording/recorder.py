@@ -48,9 +48,10 @@ class Recorder:
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
     record and to omit, such as "camera/*". By default all channels are recorded; for a survey, all except pictures and
     those derived from its pings (FROM_PINGS, and the map), which readers still provide, see Recording.derived. shared:
-    a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: of other
-    sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of taking their own.
-    kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the metadata.
+    a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the feed of
+    other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of taking their
+    own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the
+    metadata.
 
     Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
     messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
@@ -186,7 +187,7 @@ class Recorder:
     def write(self, channel: Channel, message: Any) -> None:
         """Record a message, at the current time, on a channel that is not read automatically.
 
-        On the simulator's thread.
+        Call this on the simulator's thread.
         """
         self._take(channel, message)
 

@@ -88,22 +88,22 @@ class Record(NamedTuple):
 
     @property
     def length(self) -> int:
-        """Its length in bytes."""
+        """The record's length in bytes."""
         return HEAD_BYTES + len(self.content)
 
     @property
     def head(self) -> bytes:
-        """The bytes before its content."""
+        """The bytes before the record's content."""
         return _HEAD.pack(self.kind, len(self.content))
 
     @property
     def place(self) -> str:
-        """Its description and byte range."""
+        """The record's description and byte range."""
         return _place(self.kind, self.number, self.start, self.start + self.length)
 
     @contextmanager
     def named(self, file: RecordFile) -> Iterator[None]:
-        """Convert any ValueError to that of a damaged file, with the record's place."""
+        """Convert a ValueError in the block to the error for a damaged file, with the record's place."""
         try:
             yield
         except ValueError as error:
@@ -122,7 +122,7 @@ def _place(kind: int, number: int, start: int, end: int) -> str:
 class RecordFile:
     """A file that is read record by record.
 
-    position: in the file. checksum: CRC-32 of everything read since it was last set to 0.
+    position: the current position in the file. checksum: CRC-32 of everything read since it was last set to 0.
     """
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
@@ -180,7 +180,7 @@ class RecordFile:
         return last == MAGIC
 
     def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
-        """Raise ValueError if a record's length is wrong, rather than its end missing."""
+        """Raise ValueError if a record's length is wrong, as opposed to its end being missing."""
         peeked = self._file.read(min(_PEEKED, self._size - self.position))
         expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
         if self._ends_whole or expected not in (None, length):

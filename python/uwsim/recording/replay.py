@@ -106,7 +106,7 @@ def give(sim: Simulator, table: Table, command: Command) -> None:
 
 
 class _Replay:
-    """A replay in progress. _said: messages from the replay that await the recording's."""
+    """A replay in progress. _said: messages from the replay that are not yet compared."""
 
     def __init__(self, recording: Recording, threads: int | None, from_ns: int, on_time: OnTime | None) -> None:
         self._recording = recording

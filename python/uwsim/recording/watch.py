@@ -1,4 +1,4 @@
-"""Watch: reads a simulator's channels at their rates, at the same ticks regardless of how it is driven."""
+"""Watch: reads a simulator's channels at their rates, at the same ticks regardless of how the simulator is driven."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Watch:
         self._subscriptions = [self._subscription(channel) for channel in channels]
 
     def start(self) -> None:
-        """Read all channels now, and start watching. On the simulator's thread."""
+        """Read all channels now, and start watching. Call this on the simulator's thread."""
         self._read_all()
         self._sim.journal.listen(self)
         for subscription in self._subscriptions:
