@@ -28,8 +28,8 @@ fingerprint."""
 def scenario_fingerprint(scenario: Scenario) -> str:
     """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
-    Fields with their default value are omitted, so that fields added in later versions do not change it. Raises OSError
-    if a file that the scenario names is gone.
+    Fields with their default value are omitted, so that fields added in later versions do not change the digest. Raises
+    OSError if a file that the scenario names is gone.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())

@@ -1,1 +1,1 @@
-"""Conversion of a validated scenario to objects of the native core; all of it is done here."""
+"""Conversion of a validated scenario to objects of the native core; all such conversion is done here."""

@@ -66,7 +66,7 @@ def vehicle_hull(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.u
 
 
 def hull_box_m(model: VehicleModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the low and high corners (3,) of a box around the hull, body frame; echoes from inside are its own."""
+    """Return the low and high corners (3,) of a box around the hull, body frame; echoes from inside it are dropped."""
     vertices, _ = vehicle_hull(model)
     return vertices.min(axis=0) - SELF_FILTER_MARGIN_M, vertices.max(axis=0) + SELF_FILTER_MARGIN_M
 

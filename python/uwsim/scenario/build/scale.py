@@ -31,7 +31,7 @@ def size_text(size_m: Floats) -> str:
 
 
 def question_of_factor(factor: float, mesh_scale: float) -> str:
-    """Return a question about the mesh's unit if one explains a scale factor of lengths; otherwise an empty string."""
+    """Return a question about the mesh's unit if a unit explains this factor on lengths; otherwise an empty string."""
     unit = next((unit for unit, metres in UNITS.items() if 0.9 <= factor / metres <= 1.1), None)
     return "" if unit is None else _question([unit], mesh_scale)
 

@@ -22,7 +22,7 @@ TILE_WIDTH, TILE_HEIGHT, TILE_OFFSETS, TILE_COUNTS = 322, 323, 324, 325
 def require_whole_tiff(path: Path) -> None:
     """Raise ValueError if a TIFF lacks some of its strips or tiles, OSError if it cannot be read.
 
-    Other formats pass.
+    Other formats are accepted without a check.
     """
     size = path.stat().st_size
     with path.open("rb") as file:

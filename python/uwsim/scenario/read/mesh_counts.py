@@ -73,6 +73,6 @@ def _ply_header(head: bytes) -> tuple[bool, int]:
 
 
 def _announced_faces(suffix: str, head: bytes) -> int:
-    """Return the number of faces that a header announces, or 0 if it does not."""
+    """Return the number of faces that a header announces, or 0 if it announces none."""
     words = re.sub(rb"#[^\n]*", b"", head).split(maxsplit=3) if suffix == ".off" else []
     return int(words[2]) if len(words) > 2 and words[2].isdigit() else 0

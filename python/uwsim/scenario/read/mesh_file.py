@@ -111,7 +111,7 @@ def _read_with_trimesh(path: Path, suffix: str, content: bytes) -> tuple[Vertice
 
 
 def _require_indices_from_one(path: Path, text: str) -> None:
-    """Raise ScenarioError for a face with the invalid index 0, which trimesh would take for some vertex."""
+    """Raise ScenarioError for a face with the invalid index 0, which trimesh would map to another vertex."""
     zero = re.search(r"^[ \t]*f[ \t](?:.*[ \t])?[-+]?0+(?=[/\s]|\Z)", text, re.MULTILINE)
     if zero:
         line = text.count("\n", 0, zero.end()) + 1

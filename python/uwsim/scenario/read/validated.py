@@ -37,7 +37,7 @@ def validated(model: type[M], values: Any, document: YamlDocument | None = None,
 class Holding(Generic[M]):
     """The result of a check. mistakes: the errors found, in file order.
 
-    model: built from the remaining valid parts, or None if too little is valid. left: those parts.
+    model: built from the remaining valid parts, or None if too little is valid. left: the remaining valid parts.
     """
 
     mistakes: list[str]

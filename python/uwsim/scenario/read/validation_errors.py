@@ -85,7 +85,7 @@ def _described(
 
 
 def _follows_from_another(error: ErrorDetails, errors: Sequence[ErrorDetails], hints: Hints) -> bool:
-    """Return whether an error is only a consequence of another, which is reported in its place."""
+    """Return whether an error is only a consequence of another, which is reported instead."""
     kind, loc = error["type"], error["loc"]
     if kind == "default_factory_not_called":  # another field is invalid
         return True

@@ -1,4 +1,4 @@
-"""A vehicle's reaction to loss of contact or to a failure aboard."""
+"""A vehicle's reaction to loss of contact or to a failure on board."""
 
 from __future__ import annotations
 

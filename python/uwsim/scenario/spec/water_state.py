@@ -62,7 +62,7 @@ class WaterState(NamedTuple):
         return _core.sea_water_density_kg_m3(self.temperatures_deg_c[0], salinity_psu)
 
     def _density_of(self, salinity_psu: float) -> tuple[float, float]:
-        """Return the smallest density of water of this salinity, and the largest, which is under pressure."""
+        """Return the smallest density of water of this salinity, and the largest, which occurs under pressure."""
         pressure_pa = _PA_PER_M * self.depth_m
         return (
             min(_core.sea_water_density_kg_m3(t, salinity_psu) for t in self.temperatures_deg_c),
