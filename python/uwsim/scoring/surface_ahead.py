@@ -16,8 +16,8 @@ from uwsim.scoring.true_surface import SurfaceSamples, surface_tile_jobs
 class SurfaceAhead:
     """Samples a world's surface in an area, and measures its distance from the voxels that contain echoes.
 
-    A score that receives this only computes the rest, with the same result. Not thread-safe. voxels: those of the map,
-    of width resolution_m. area_world_m: (k, 2), the polygon to be scored.
+    A score that receives this object computes only what has not been done yet, with the same result. Not thread-safe.
+    voxels: the map's voxels, resolution_m wide. area_world_m: (k, 2), the polygon to be scored.
     """
 
     def __init__(

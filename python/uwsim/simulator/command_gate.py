@@ -24,25 +24,25 @@ class FailsafeLike(Protocol):
 
     @property
     def state(self) -> str:
-        """Its current reaction."""
+        """The failsafe's current reaction."""
 
     @property
     def cause(self) -> str:
-        """The cause of its reaction."""
+        """The cause of the reaction."""
 
     @property
     def alarms(self) -> tuple[str, ...]:
-        """The alarms that it has raised, as text."""
+        """The active alarms, as text."""
 
     @property
     def has_control(self) -> bool:
-        """Whether it is steering, so that commands have no effect."""
+        """Whether the failsafe is steering, so that commands have no effect."""
 
     def heard(self) -> None:
         """Register a command."""
 
     def insist(self) -> None:
-        """Set its last efforts again."""
+        """Set the failsafe's last efforts again."""
 
     def override(self) -> None:
         """Return control of the vehicle."""
@@ -52,7 +52,7 @@ class CommandGate:
     """Filters every command that moves a vehicle before it reaches the actuators.
 
     vehicle: its name. halt: stops its thrusters and centres its fins. is_driven: whether the current commands would
-    move it. all_stopped: whether all stop is set. stops: how many times it has been set; programs that command
+    move it. all_stopped: whether all stop is set. stops: how many times all stop has been set; programs that command
     repeatedly stop when this changes. changed: called when all stop is set or released.
     """
 
@@ -127,7 +127,7 @@ class CommandGate:
             )
 
     def _warns_first(self, kind: type[Warning]) -> bool:
-        """Return whether this is the first warning of its kind since the last restore or change of all stop."""
+        """Return whether this is the first warning of its kind since a restore or a change of the all-stop state."""
         is_first = kind not in self._warned
         self._warned.add(kind)
         return is_first

@@ -1,4 +1,4 @@
-"""Navigation aboard a simulated vehicle: a Navigator that starts when its estimate is first read."""
+"""Navigation on board a simulated vehicle: a Navigator that starts when its estimate is first read."""
 
 from __future__ import annotations
 

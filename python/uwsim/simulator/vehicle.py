@@ -192,8 +192,8 @@ class Vehicle(CommandedVehicle):
         """The vehicle's motion by its own instruments: pose, velocity and covariance, from an error-state filter.
 
         The first access starts the filter from the pose and velocity at that time, assumed to be known to 0.1 m and
-        0.05 m/s; place, dock and undock restart it in the same way. It assumes the error parameters that the sensors
-        had when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
+        0.05 m/s; place, dock and undock restart it in the same way. The filter assumes the error parameters that the
+        sensors had when it started. Raises ValueError for a vehicle without an IMU. See docs/guides/estimation.md.
         """
         return self._navigation.navigator
 

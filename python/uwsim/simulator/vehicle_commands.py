@@ -121,7 +121,7 @@ class CommandedVehicle(Sealed, Placeable):
             self._simulation.set_effort(self._index, *[min(max(effort, -1.0), 1.0) for effort in efforts])
 
     def override_failsafe(self) -> None:
-        """Take control back from the failsafe, which will not act on this cause again. ValueError if there is none."""
+        """Take control back from the failsafe, which then ignores this cause. Raises ValueError without a failsafe."""
         self.gate.override()
         self._note("override_failsafe")
 
@@ -138,7 +138,7 @@ class CommandedVehicle(Sealed, Placeable):
     def release(self) -> None:
         """Leave the station; the mission time starts.
 
-        Does nothing if already free. Raises ValueError if all stop prevents it.
+        Does nothing if the vehicle is already free. Raises ValueError if all stop prevents it.
         """
         if not self.released:
             self.gate.require_no_stop("release")
@@ -148,8 +148,8 @@ class CommandedVehicle(Sealed, Placeable):
     def undock(self) -> None:
         """Leave the station: release the vehicle and place it, at rest, at the dock's exit (station.exit_m).
 
-        It keeps the dock's heading and its commands. Raises ValueError, changing nothing, if the vehicle is not docked,
-        the exit is not clear, or all stop is set.
+        The vehicle keeps the dock's heading and its commands. Raises ValueError, changing nothing, if the vehicle is
+        not docked, the exit is not clear, or all stop is set.
         """
         if self.released:
             raise ValueError(f"vehicle '{self.name}': undock: is not docked")
@@ -163,8 +163,8 @@ class CommandedVehicle(Sealed, Placeable):
         """Enter the station's dock from nearby; the dock holds the vehicle, at rest, until the next release or undock.
 
         The vehicle must be within 1.5 m of its docked position, slower than 0.5 m/s and within 30 degrees of the dock's
-        heading, and the dock must be empty; otherwise a ValueError states by how much it fails. Docking ends its
-        commands and charges its battery immediately: the next release starts another mission.
+        heading, and the dock must be empty; otherwise a ValueError states by how much a limit is exceeded. Docking ends
+        the vehicle's commands and charges its battery immediately: the next release starts another mission.
         """
         if not self.released:
             raise ValueError(f"vehicle '{self.name}': dock: is docked already")

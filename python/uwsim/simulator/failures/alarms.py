@@ -1,4 +1,4 @@
-"""A vehicle's alarms about itself, from what it can measure aboard: battery, bilges, motors and sensor readings.
+"""A vehicle's alarms about itself, from what it can measure on board: battery, bilges, motors and sensor readings.
 
 They do not use the truth: a bias, which looks like any other reading, is not detected.
 """

@@ -1,4 +1,4 @@
-"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm about a failure aboard."""
+"""Failsafe: a vehicle's autonomous reaction to silence, or to an alarm about a failure on board."""
 
 from __future__ import annotations
 
@@ -110,12 +110,12 @@ class Failsafe(Sealed):
 
     @property
     def state(self) -> str:
-        """Its current reaction."""
+        """The failsafe's current reaction."""
         return self._state
 
     @property
     def cause(self) -> str:
-        """The cause of its reaction."""
+        """The cause of the reaction."""
         return self._cause
 
     @property
@@ -125,7 +125,7 @@ class Failsafe(Sealed):
 
     @property
     def has_control(self) -> bool:
-        """Whether it is steering, so that commands have no effect.
+        """Whether the failsafe is steering, so that commands have no effect.
 
         Without a link, it is not in control during a silence, because any command ends the silence.
         """
@@ -143,14 +143,14 @@ class Failsafe(Sealed):
         self._steered.insist()
 
     def override(self) -> None:
-        """Return control to the pilot; the cause that is in control now will not act again in this run."""
+        """Return control to the pilot; the cause of the current reaction will not trigger another in this run."""
         if self._cause and self._cause != SILENCE:
             self._overridden.add(self._cause)
         self._end()
 
     @property
     def due_tick(self) -> int:
-        """The tick of its next check or control period."""
+        """The tick of the next check or control period."""
         return min(self._next_look, self._next_control)
 
     def act(self, tick: int) -> None:

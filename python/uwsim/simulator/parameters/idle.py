@@ -14,7 +14,7 @@ OF_PHYSICS_MODE = ("bending", "rays_per_beam", "noise")
 
 
 def idle(model: Model, field: str) -> str:
-    """Return the reason why a field has no effect, or an empty string if it has one."""
+    """Return the reason why a field has no effect, or an empty string if it has an effect."""
     if isinstance(model, Water):
         return _of_water(model, field)
     if isinstance(model, Optics) and field == "jerlov" and model.coefficients is not None:

@@ -60,8 +60,8 @@ class Parameters(Mapping[str, Any]):
         """Start with a scenario's own values.
 
         apply: applies the changed scenario, or raises. note: called with each change, as a command. switches: the
-        switches whose state is a parameter, by parameter name. overlay: returns the values that faults impose on a
-        scenario's, by name; they are not in `changes`.
+        switches whose state is a parameter, by parameter name. overlay: returns the values, by name, with which faults
+        override a scenario's; they are not in `changes`.
         """
         self._apply = apply
         self._note = note
@@ -80,7 +80,7 @@ class Parameters(Mapping[str, Any]):
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario with all changes applied. A Simulator of it behaves like this one."""
+        """The scenario with all changes applied. A Simulator of that scenario behaves like this one."""
         return self._running
 
     @property
