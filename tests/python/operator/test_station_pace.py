@@ -1,4 +1,4 @@
-"""The station's speed: a simulator prepared before Start, and pictures as large as time permits."""
+"""The station's responsiveness: a simulator is prepared before Start, and pictures are as large as time permits."""
 
 import itertools
 import threading

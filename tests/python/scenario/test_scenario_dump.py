@@ -1,6 +1,7 @@
 """A scenario written to a recording or a YAML file is read back unchanged.
 
-Unchanged means equal, with the same keys set, and identical when built, since the presence of a key may matter.
+Unchanged means that it compares equal, has the same keys set (the presence of a key may matter), and builds an
+identical simulator.
 """
 
 import functools
