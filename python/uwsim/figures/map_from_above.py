@@ -44,7 +44,7 @@ def draw_map_from_above(
     occupied_centres_m: NDArray[np.floating],
     area_name: str = "area to survey",
 ) -> None:
-    """Draw each column's highest occupied voxel, the polygon (k, 2), the path (n, 3) by ping, and missed voxels.
+    """Draw each column's highest occupied voxel, the polygon (k, 2), the path (n, 3) of pings, and missed voxels.
 
     Raises OSError if the file cannot be written.
     """

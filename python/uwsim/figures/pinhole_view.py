@@ -1,4 +1,4 @@
-"""Perspective view of a box: rays of pixels and pixels of points.
+"""Perspective view of a box: the rays through pixels, and the pixels at which points appear.
 
 World is ENU in metres; pixel (0, 0) is upper left.
 """

@@ -1,4 +1,4 @@
-"""Likely oversights in a valid vehicle file, such as a vehicle that hangs upside down or a propeller far away."""
+"""Likely oversights in a valid vehicle file, such as a hull that rests upside down or a propeller far away from it."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against the formula.
 
-Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, with
-one receiver. Each instrument has one set of values per frequency; no values are fitted to single cells of the table.
-Refraction is checked against closed forms.
+Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, and
+the sonar has one receiver. Each instrument has one set of values per frequency; no values are fitted to single cells of
+the table. Refraction is checked against closed forms.
 """
 
 from __future__ import annotations

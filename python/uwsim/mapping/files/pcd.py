@@ -99,7 +99,7 @@ def _exactly(body: bytes, size: int) -> bytes:
 
 
 def _from_text(body: bytes, layout: np.dtype[np.void], count: int) -> NDArray[np.float64]:
-    """Return points from text, in which a field's first column follows from the counts of the fields before it."""
+    """Return points from text, in which a field's first column is the sum of the counts of the fields before it."""
     names = layout.names or ()
     widths = [int(np.prod(layout[name].shape, dtype=int)) for name in names]
     first = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))

@@ -32,7 +32,7 @@ class AboardState(State):
 
 
 class Aboard:
-    """A simulator's faults, and its vehicles' failsafes and all stops, saved, restored and restarted together."""
+    """A simulator's faults and its vehicles' failsafes and all-stop states, saved, restored and restarted together."""
 
     STATE: ClassVar[Any] = AboardState
 
