@@ -56,9 +56,9 @@ class Channel:
     since the content of its messages keeps growing; see `keep_up`. read: for "out": called between two steps on the
     simulator's thread; returns a message of `messages.typestore()` stamped with simulated time, or None if there is
     none. apply: for "in": called on any thread; must not block; raises ValueError for impossible commands. abandoned:
-    for "in": called like `apply` when the last publisher has gone. idle: for "in": the message that stands for no command; `abandoned`
-    applies it, and a channel with one is also abandoned after a time without a command. watch: the vehicle's watchdog,
-    for channels that steer. drops: counted by the sinks; /diagnostics reports it.
+    for "in": called like `apply` when the last publisher has gone. idle: for "in": the message that stands for no
+    command; `abandoned` applies it, and a channel with one is also abandoned after a time without a command. watch: the
+    vehicle's watchdog, for channels that steer. drops: counted by the sinks; /diagnostics reports it.
     """
 
     name: str
