@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import cbor2
 import numpy as np
+import orjson
 
 from uwsim.channels.base64_text import to_base64
 from uwsim.channels.message_types import (
@@ -25,7 +26,7 @@ from uwsim.channels.message_types import (
     without_placeholder,
 )
 
-Form = Literal["json", "cbor"]
+Form = Literal["json", "literal", "cbor"]
 Writer = Callable[[Any], Any]
 
 # RFC 8746, section 2.1: little-endian arrays.
@@ -49,7 +50,9 @@ def to_plain(message: Any, ros: Ros = 2, form: Form = "json") -> dict[str, Any]:
     """Return a message as a dict, with the field names that a client of `ros` expects.
 
     form "json": numbers may be NaN, and arrays are NumPy arrays; orjson writes them as null and lists. uint8[] is
-    base64. form "cbor": arrays of numbers are typed arrays of RFC 8746, uint8[] is bytes.
+    base64. form "literal": the same, but NaN and infinity are written as the words NaN, Infinity and -Infinity, as by
+    Python's json; rosbridge_server reads them, and refuses null in a number's place. form "cbor": arrays of numbers are
+    typed arrays of RFC 8746, uint8[] is bytes.
     """
     return _writer(message.__msgtype__, ros, form)(message)  # type: ignore[no-any-return]
 
@@ -112,7 +115,9 @@ def _value_writer(kind: Kind, ros: Ros, form: Form) -> Writer | None:
 
 
 def _scalar_writer(base: str, form: Form) -> Writer | None:
-    if form == "json" or base in ("string", "wstring"):
+    if form == "literal" and base.startswith("float"):
+        return lambda value: value if np.isfinite(value) else orjson.Fragment(_word(value))
+    if form != "cbor" or base in ("string", "wstring"):
         return None
     if base == "bool":
         return bool
@@ -132,7 +137,22 @@ def _array_writer(base: str, form: Form) -> Writer:
     if form == "cbor":
         tag = TYPED_ARRAY_TAGS[base]
         return lambda values: cbor2.CBORTag(tag, contiguous(values).tobytes())
+    if form == "literal" and base.startswith("float"):
+        return lambda values: _literal_array(contiguous(values))
     return contiguous
+
+
+def _literal_array(values: np.ndarray[Any, np.dtype[Any]]) -> Any:
+    """Return what orjson writes as a list of numbers, with words in place of its nulls."""
+    words = [_word(value) for value in values[~np.isfinite(values)]]
+    if not words:
+        return values
+    parts = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY).split(b"null")
+    return orjson.Fragment(parts[0] + b"".join(word + part for word, part in zip(words, parts[1:], strict=True)))
+
+
+def _word(value: float) -> bytes:
+    return b"NaN" if np.isnan(value) else b"Infinity" if value > 0 else b"-Infinity"
 
 
 def default_value(kind: Kind) -> Any:

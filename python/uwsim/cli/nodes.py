@@ -28,6 +28,10 @@ def nodes(
     patience: Annotated[
         float, typer.Option(help="How long to wait for the rosbridge [s].", callback=within(0, 86_400, "s"))
     ] = 10.0,
+    published_types: Annotated[
+        bool,
+        typer.Option("--published-types", help="decodedDepth as the paper's misc/floatarray, whose package ROS needs."),
+    ] = False,
 ) -> None:
     """Run the paper's mapping pipeline as ROS nodes over rosbridge.
 
@@ -35,13 +39,19 @@ def nodes(
 
     The simulator's standard topics have the same names, so run uwsim serve --wire published.
     """
-    from uwsim.bridges.nodes.chain import NODES
+    import logging
+
+    from uwsim.bridges.nodes.chain import FLOATS, NODES, PUBLISHED_FLOATS
     from uwsim.bridges.nodes.processes import run_all, run_one
 
     if name not in ("octomap", "all"):
         need("the node octomap", out=out)
     out = out or Path("nodes.bt")
+    floats = PUBLISHED_FLOATS if published_types else FLOATS
+    logging.basicConfig(format="%(name)s: the server reports: %(message)s")
     if name != "all":
-        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"))
-    elif not run_all(url, out, patience, lambda: typer.echo(f"{', '.join(NODES)} at {url}; Ctrl-C ends them")):
+        run_one(name, url, out, patience, lambda: typer.echo(f"{name} at {url}"), floats)
+        return
+    said = f"{', '.join(NODES)} at {url}; Ctrl-C ends them"
+    if not run_all(url, out, patience, lambda: typer.echo(said), floats):
         raise typer.Exit(FAILED)

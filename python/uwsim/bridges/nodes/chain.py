@@ -25,7 +25,8 @@ from uwsim.channels.scans import cloud
 from uwsim.mapping import ranging
 
 Publish = Callable[[Any], None]
-STRING, FLOATS, POSE = "std_msgs/msg/String", "misc/msg/floatarray", "geometry_msgs/msg/Pose"
+STRING, FLOATS, POSE = "std_msgs/msg/String", "std_msgs/msg/Float32MultiArray", "geometry_msgs/msg/Pose"
+PUBLISHED_FLOATS = "misc/msg/floatarray"  # of the paper's own ROS package, which no distribution has
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
 MODEL = 2  # the sonar's model until modelTrigger selects another
 INSERTED = "octomap_node/inserted"
@@ -54,9 +55,9 @@ class Model:
         self.number = int(message.data)
 
 
-def decode(message: Any, model: int) -> Any:
-    """Convert a depthArray to a decodedDepth. Raises ValueError."""
-    decoded = default_message(FLOATS)
+def decode(message: Any, model: int, floats: str = FLOATS) -> Any:
+    """Convert a depthArray to a decodedDepth of type `floats`. Raises ValueError."""
+    decoded = default_message(floats)
     decoded.data = ranging.decode_depth_string(message.data, model)
     return decoded
 
@@ -92,25 +93,25 @@ def to_transform(pose: Any, stamp: Any, parent: str, child: str) -> Any:
     return message
 
 
-def string_decoder(node: Node, out: Path) -> None:
+def string_decoder(node: Node, out: Path, floats: str = FLOATS) -> None:
     """DepthArray -> decodedDepth."""
-    publish, model = node.advertise("decodedDepth", FLOATS), Model(node)
-    node.subscribe("depthArray", STRING, lambda message: publish(decode(message, model.number)))
+    publish, model = node.advertise("decodedDepth", floats), Model(node)
+    node.subscribe("depthArray", STRING, lambda message: publish(decode(message, model.number, floats)))
 
 
-def scan_publisher(node: Node, out: Path) -> None:
+def scan_publisher(node: Node, out: Path, floats: str = FLOATS) -> None:
     """DecodedDepth -> scan."""
     publish, model, clock = node.advertise("scan", SCAN), Model(node), Clock(node)
-    node.subscribe("decodedDepth", FLOATS, lambda message: publish(to_scan(message, model.number, clock.stamp)))
+    node.subscribe("decodedDepth", floats, lambda message: publish(to_scan(message, model.number, clock.stamp)))
 
 
-def laser_to_cloud(node: Node, out: Path) -> None:
+def laser_to_cloud(node: Node, out: Path, floats: str = FLOATS) -> None:
     """Scan -> laserPointCloud."""
     publish, model = node.advertise("laserPointCloud", CLOUD), Model(node)
     node.subscribe("scan", SCAN, lambda message: publish(to_cloud(message, model.number)))
 
 
-def tf_broadcaster(node: Node, out: Path) -> None:
+def tf_broadcaster(node: Node, out: Path, floats: str = FLOATS) -> None:
     """propPos, scanPos -> tf: odom -> base_footprint -> base_scan."""
     publish, clock = node.advertise("tf", TF), Clock(node)
 
@@ -121,7 +122,7 @@ def tf_broadcaster(node: Node, out: Path) -> None:
     node.subscribe("scanPos", POSE, partial(say, "base_footprint", "base_scan"))
 
 
-def octomap(node: Node, out: Path) -> None:
+def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
     """laserPointCloud, tf -> a map, saved to `out` at the end; earlier saves take at most a tenth of the time."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
     due_s = 0.0
@@ -147,7 +148,7 @@ def octomap(node: Node, out: Path) -> None:
     node.subscribe("laserPointCloud", CLOUD, partial(take, builder.add_cloud))
 
 
-NODES: dict[str, Callable[[Node, Path], None]] = {
+NODES: dict[str, Callable[[Node, Path, str], None]] = {
     node.__name__: node for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap)
 }
-"""Functions that set up a Node, by node name; the path is where the octomap node writes the map."""
+"""Functions that set up a Node, by node name, with the file for the octomap node's map and decodedDepth's type."""

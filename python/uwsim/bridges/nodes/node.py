@@ -10,7 +10,7 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 
 from uwsim.bridges.nodes.websocket import WebSocket
-from uwsim.bridges.rosbridge.encoding import Sample, to_json
+from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels.messages import from_plain, spelled
 
@@ -21,11 +21,10 @@ NESTING = 32
 class Node:
     """A client of a rosbridge server; it uses ROS 1's spelling, which every rosbridge understands.
 
-    Messages are received in CBOR and sent in JSON, which all servers accept. In JSON, the infinite range of a beam
-    without an echo becomes null, which readers decode as NaN, also meaning no echo. queue: the number of messages per
-    topic that may wait; beyond that, the oldest are dropped. finish: called at the end. complain: called with errors
-    that the server reports. Functions returned by `advertise`, and `call`, may be used on any thread. Raises OSError if
-    the server cannot be reached.
+    Messages are received in CBOR and sent in JSON, which all servers accept, with literal NaN and Infinity. queue: the
+    number of messages per topic that may wait; beyond that, the oldest are dropped. finish: called at the end.
+    complain: called with errors that the server reports. Functions returned by `advertise`, and `call`, may be used on
+    any thread. Raises OSError if the server cannot be reached.
     """
 
     def __init__(self, url: str, queue: int = QUEUE) -> None:
@@ -40,7 +39,7 @@ class Node:
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
         """Return a function that publishes messages of a type on a topic."""
         self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
-        return lambda message: self._connection.send(Sample(message).frame(topic, 1, "none"))
+        return lambda message: self._connection.send(publication(message, topic, 1))
 
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
         """Call a function with each message of a topic."""

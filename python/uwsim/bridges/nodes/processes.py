@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import signal
 import threading
@@ -9,26 +10,31 @@ from collections.abc import Callable
 from multiprocessing.synchronize import Event
 from pathlib import Path
 
-from uwsim.bridges.nodes.chain import NODES
+from uwsim.bridges.nodes.chain import FLOATS, NODES
 from uwsim.bridges.nodes.node import connect_patiently
+from uwsim.bridges.rare_log import RareLog
 
 LOOK_S = 0.5
 
 
-def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> None:
-    """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server."""
+def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> None:
+    """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server.
+
+    floats: the type of decodedDepth. Reports of the server, such as on messages that it refuses, are logged.
+    """
     node = connect_patiently(url, patience_s)
+    node.complain = RareLog(logging.getLogger(f"uwsim.{name}")).warning
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
-    NODES[name](node, out)
+    NODES[name](node, out, floats)
     node.settle()
     ready()
     node.spin(stopping.is_set)
     node.finish()
 
 
-def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -> bool:
+def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> bool:
     """Run all nodes until one exits or a signal arrives; return whether all succeeded.
 
     Nodes start from the end of the chain, with the string decoder last, so that no ping is lost. Raises OSError.
@@ -41,7 +47,7 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -
             signal.signal(number, signal.default_int_handler)
         for name in reversed(NODES):
             is_set_up = context.Event()
-            process = context.Process(target=_child, args=(name, url, out, patience_s, is_set_up), name=name)
+            process = context.Process(target=_child, args=(name, url, out, patience_s, is_set_up, floats), name=name)
             processes.append(process)
             process.start()
             while not is_set_up.wait(LOOK_S):
@@ -59,7 +65,7 @@ def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None]) -
             process.join()
 
 
-def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event) -> None:
+def _child(name: str, url: str, out: Path, patience_s: float, is_set_up: Event, floats: str) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)  # until run_one installs its own
-    run_one(name, url, out, patience_s, is_set_up.set)
+    run_one(name, url, out, patience_s, is_set_up.set, floats)

@@ -3,7 +3,8 @@
 It advertises topics and services and subscribes to command topics, and repeats this after each reconnection. While
 connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
 simulator's thread never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the
-server closes the connection because a message was too large, messages of that size or larger are no longer sent.
+server closes the connection because a message was too large, messages of that size or larger are no longer sent. Reports of the server,
+such as on messages that it refuses, are logged.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from uwsim.bridges.bridge import Bridge
 from uwsim.bridges.listener import post
 from uwsim.bridges.nodes.websocket import checked_url
-from uwsim.bridges.rosbridge.encoding import Sample, to_json
+from uwsim.bridges.rare_log import RareLog
+from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels import Channel, Service
@@ -62,6 +64,7 @@ class RosbridgeClient(Bridge):
         self._lines: dict[str, Line[Reading]] = {
             name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
         }
+        self._rare = RareLog(self.log)
         self._answers: set[asyncio.Future[None]] = set()
         self._thread: threading.Thread | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -155,7 +158,7 @@ class RosbridgeClient(Bridge):
             kind = spelled(channel.type, self._ros)
             yield {"op": "subscribe", "topic": f"/{channel.name}", "type": kind, "queue_length": 1}
         for service in self.services.values():
-            yield {"op": "advertise_service", "service": f"/{service.name}", "type": service.type}
+            yield {"op": "advertise_service", "service": f"/{service.name}", "type": service.type.replace("/srv/", "/")}
 
     def _read_channels(self) -> None:
         try:
@@ -179,7 +182,7 @@ class RosbridgeClient(Bridge):
 
     async def _send(self, reading: Reading, connection: ClientConnection) -> None:
         name = reading.channel.name
-        frame = Sample(reading.message).frame(f"/{name}", self._ros, "none")
+        frame = publication(reading.message, f"/{name}", self._ros)
         size = len(frame)
         if self._refused_bytes is not None and size >= self._refused_bytes:
             if name not in self._left_out:
@@ -201,7 +204,7 @@ class RosbridgeClient(Bridge):
             elif operation.get("op") == "call_service":
                 self._serve(operation, connection)
             elif operation.get("op") == "status":
-                self.log.warning("%s says: %s", self.url, str(operation.get("msg"))[:500])
+                self._rare.warning(f"{self.url} reports: {str(operation.get('msg'))[:500]}")
         except (ValueError, NotRunningError) as error:
             self.log.warning("%s: %s", self.url, error)
 

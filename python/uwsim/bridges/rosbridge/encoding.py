@@ -85,6 +85,12 @@ def to_png(text: str) -> str:
     return f'{{"op":"png","data":"{to_base64(buffer.getvalue())}"}}'
 
 
+def publication(message: Any, topic: str, ros: Ros) -> str:
+    """Return the operation "publish" as a client of a rosbridge_server sends it, with literal NaN and Infinity."""
+    operation = {"op": "publish", "topic": topic, "msg": to_plain(message, ros, "literal")}
+    return orjson.dumps(operation, option=JSON_OPTIONS).decode()
+
+
 class Sample:
     """One message of a topic, and the frames that encode it. time_ns: when it was received, for cbor-raw.
 
