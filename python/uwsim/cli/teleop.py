@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
 from uwsim.cli.values import scenarios
@@ -34,6 +35,13 @@ def teleop(
     sonar_model: SonarModel = None,
     link: Link = None,
     threads: Threads = None,
+    keys: Annotated[
+        str,
+        typer.Option(
+            help="standard: a driving key acts while it is held. published: presses add up, as in the paper's node.",
+            **one_of("standard", "published"),
+        ),
+    ] = "standard",
 ) -> None:
     """Fly a vehicle from the terminal with keys or a gamepad.
 
@@ -49,7 +57,7 @@ def teleop(
             raise ValueError(
                 "--scenario, --seed, --sonar-model, --link and --threads are for its own simulator, not for a URL"
             )
-        marks, code = fly(url, url, vehicle)
+        marks, code = fly(url, url, vehicle, adds_up=keys == "published")
     else:
         from uwsim.simulator.simulator import Simulator
 
@@ -59,7 +67,8 @@ def teleop(
         if vehicle is not None and vehicle not in simulator.vehicles:
             raise ValueError(f"--vehicle = {vehicle!r}: must be one of {', '.join(simulator.vehicles)}")
         with own_server(simulator) as server:
-            marks, code = fly(server.url, flown, vehicle if len(simulator.vehicles) > 1 else None)
+            named = vehicle if len(simulator.vehicles) > 1 else None
+            marks, code = fly(server.url, flown, named, adds_up=keys == "published")
     for number, mark in enumerate(marks, 1):
         typer.echo(f"mark {number}: {mark}")
     raise typer.Exit(code)

@@ -5,6 +5,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
@@ -202,6 +203,25 @@ def test_keys_can_be_changed(running):
     when(page, "globalThis.station?.bindings.keysOf('surge+')[0] === 'KeyO'")  # the bindings persist
 
 
+def test_published_keys_add_up_until_the_opposite_key(running):
+    page = running.fly()
+    page.keyboard.press("?")
+    page.click("text=Published")
+    page.keyboard.press("Escape")
+    when(page, "station.pilot.mayAct")
+    page.keyboard.press("Space")
+    page.keyboard.press("Space")
+    page.keyboard.press("w")
+    until(lambda: running.effort("heave") == 0.5 and running.effort("surge") == 0.5, "efforts without a held key")
+    page.keyboard.press("b")
+    until(lambda: running.effort("heave") == 0.0 and running.effort("surge") == 0.5, "the sum of two presses")
+    page.keyboard.press("x")
+    until(lambda: running.effort("surge") == 0.0, "zero")
+    assert not running.rov.all_stopped
+    page.keyboard.press("y")
+    until(lambda: running.rov.released, "undocking")
+
+
 def test_a_gamepad_drives(running):
     page = running.fly()
     page.evaluate(
@@ -220,8 +240,12 @@ def test_a_gamepad_drives(running):
 def test_buttons_act_and_values_grey(running, tmp_path):
     page = running.fly()
     assert page.inner_text("#sound") == "Sound off"
+    docked_m = running.rov.pose.position_world_m
+    assert page.is_visible("#undock")
     page.click("#dock")
     until(lambda: running.rov.released, "the release")
+    page.wait_for_selector("#undock", state="hidden")
+    assert np.hypot(*(running.rov.pose.position_world_m - docked_m)[:2]) < 0.2  # it falls; undocking moves it 7 m
     page.click("[aria-label='front light']")
     until(lambda: running.rov.lamps["front"].on, "light")
     elevation = running.rov.sonar.elevation_rad

@@ -24,12 +24,12 @@ class _ToScreen(logging.Handler):
         self._app.tell(record.getMessage())
 
 
-def fly(url: str, name: str, vehicle: str | None = None) -> tuple[list[str], int]:
+def fly(url: str, name: str, vehicle: str | None = None, *, adds_up: bool = False) -> tuple[list[str], int]:
     """Show the pilot's screen until the pilot quits; return the marked positions and the exit code.
 
-    Raises ValueError.
+    adds_up: see Hands. Raises ValueError.
     """
-    connection = Connection(url, Hands(), vehicle)
+    connection = Connection(url, Hands(adds_up=adds_up), vehicle)
     for each, stream in (("stdin", sys.stdin), ("stderr", sys.stderr)):  # where Textual reads and draws
         if not stream.isatty():
             raise ValueError(

@@ -28,10 +28,13 @@ ZERO = dict.fromkeys(AXES, 0.0)
 class Hands:
     """The pilot's current commands. May be read on any thread.
 
-    has_helm: whether the pilot is steering; the first driving key or stick movement takes the helm.
+    adds_up: whether each press of a driving key adds to its axis or subtracts, and the sum lasts, as in the published
+    keyboard node. has_helm: whether the pilot is steering; the first driving key or stick movement takes the helm.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic, *, adds_up: bool = False) -> None:
+        self._adds_up = adds_up
+        self._sums = dict(ZERO)
         self._clock = clock
         self._lock = threading.Lock()
         self._held: dict[str, float] = {}  # clock time until which each key holds
@@ -63,6 +66,10 @@ class Hands:
             elif key == LET_GO:
                 self._drop()
                 self.has_helm = False
+            elif self._adds_up and key in DRIVING:
+                self.has_helm = True
+                axis, direction = DRIVING[key]
+                self._sums[axis] = min(max(self._sums[axis] + direction, -1.0), 1.0)
             elif key in DRIVING or key in TILTING:
                 self._hold(key)
 
@@ -94,13 +101,14 @@ class Hands:
 
     def _drop(self) -> None:
         self._held.clear()
+        self._sums = dict(ZERO)
         self._sticks = {}
 
     def efforts(self) -> dict[str, float]:
         """Return the current efforts, in [-1, 1] by axis."""
         with self._lock:
             self._forget(self._clock())
-            efforts = dict(ZERO)
+            efforts = dict(self._sums)
             for key in self._held:
                 if key in DRIVING:
                     axis, direction = DRIVING[key]

@@ -7,7 +7,7 @@ from uwsim.channels.key import Function
 DRIVING: dict[str, tuple[str, float]] = {
     "w": ("surge", 1.0), "s": ("surge", -1.0),
     "a": ("sway", 1.0), "d": ("sway", -1.0),
-    "b": ("heave", 1.0), " ": ("heave", -1.0),
+    " ": ("heave", 1.0), "b": ("heave", -1.0),
     "i": ("pitch", 1.0), "k": ("pitch", -1.0),
     "j": ("roll", -1.0), "l": ("roll", 1.0),
     "q": ("yaw", 1.0), "e": ("yaw", -1.0),
@@ -29,7 +29,7 @@ ALL_STOP, END_STOP, LET_GO, MARK, LESS, MORE, HELP = "x", "X", "c", "m", "-", "=
 
 HELP_TEXT = """\
 w s  ahead, astern        q e  turn to port, to starboard    a d  to port, to starboard
-b space  up, down         i k  nose down, up                 j l  roll to port, to starboard
+space b  up, down         i k  nose down, up                 j l  roll to port, to starboard
 - =  less, more effort    x X  all stop, and its release     c    zero, and give the helm away
 r    release              u y  undock, dock                  m    mark this place
 [ ]  front light off, on  ; '  down light off, on            , .  tilt the sonar down, up

@@ -171,7 +171,9 @@ function act(action, isPressed) {
   if (!isPressed) return;
   const actions = {
     stop: () => panel.allStop.press(),
+    zero: () => pilot.stop(),
     release: () => topbar.releaseOrDock(),
+    undock: () => topbar.undock(),
     frontOn: () => topbar.light('front', true),
     frontOff: () => topbar.light('front', false),
     downOn: () => topbar.light('down', true),

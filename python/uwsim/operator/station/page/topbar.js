@@ -20,6 +20,7 @@ export class TopBar {
   constructor(station, telemetry, pilot, views) {
     [this.station, this.telemetry, this.pilot, this.views] = [station, telemetry, pilot, views];
     byId('dock').addEventListener('click', () => this.releaseOrDock());
+    byId('undock').addEventListener('click', () => this.undock());
     for (const [id, sign] of [
       ['tilt-up', 1],
       ['tilt-down', -1],
@@ -84,7 +85,11 @@ export class TopBar {
 
   releaseOrDock() {
     const isFree = this.telemetry.message?.released;
-    attempt(this.station.command(isFree ? 'dock' : 'undock', this.#vehicle.name), isFree ? 'Docked' : 'Released');
+    attempt(this.station.command(isFree ? 'dock' : 'release', this.#vehicle.name), isFree ? 'Docked' : 'Released');
+  }
+
+  undock() {
+    attempt(this.station.command('undock', this.#vehicle.name), 'Undocked');
   }
 
   light(name, on) {
@@ -158,6 +163,7 @@ export class TopBar {
   #showVehicle() {
     const { message } = this.telemetry;
     write(byId('dock'), message.released ? 'Dock' : 'Release');
+    byId('undock').hidden = message.released;
     this.#lights.forEach((button, k) => button.setAttribute('aria-pressed', String(this.#isLit(k))));
     write(byId('tilt'), Number.isFinite(message.tilt) ? `${fixed((message.tilt * 180) / Math.PI, 0)}°` : '–');
     if (this.telemetry.stamp_s > this.station.state.time) write(byId('clock'), clockText(this.telemetry.stamp_s, 1));

@@ -67,6 +67,7 @@ export function showKeys(bindings, viewNames) {
           { className: 'row', role: 'group', 'aria-label': 'Preset' },
           ...Object.keys(PRESETS).map(choose),
           bindings.isChanged ? el('span', { className: 'caption' }, 'changed') : null,
+          bindings.addsUp ? el('span', { className: 'caption' }, 'Presses add up until the opposite key.') : null,
         ),
         message,
       ),

@@ -18,7 +18,9 @@ export const DRIVING = {
 export const ALL_STOP = 'stop'; // acts even while a dialog is open
 export const VEHICLE = {
   stop: 'All stop',
+  zero: 'Efforts to zero',
   release: 'Release or dock',
+  undock: 'Undock',
   frontOn: 'Front light on',
   frontOff: 'Front light off',
   downOn: 'Down light on',
@@ -47,6 +49,7 @@ const SHARED = {
   'surge-': ['KeyS'],
   stop: ['KeyX', 'KeyC'],
   release: ['KeyR'],
+  undock: ['KeyY'],
   frontOff: ['BracketLeft'],
   frontOn: ['BracketRight'],
   downOff: ['Semicolon'],
@@ -62,28 +65,28 @@ const SHARED = {
   record: ['KeyG'],
   mute: ['KeyU'],
 };
+// Those of the paper's keyboard node.
+const STANDARD = {
+  ...SHARED,
+  'sway+': ['KeyA'],
+  'sway-': ['KeyD'],
+  'heave+': ['Space'],
+  'heave-': ['KeyB'],
+  'yaw+': ['KeyQ'],
+  'yaw-': ['KeyE'],
+  'pitch+': ['KeyI'],
+  'pitch-': ['KeyK'],
+  'roll-': ['KeyJ'],
+  'roll+': ['KeyL'],
+  camUp: ['ArrowUp'],
+  camDown: ['ArrowDown'],
+  camLeft: ['ArrowLeft'],
+  camRight: ['ArrowRight'],
+};
+// addsUp: each press adds to its axis or subtracts, and the sum lasts; otherwise a key acts while it is held.
 export const PRESETS = {
-  published: {
-    // the keys of the paper's own keyboard node
-    name: 'Published',
-    keys: {
-      ...SHARED,
-      'sway+': ['KeyA'],
-      'sway-': ['KeyD'],
-      'heave+': ['KeyB'],
-      'heave-': ['Space'],
-      'yaw+': ['KeyQ'],
-      'yaw-': ['KeyE'],
-      'pitch+': ['KeyI'],
-      'pitch-': ['KeyK'],
-      'roll-': ['KeyJ'],
-      'roll+': ['KeyL'],
-      camUp: ['ArrowUp'],
-      camDown: ['ArrowDown'],
-      camLeft: ['ArrowLeft'],
-      camRight: ['ArrowRight'],
-    },
-  },
+  standard: { name: 'Standard', keys: STANDARD },
+  published: { name: 'Published', addsUp: true, keys: { ...STANDARD, zero: ['KeyX'], stop: ['KeyC'] } },
   wasd: {
     // as in games: A and D turn
     name: 'WASD',
@@ -137,9 +140,13 @@ export class Bindings {
 
   constructor() {
     const kept = readStored();
-    this.preset = kept.preset in PRESETS ? kept.preset : 'published';
+    this.preset = kept.preset in PRESETS ? kept.preset : 'standard';
     this.changes = kept.changes ?? {};
     this.#index();
+  }
+
+  get addsUp() {
+    return Boolean(PRESETS[this.preset].addsUp);
   }
 
   get isChanged() {

@@ -1,10 +1,13 @@
-// Held keys as efforts, and pressed keys as actions.
+// Held or counted keys as efforts, and pressed keys as actions.
 import { ALL_STOP, DRIVING } from './bindings.js';
 
 const TYPING = 'input, select, textarea, [contenteditable]';
+const axisOf = (action) => action.slice(0, -1);
+const signOf = (action) => (action.endsWith('+') ? 1 : -1);
 
 export class Keys {
   #held = new Map(); // key's code: control action
+  #sums = {}; // axis: sum of its presses, where keys add up
   #bindings;
   #act;
   #changed;
@@ -18,23 +21,25 @@ export class Keys {
   }
 
   get isHeld() {
-    return this.#held.size > 0;
+    return this.#held.size > 0 || Object.values(this.#sums).some(Boolean);
   }
 
   get actions() {
     return new Set(this.#held.values());
   }
 
-  // Release all keys: each must be pressed again.
+  // Release all keys and forget their sums: each must be pressed again.
   drop() {
     const had = this.isHeld;
     this.#held.clear();
+    this.#sums = {};
     if (had) this.#changed();
   }
 
-  // Add the efforts of the held keys to the axes.
+  // Add the efforts of the keys to the axes.
   addTo(axes) {
-    for (const action of this.#held.values()) axes[action.slice(0, -1)] += action.endsWith('+') ? 1 : -1;
+    for (const action of this.#held.values()) axes[axisOf(action)] += signOf(action);
+    for (const [axis, sum] of Object.entries(this.#sums)) axes[axis] += sum;
   }
 
   #down(event) {
@@ -47,11 +52,17 @@ export class Keys {
     event.preventDefault();
     if (event.repeat) return;
     if (action in DRIVING) {
-      this.#held.set(event.code, action);
+      if (this.#bindings.addsUp) this.#add(action);
+      else this.#held.set(event.code, action);
       this.#changed();
     } else {
       this.#act(action, true);
     }
+  }
+
+  #add(action) {
+    const axis = axisOf(action);
+    this.#sums[axis] = Math.max(-1, Math.min(1, (this.#sums[axis] ?? 0) + signOf(action)));
   }
 
   #up(event) {
