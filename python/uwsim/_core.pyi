@@ -2666,6 +2666,11 @@ class Telemetry:
     @property
     def acceleration_m_s2(self) -> float: ...
     @property
+    def angular_acceleration_body_rad_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,)
+        """
+    @property
     def angular_speed_rad_s(self) -> float: ...
     @property
     def battery_percent(self) -> float:
@@ -2683,6 +2688,11 @@ class Telemetry:
         """
     @property
     def distance_to_station_m(self) -> float: ...
+    @property
+    def linear_acceleration_body_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3,), without gravity
+        """
     @property
     def mission_time_s(self) -> float:
         """

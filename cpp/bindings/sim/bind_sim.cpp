@@ -129,6 +129,8 @@ void bind_results(py::module_& m) {
       .field("speed_m_s", &Telemetry::speed_m_s)
       .field("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
       .field("acceleration_m_s2", &Telemetry::acceleration_m_s2)
+      .field("linear_acceleration_body_m_s2", &Telemetry::linear_acceleration_body_m_s2, "(3,), without gravity")
+      .field("angular_acceleration_body_rad_s2", &Telemetry::angular_acceleration_body_rad_s2, "(3,)")
       .field("temperature_deg_c", &Telemetry::temperature_deg_c)
       .field("pressure_pa", &Telemetry::pressure_pa, "absolute")
       .field("depth_m", &Telemetry::depth_m)

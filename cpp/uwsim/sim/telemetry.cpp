@@ -15,7 +15,9 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   t.time_s = time_s();
   t.speed_m_s = state.linear_body_m_s().norm();
   t.angular_speed_rad_s = state.angular_body_rad_s().norm();
-  t.acceleration_m_s2 = (acceleration.head<3>() + state.angular_body_rad_s().cross(state.linear_body_m_s())).norm();
+  t.linear_acceleration_body_m_s2 = acceleration.head<3>() + state.angular_body_rad_s().cross(state.linear_body_m_s());
+  t.acceleration_m_s2 = t.linear_acceleration_body_m_s2.norm();
+  t.angular_acceleration_body_rad_s2 = acceleration.tail<3>();
   t.temperature_deg_c = world_.water.temperature_deg_c(position.z());
   t.pressure_pa = world_.water.pressure_pa(position, time_s());
   t.depth_m = Water::depth_m(position.z());

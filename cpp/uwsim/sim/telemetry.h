@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+
 namespace uwsim {
 
 /// A vehicle's instrument panel, as in the paper.
@@ -7,7 +9,9 @@ struct Telemetry {
   double time_s = 0;
   double speed_m_s = 0;
   double angular_speed_rad_s = 0;
-  double acceleration_m_s2 = 0;  ///< magnitude of the inertial acceleration
+  double acceleration_m_s2 = 0;                                             ///< magnitude of the inertial acceleration
+  Eigen::Vector3d linear_acceleration_body_m_s2 = Eigen::Vector3d::Zero();  ///< the inertial acceleration, body axes
+  Eigen::Vector3d angular_acceleration_body_rad_s2 = Eigen::Vector3d::Zero();
   double temperature_deg_c = 0;
   double pressure_pa = 0;
   double depth_m = 0;

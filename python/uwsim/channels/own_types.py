@@ -44,6 +44,8 @@ uint32 collisions              # since the start
 string failsafe                # active failsafe: hold, surface, return, go_on; empty: none
 string failsafe_cause          # silence, battery, leak, thruster, sensor
 string[] alarms                # failures detected aboard; "all stop" while that is set
+float32[3] linear_acceleration # m/s2, along the body's axes, without gravity
+float32[3] angular_acceleration # rad/s2, about them
 """,
     MAP_CHANGES: """\
 std_msgs/Header header

@@ -48,6 +48,8 @@ def read(sim: Simulator, source: Source, *, truth: bool) -> Any:
         is_truth=truth,
         speed=panel.speed_m_s,
         angular_speed=panel.angular_speed_rad_s,
+        linear_acceleration=panel.linear_acceleration_body_m_s2.astype(np.float32),
+        angular_acceleration=panel.angular_acceleration_body_rad_s2.astype(np.float32),
         temperature=panel.temperature_deg_c,
         pressure=panel.pressure_pa,
         depth=panel.depth_m,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import re
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -72,6 +75,7 @@ class Recording:
         self._require_our_version(said[START])
         self.complete, self.attachments = contents.complete, contents.attachments
         self._channels, self._schemas = contents.channels, contents.schemas
+        self._appended: dict[str, int] = {}
         self._counts, self._chunks = contents.counts, contents.chunks
         try:
             self.start = checked(Start, said[START])
@@ -202,8 +206,10 @@ class Recording:
 
     def _recorded(self, message: Message) -> Recorded:
         channel = self._channels[message.channel_id]
-        kind = self._schemas[channel.schema_id].name
-        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, message.data)
+        kind, data = self._schemas[channel.schema_id].name, message.data
+        if (floats := self._appended.get(kind, 0)) > 0:
+            data = data + bytes(-len(data) % 4) + floats * struct.pack("<f", math.nan)
+        return Recorded(channel.topic.removeprefix("/"), kind, message.time_ns, data)
 
     def _numbers(self, names: Iterable[str]) -> set[int]:
         numbers = {channel.topic.removeprefix("/"): number for number, channel in self._channels.items()}
@@ -215,7 +221,10 @@ class Recording:
             raise ValueError(f"recording '{self.path}': has version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or one of our types with different fields in this version."""
+        """Raise ValueError if a channel has no type, or one of our types with different fields in this version.
+
+        Fields that this version appends are nan in the recording's messages.
+        """
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}' has no type")
@@ -224,11 +233,30 @@ class Recording:
             except ValueError as error:
                 raise ValueError(f"recording '{self.path}': topic '{channel.topic}': {error}") from None
         for found in self._schemas.values():
-            if found.name in OWN_TYPES and _fields(found.data.decode()) != _fields(schema(found.name).text):
+            if found.name not in OWN_TYPES:
+                continue
+            floats = _appended(found.data.decode(), schema(found.name).text)
+            if floats is not None:
+                self._appended[found.name] = floats
+            else:
                 raise ValueError(
                     f"recording '{self.path}': {found.name} has other fields in this version of uwsim than in the "
                     f"build that wrote it, {self.start.build}"
                 )
+
+
+def _appended(recorded: str, ours: str) -> int | None:
+    """Return how many float32 values our definition of a type has after the recorded one; None if others differ.
+
+    In CDR they follow the recorded bytes, at a multiple of four.
+    """
+    (old, *old_parts), (new, *new_parts) = (
+        [_fields(part) for part in re.split("={9,}", text)] for text in (recorded, ours)
+    )
+    added = [re.fullmatch(r"float32\[(\d+)\] \w+", line) for line in new[len(old) :]]
+    if old != new[: len(old)] or old_parts != new_parts or None in added:
+        return None
+    return sum(int(line[1]) for line in added if line)
 
 
 def _fields(text: str) -> list[str]:

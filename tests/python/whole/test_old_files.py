@@ -74,6 +74,16 @@ def test_a_flight_is_resumed(v1: Path) -> None:
     assert flown.simulated_s == pytest.approx(10.0)
 
 
+def test_fields_that_later_builds_append_are_nan_in_a_recording() -> None:
+    recording = Recording(V1 / "live.mcap")
+    told = [each.message for each in recording.messages("telemetry")]
+    assert told
+    for message in told:
+        assert np.isnan([*message.linear_acceleration, *message.angular_acceleration]).all()
+        assert np.isfinite([message.depth, message.speed]).all()
+        assert list(message.alarms) == []
+
+
 @pytest.mark.parametrize("name", ["live.mcap", "survey.mcap"])
 def test_a_recording_is_read_and_replayed(name: str) -> None:
     recording = Recording(V1 / name)

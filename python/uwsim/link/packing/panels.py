@@ -51,7 +51,7 @@ FLOATS = (
 )  # fmt: skip
 """Fields of /telemetry, each with its struct format code and quantum."""
 FLAGS = ("is_truth", "released", "range_warning", "proximity_warning", "collision_warning")
-HEAD = struct.Struct("<q3i3i3H4bBH3B")
+HEAD = struct.Struct("<q3i3i3H4b6hBH3B")
 FIGURES = struct.Struct("<" + "".join(code for _, code, _ in FLOATS))
 DOES = ("", "hold", "surface", "return", "go_on")
 CAUSES = ("", "silence", "battery", "leak", "thruster", "sensor")
@@ -60,17 +60,18 @@ INFINITE = ("distance_to_seabed",)
 
 
 def pack_telemetry(message: Any) -> bytes:
-    """Return about 100 bytes: positions in cm, a quaternion in steps of 1/126, commands to 1 %, and alarms as text."""
+    """Return about 110 bytes: positions in cm, accelerations in mm/s2 and mrad/s2, commands to 1 %, alarms as text."""
     stamp_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
     flags = sum(bool(getattr(message, name)) << bit for bit, name in enumerate(FLAGS))
     lamps = np.asarray(message.lamps, bool)
     places = [quantised(x, 0.01, "i") for x in (*message.position, *message.true_position)]
     places += [quantised(x, 0.01, "H") for x in message.position_std]
     turn = [quantised(x, 1 / 126, "b") for x in message.orientation]
+    pushed = [quantised(x, 0.001, "h") for x in (*message.linear_acceleration, *message.angular_acceleration)]
     commands = [quantised(x, 0.01, "b") for x in (*message.efforts, *message.thrusters)]
     return (
-        HEAD.pack(stamp_ns, *places, *turn, flags, min(message.collisions, 65535), len(lamps), len(message.efforts),
-                  len(message.thrusters))
+        HEAD.pack(stamp_ns, *places, *turn, *pushed, flags, min(message.collisions, 65535), len(lamps),
+                  len(message.efforts), len(message.thrusters))
         + FIGURES.pack(*(quantised(float(getattr(message, name)), quantum, code) for name, code, quantum in FLOATS))
         + np.packbits(lamps).tobytes()
         + struct.pack(f"<{len(commands)}b", *commands)
@@ -82,7 +83,8 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
     """Return the telemetry message."""
     stamp_ns, *rest, flags, collisions, lamps, efforts, thrusters = HEAD.unpack_from(data)
     places, stds = [value_of(x, 0.01, "i") for x in rest[:6]], [value_of(x, 0.01, "H") for x in rest[6:9]]
-    turn = np.array([value_of(x, 1 / 126, "b") for x in rest[9:]])
+    turn = np.array([value_of(x, 1 / 126, "b") for x in rest[9:13]])
+    pushed = np.array([value_of(x, 0.001, "h") for x in rest[13:]], np.float32)
     figures = {
         name: value_of(whole, quantum, code, math.inf if name in INFINITE else math.nan)
         for (name, code, quantum), whole in zip(FLOATS, FIGURES.unpack_from(data, HEAD.size), strict=True)
@@ -97,6 +99,8 @@ def unpack_telemetry(data: bytes, channel: Channel) -> Any:
         position_std=np.array(stds, np.float32),
         true_position=np.array(places[3:]),
         orientation=(turn / (np.linalg.norm(turn) or 1.0)).astype(np.float32),
+        linear_acceleration=pushed[:3],
+        angular_acceleration=pushed[3:],
         efforts=commands[:efforts],
         thrusters=commands[efforts:],
         lamps=lit,

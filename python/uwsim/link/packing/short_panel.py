@@ -55,6 +55,8 @@ def unpack(data: bytes, channel: Channel) -> Any:
         position=np.array([_from_three(position[k : k + 3]) for k in (0, 3, 6)]),
         position_std=unknown.astype(np.float32),
         true_position=unknown,
+        linear_acceleration=unknown.astype(np.float32),
+        angular_acceleration=unknown.astype(np.float32),
         orientation=turn.astype(np.float32),
         lamps=np.array([bool(lamps >> bit & 1) for bit in range(count)]),
         alarms=[ALL_STOPPED] if flags >> len(FLAGS) & 1 else [],

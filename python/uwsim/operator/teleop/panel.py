@@ -17,6 +17,8 @@ def figures(readout: Readout) -> Text:
     """Return the values, two per line."""
     pairs = [
         ("speed", f"{_figure(readout.speed_m_s, 2)} m/s"), ("turn", f"{_figure(readout.turn_deg_s, 0)} °/s"),
+        ("accel.", f"{_figure(math.hypot(*readout.acceleration_m_s2), 2)} m/s²"),
+        ("turning", f"{_figure(math.hypot(*readout.angular_acceleration_deg_s2), 0)} °/s²"),
         ("depth", f"{_figure(readout.depth_m, 1)} m"), ("above bed", f"{_figure(readout.seabed_m, 1)} m"),
         ("station", f"{_figure(readout.station_m, 0)} m"), ("to port", f"{_figure(readout.port_m, 1)} m"),
         ("roll", f"{_figure(readout.roll_deg, 0)}°"), ("pitch", f"{_figure(readout.pitch_deg, 0)}°"),

@@ -35,6 +35,8 @@ class Readout:
     pitch_deg: float = NAN
     speed_m_s: float = NAN
     turn_deg_s: float = NAN
+    acceleration_m_s2: tuple[float, ...] = (NAN, NAN, NAN)
+    angular_acceleration_deg_s2: tuple[float, ...] = (NAN, NAN, NAN)
     temperature_deg_c: float = NAN
     pressure_kpa: float = NAN
     depth_m: float = NAN
@@ -67,6 +69,8 @@ def take_telemetry(readout: Readout, message: Any) -> None:
     _take_attitude(readout, message.orientation)
     readout.speed_m_s = message.speed
     readout.turn_deg_s = math.degrees(message.angular_speed)
+    readout.acceleration_m_s2 = tuple(map(float, message.linear_acceleration))
+    readout.angular_acceleration_deg_s2 = tuple(map(math.degrees, message.angular_acceleration))
     readout.temperature_deg_c = message.temperature
     readout.pressure_kpa = 1e-3 * message.pressure
     readout.depth_m = message.depth

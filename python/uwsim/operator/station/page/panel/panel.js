@@ -12,7 +12,11 @@ const EMPTY_PERCENT = 10;
 const EFFORTS = ['Surge', 'Sway', 'Heave', 'Roll', 'Pitch', 'Yaw'];
 const RANGE = (value, digits = 1) => (value === Infinity ? 'none' : fixed(value, digits));
 
-// Each value: name, unit, and how it follows from the telemetry m.
+const DEG = 180 / Math.PI;
+// "1.20 ahead, -0.10 to port, 0.00 up": a vector along the body's axes.
+const components = (vector, names) => names.map((name, k) => `${fixed(vector[k], 2)} ${name}`).join(', ');
+
+// Each value: name, unit, how it follows from the telemetry m, and possibly the text shown when it is pointed at.
 const BIG = [
   ['Depth', 'm', (m) => fixed(m.depth, 1)],
   ['Altitude', 'm', (m) => RANGE(m.distance_to_seabed)],
@@ -20,7 +24,19 @@ const BIG = [
 ];
 const MOTION = [
   ['Speed', 'm/s', (m) => fixed(m.speed, 2)],
-  ['Turning', '°/s', (m) => fixed((m.angular_speed * 180) / Math.PI, 1)],
+  ['Turning', '°/s', (m) => fixed(DEG * m.angular_speed, 1)],
+  [
+    'Accel.',
+    'm/s²',
+    (m) => fixed(Math.hypot(...m.linear_acceleration), 2),
+    (m) => components(m.linear_acceleration, ['ahead', 'to port', 'up']),
+  ],
+  [
+    'Angular accel.',
+    '°/s²',
+    (m) => fixed(DEG * Math.hypot(...m.angular_acceleration), 1),
+    (m) => components([...m.angular_acceleration].map((value) => DEG * value), ['roll', 'pitch', 'yaw']),
+  ],
   ['Roll', '', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
   ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
 ];
@@ -52,7 +68,7 @@ function sided(value, positive, negative) {
 }
 
 export class Panel {
-  #values = []; // { write(m) }
+  #values = []; // [element, text of m, tip of m]
   alarms = new Alarms();
   thrusters = new Bars();
   efforts = new Bars();
@@ -139,7 +155,10 @@ export class Panel {
       !message ? 'waiting' : !this.station.connected ? 'not connected' : lag_s > 1 ? `${fixed(lag_s, 1)} s old` : '',
     );
     if (!message) return;
-    for (const [element, read] of this.#values) write(element, read(message));
+    for (const [element, read, tip] of this.#values) {
+      write(element, read(message));
+      if (tip) element.title = tip(message);
+    }
     write(this.kind, estimateText(message));
     this.thrusters.show(this.hasThrusters ? message.thrusters : message.efforts);
     const percent = Math.max(0, Math.min(100, message.battery));
@@ -156,9 +175,9 @@ export class Panel {
 
   #list(rows, className = 'values') {
     const list = el('dl', { className });
-    for (const [name, unit, read] of rows) {
+    for (const [name, unit, read, tip] of rows) {
       const value = el('span', {}, '–');
-      this.#values.push([value, read]);
+      this.#values.push([value, read, tip]);
       const parts = [el('dt', {}, name), el('dd', {}, value, unit ? el('span', { className: 'unit' }, unit) : null)];
       list.append(el('div', {}, ...parts));
     }

@@ -79,6 +79,8 @@ export const SERVICES = ['release', 'undock', 'dock', 'override_failsafe'];
  * @property {string} failsafe
  * @property {string} failsafe_cause
  * @property {string[]} alarms
+ * @property {ArrayLike<number>} linear_acceleration
+ * @property {ArrayLike<number>} angular_acceleration
  */
 
 /** @typedef {object} MapChanges
