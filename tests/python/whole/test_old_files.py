@@ -76,9 +76,9 @@ def test_a_flight_is_resumed(v1: Path) -> None:
 
 def test_fields_that_later_builds_append_are_nan_in_a_recording() -> None:
     recording = Recording(V1 / "live.mcap")
-    told = [each.message for each in recording.messages("telemetry")]
-    assert told
-    for message in told:
+    messages = [each.message for each in recording.messages("telemetry")]
+    assert messages
+    for message in messages:
         assert np.isnan([*message.linear_acceleration, *message.angular_acceleration]).all()
         assert np.isfinite([message.depth, message.speed]).all()
         assert list(message.alarms) == []

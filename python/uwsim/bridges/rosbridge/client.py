@@ -3,8 +3,8 @@
 It advertises topics and services and subscribes to command topics, and repeats this after each reconnection. While
 connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
 simulator's thread never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the
-server closes the connection because a message was too large, messages of that size or larger are no longer sent. Reports of the server,
-such as on messages that it refuses, are logged.
+server closes the connection because a message was too large, messages of that size or larger are no longer sent. The
+server's reports, such as those about refused messages, are logged.
 """
 
 from __future__ import annotations
