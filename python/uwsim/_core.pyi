@@ -862,6 +862,13 @@ class CraftParameters:
         self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]
     ) -> None: ...
     @property
+    def crossflow_length_m(self) -> float:
+        """
+        Along x, over which the drag in sway and heave is spread; 0: at the origin.
+        """
+    @crossflow_length_m.setter
+    def crossflow_length_m(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
     def inertia_kg_m2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
         """
         (3, 3), about the centre of mass
@@ -879,6 +886,13 @@ class CraftParameters:
     def mass_kg(self) -> float: ...
     @mass_kg.setter
     def mass_kg(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def munk_share(self) -> float:
+        """
+        Of the Munk moment; 1 in an ideal fluid.
+        """
+    @munk_share.setter
+    def munk_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
     @property
     def quadratic_damping(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 6]"]:
         """

@@ -87,11 +87,29 @@ void CraftParameters::check() const {
   }
   require(added_mass.isApprox(added_mass.transpose(), 1e-9) || added_mass.isZero(), "vehicle.added_mass", "asymmetric",
           "must be symmetric");
+  require(munk_share >= 0 && munk_share <= 1, "vehicle.munk_share", munk_share, "must be in [0, 1]");
+  require(std::isfinite(crossflow_length_m) && crossflow_length_m >= 0, "vehicle.crossflow_length_m",
+          crossflow_length_m, "must be 0 or positive");
+  for (const int i : {1, 2, 4, 5}) {
+    const double own = quadratic_damping(i, i);
+    const bool is_alone =
+        quadratic_damping.row(i).cwiseAbs().sum() == own && quadratic_damping.col(i).cwiseAbs().sum() == own;
+    require(crossflow_length_m == 0 || is_alone, "vehicle.crossflow_length_m", crossflow_length_m,
+            "must be 0 where quadratic_damping has cross terms of sway, heave, pitch or yaw");
+  }
   require(buoyancy_share.empty() || (std::isfinite(buoyancy_share_step_m) && buoyancy_share_step_m > 0),
           "vehicle.buoyancy_share_step_m", buoyancy_share_step_m, "must be positive");
   for (const double share : buoyancy_share) {
     require(share >= 0 && share <= 2, "vehicle.buoyancy_share", share, "must be in [0, 2]");
   }
+}
+
+CrossflowDrag CraftParameters::crossflow_in_heave() const {
+  return {quadratic_damping(2, 2), quadratic_damping(4, 4), crossflow_length_m};
+}
+
+CrossflowDrag CraftParameters::crossflow_in_sway() const {
+  return {quadratic_damping(1, 1), quadratic_damping(5, 5), crossflow_length_m};
 }
 
 double CraftParameters::buoyancy_share_at(double depth_m) const {
@@ -110,6 +128,19 @@ Craft::Craft(CraftParameters parameters, std::shared_ptr<const BuoyantHull> hull
   parameters_.check();
   require_inside_box(parameters_.centre_of_mass_body_m, hull_->mesh_body());
   rigid_mass_ = rigid_body_mass(parameters_);
+  coriolis_added_mass_ = parameters_.added_mass;
+  const Eigen::Matrix3d isotropic =
+      coriolis_added_mass_.topLeftCorner<3, 3>().trace() / 3 * Eigen::Matrix3d::Identity();
+  coriolis_added_mass_.topLeftCorner<3, 3>() *= parameters_.munk_share;
+  coriolis_added_mass_.topLeftCorner<3, 3>() += (1 - parameters_.munk_share) * isotropic;
+  point_damping_ = parameters_.quadratic_damping;
+  if (parameters_.crossflow_length_m > 0) {
+    heave_strips_ = parameters_.crossflow_in_heave();
+    sway_strips_ = parameters_.crossflow_in_sway();
+    point_damping_(1, 1) = point_damping_(2, 2) = 0;
+    point_damping_(4, 4) = std::max(0.0, point_damping_(4, 4) - heave_strips_.turning_drag());
+    point_damping_(5, 5) = std::max(0.0, point_damping_(5, 5) - sway_strips_.turning_drag());
+  }
   inverse_mass_submerged_ = (rigid_mass_ + parameters_.added_mass).llt().solve(Matrix6d::Identity());
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> modes(parameters_.added_mass, rigid_mass_);
   mass_modes_ = modes.eigenvectors();
@@ -139,8 +170,18 @@ Matrix6d Craft::inverse_mass(const Pose& world_from_body, const WaterField& wate
 }
 
 Vector6d Craft::damping_body(const Vector6d& relative_velocity) const {
-  return -(parameters_.linear_damping * relative_velocity +
-           parameters_.quadratic_damping * relative_velocity.cwiseAbs().cwiseProduct(relative_velocity));
+  Vector6d force = -(parameters_.linear_damping * relative_velocity +
+                     point_damping_ * relative_velocity.cwiseAbs().cwiseProduct(relative_velocity));
+  if (parameters_.crossflow_length_m > 0) {
+    // At x a turning hull moves across at w - q x in heave, and at v + r x in sway.
+    const CrossflowDrag::Load heave = heave_strips_.load(relative_velocity(2), -relative_velocity(4));
+    const CrossflowDrag::Load sway = sway_strips_.load(relative_velocity(1), relative_velocity(5));
+    force(1) += sway.force;
+    force(2) += heave.force;
+    force(4) -= heave.moment;
+    force(5) += sway.moment;
+  }
+  return force;
 }
 
 Vector6d Craft::acceleration_body(const BodyState& state, const Vector6d& tau_body, const WaterField& water,
@@ -181,7 +222,8 @@ Vector6d Craft::flow_force_body(const Vector6d& velocity, const WaterFlow& flow,
   flow_rate.head<3>() = current_rate + wave_rate - velocity.tail<3>().cross(flow_body);
 
   const Matrix6d& added = parameters_.added_mass;
-  Vector6d force = submerged * (damping_body(relative) - coriolis(added * relative, relative) + added * flow_rate);
+  Vector6d force =
+      submerged * (damping_body(relative) - coriolis(coriolis_added_mass_ * relative, relative) + added * flow_rate);
   const Eigen::Vector3d pressure_force = density_kg_m3 * buoyancy.volume_m3 * current_rate;
   force.head<3>() += pressure_force;
   force.tail<3>() += buoyancy.centre_body_m.cross(pressure_force);

@@ -45,6 +45,33 @@ TEST(Integrator, ATumblingBodyInInviscidWaterConservesEnergyAndMomentum) {
   EXPECT_NEAR(end.world_from_body.orientation.norm(), 1, 1e-12);
 }
 
+TEST(Integrator, AWakeThatTakesAwayMunkMomentDoesNoWork) {
+  CraftParameters p = neutral_box();
+  p.added_mass(0, 4) = p.added_mass(4, 0) = -30;
+  p.added_mass(1, 2) = p.added_mass(2, 1) = 60;
+  p.munk_share = 0.3;
+  const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+  BodyState state;
+  state.world_from_body.position_m.z() = -500;
+  state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
+  const double energy = craft.kinetic_energy_j(state);
+  const BodyState end = run(craft, state, Vector6d::Zero(), EvenWater{}, 100);
+  EXPECT_NEAR(craft.kinetic_energy_j(end), energy, 1e-6 * energy);
+}
+
+TEST(Integrator, ASphereInAStraightLineDoesNotKnowItsMunkShare) {
+  CraftParameters p = neutral_box();
+  p.added_mass.diagonal() << 500, 500, 500, 20, 20, 20;
+  const auto end_with = [&](double share) {
+    p.munk_share = share;
+    BodyState state;
+    state.world_from_body.position_m.z() = -500;
+    state.velocity_body << 0.5, -0.2, 0.1, 1.2, 0.9, -1.0;
+    return run(Craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6))), state, Vector6d::Zero(), EvenWater{}, 10);
+  };
+  EXPECT_LT((end_with(0).world_from_body.position_m - end_with(1).world_from_body.position_m).norm(), 1e-9);
+}
+
 TEST(Integrator, AtTerminalSpeedDragEqualsThrust) {
   CraftParameters p = neutral_box();
   p.added_mass.diagonal().setConstant(300);  // equal along all axes, so that there is no Munk moment

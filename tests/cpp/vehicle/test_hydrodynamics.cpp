@@ -96,6 +96,83 @@ TEST(Craft, AHalfSubmergedBodyHasHalfItsAddedMassAndDrag) {
   EXPECT_NEAR(craft.acceleration_body(state, tau, EvenWater{}, 0)(2), 0, 1e-9) << "it floats";
 }
 
+TEST(Craft, TheMunkMomentIsTheDifferenceOfTheAddedMassesTimesItsShare) {
+  CraftParameters p = neutral_box();
+  p.added_mass.diagonal() << 100, 300, 900, 20, 50, 40;
+  BodyState state = deep();
+  state.velocity_body.head<3>() << 1.0, 0.3, -0.2;
+  const Eigen::Vector3d ideal((900 - 300) * 0.3 * -0.2, (100 - 900) * -0.2 * 1.0, (300 - 100) * 1.0 * 0.3);
+  for (const double share : {0.0, 0.4, 1.0}) {
+    p.munk_share = share;
+    const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+    const Vector6d a = craft.acceleration_body(state, Vector6d::Zero(), EvenWater{}, 0);
+    const Eigen::Vector3d moment = (p.inertia_kg_m2 + p.added_mass.bottomRightCorner<3, 3>()) * a.tail<3>();
+    EXPECT_LT((moment + share * ideal).norm(), 1e-9) << share;
+    EXPECT_LT(a.head<3>().norm(), 1e-12) << "d'Alembert: no force";
+  }
+}
+
+TEST(Craft, StripsKeepTheDragOfPureMotionAndCoupleTheRest) {
+  CraftParameters p = neutral_box();
+  p.quadratic_damping.diagonal() << 100, 200, 400, 10, 20, 30;
+  const auto wrench = [&](const Vector6d& velocity) -> Vector6d {
+    const Craft craft(p, BuoyantHull(testing::box(1.2, 0.8, 0.6)));
+    BodyState state = deep();
+    state.velocity_body = velocity;
+    Vector6d mass;
+    mass << Eigen::Vector3d::Constant(p.mass_kg), p.inertia_kg_m2.diagonal();
+    Vector6d f = mass.cwiseProduct(craft.acceleration_body(state, Vector6d::Zero(), EvenWater{}, 0));
+    f.head<3>() += p.mass_kg * Eigen::Vector3d(velocity.tail<3>()).cross(Eigen::Vector3d(velocity.head<3>()));
+    return f;
+  };
+  for (int axis = 0; axis < 6; ++axis) {
+    const Vector6d velocity = 0.7 * Vector6d::Unit(axis);
+    p.crossflow_length_m = 0;
+    const Vector6d whole = wrench(velocity);
+    p.crossflow_length_m = 1.2;
+    EXPECT_LT((wrench(velocity) - whole).norm(), 1e-9) << axis;
+  }
+
+  // Yaw: strips of 1.2 m have 200 x 1.2^3 / 32 = 10.8 of the 30 N m s^2. Pitch: 400 x 1.2^3 / 32 = 21.6 exceeds 20.
+  const double yaw_m = 1.2, pitch_m = std::cbrt(32 * 20.0 / 400);
+  const auto strips = [](double drag, double length, double across, double turn) {
+    double force = 0, moment = 0;
+    constexpr int kStrips = 20'000;
+    for (int k = 0; k < kStrips; ++k) {
+      const double x = length * ((k + 0.5) / kStrips - 0.5), v = across + turn * x;
+      force -= drag / kStrips * v * std::abs(v);
+      moment -= drag / kStrips * x * v * std::abs(v);
+    }
+    return Eigen::Vector2d(force, moment);
+  };
+  for (const double turn : {-3.0, -0.4, 0.2, 2.5}) {
+    for (const double across : {-0.5, 0.0, 0.3}) {
+      Vector6d velocity = Vector6d::Zero();
+      velocity(1) = across;
+      velocity(5) = turn;
+      const Eigen::Vector2d yaw = strips(200, yaw_m, across, turn);
+      EXPECT_NEAR(wrench(velocity)(1), yaw(0), 1e-5);
+      EXPECT_NEAR(wrench(velocity)(5), yaw(1) - (30 - 10.8) * turn * std::abs(turn), 1e-5);
+      velocity.setZero();
+      velocity(2) = across;
+      velocity(4) = turn;
+      const Eigen::Vector2d pitch = strips(400, pitch_m, across, -turn);
+      EXPECT_NEAR(wrench(velocity)(2), pitch(0), 1e-5);
+      EXPECT_NEAR(wrench(velocity)(4), -pitch(1), 1e-5);
+    }
+  }
+}
+
+TEST(Craft, StripsOnlyDissipate) {
+  const CrossflowDrag strips(400, 20, 1.2);
+  for (double across = -1; across <= 1; across += 0.05) {
+    for (double turn = -3; turn <= 3; turn += 0.05) {
+      const CrossflowDrag::Load load = strips.load(across, turn);
+      EXPECT_LE(across * load.force + turn * load.moment, 0) << across << " " << turn;
+    }
+  }
+}
+
 TEST(Craft, InvalidCoefficientsAreRefused) {
   CraftParameters p = neutral_box();
   p.mass_kg = -1;
@@ -114,6 +191,15 @@ TEST(Craft, InvalidCoefficientsAreRefused) {
   EXPECT_THROW(p.check(), InvalidValue);
   p = neutral_box();
   p.added_mass(0, 1) = 3;
+  EXPECT_THROW(p.check(), InvalidValue);
+  p = neutral_box();
+  p.munk_share = 1.1;
+  EXPECT_THROW(p.check(), InvalidValue);
+  p = neutral_box();
+  p.quadratic_damping.diagonal().setConstant(10);
+  p.quadratic_damping(2, 4) = 1;
+  EXPECT_NO_THROW(p.check());
+  p.crossflow_length_m = 1;  // a cross term has no strips
   EXPECT_THROW(p.check(), InvalidValue);
 }
 

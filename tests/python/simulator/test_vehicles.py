@@ -105,7 +105,7 @@ def test_the_terminal_speed_follows_from_drag_and_thrust(tmp_path: Path, name: s
     model = load_vehicle(name)
     assert model.linear_damping is not None and model.quadratic_damping is not None
     linear, quadratic = model.linear_damping[axis], model.quadratic_damping[axis]
-    density = model.mass_kg / model.volume_m3  # neutral, to prevent drift and a turn by the Munk moment
+    density = model.mass_kg / model.volume_m3  # neutral, to prevent drift
     expected = brentq(lambda u: thrust_n(name, axis, u, density) - linear * u - quadratic * u * u, 0, 10)
     sim = open_water(tmp_path, name, density_kg_m3=density)
     sim.rov.place((0, 0, -30), velocity_body=0.9 * expected * np.eye(6)[axis])

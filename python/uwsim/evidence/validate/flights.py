@@ -17,17 +17,20 @@ SAMPLE_S = 0.05
 
 def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Simulator:
     """Return a simulator with a free vehicle in still water of uniform density, far from surface and bed."""
-    return Simulator(
-        Scenario.model_validate(
-            {
-                "name": "validation",
-                "step_s": step_s,
-                "water": {"density_kg_m3": density_kg_m3},
-                "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
-                "station": {"position_m": [0, 0, 0]},
-                "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}}],
-            }
-        )
+    return Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, step_s=step_s))
+
+
+def deep_scenario(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Scenario:
+    """Return the scenario of deep_water."""
+    return Scenario.model_validate(
+        {
+            "name": "validation",
+            "step_s": step_s,
+            "water": {"density_kg_m3": density_kg_m3},
+            "terrain": {"source": "noise", "size_m": [1000, 1000], "spacing_m": 100, "bed_depth_m": BED_DEPTH_M},
+            "station": {"position_m": [0, 0, 0]},
+            "vehicles": [{"name": "body", "model": model, "start": {"position_m": list(START_M)}}],
+        }
     )
 
 

@@ -14,6 +14,8 @@ BLUEROV2_HEAVY = Coefficients(
     linear_damping=(13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
     quadratic_damping=(141.0, 217.0, 190.0, 1.192, 0.470, 1.5),
     centre_of_buoyancy_m=(0.0, 0.0, 0.01),
+    munk_share=0.0,
+    crossflow_length_m=0.457,
     source="von Benzon et al. 2022, J. Mar. Sci. Eng. 10:1898",
 )
 
@@ -32,6 +34,8 @@ BLUEROV2_WU = Coefficients(
     linear_damping=(4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
     quadratic_damping=(18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
     centre_of_buoyancy_m=(0.0, 0.0, 0.02),
+    munk_share=0.0,
+    crossflow_length_m=0.457,
     source="Wu 2018, Flinders University, as used by OsloMet OceanLab; volume of MarineGym; mass assumed",
 )
 
@@ -43,6 +47,8 @@ BLUEROV2_TANK = Coefficients(
     linear_damping=(0.09, 0.26, 0.19, 0.895, 0.287, 4.64),
     quadratic_damping=(34.96, 103.25, 74.23, 0.084, 0.028, 0.43),
     centre_of_buoyancy_m=(0.0, 0.0, 0.02),
+    munk_share=0.0,
+    crossflow_length_m=0.457,
     source="Nan Fernandez-Ayala 2025, bluerov2_dynamics, fossen/parameters.py; centre of buoyancy assumed",
 )
 

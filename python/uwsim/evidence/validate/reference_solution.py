@@ -6,7 +6,9 @@ the body's origin; P and L are the momenta of body and fluid together:
     P' = P x w + F        L' = L x w + P x v + T        (P, L) = (M_RB + M_A) (v, w)        R' = R [w]x
 
 F and T are due to gravity at the centre of mass, buoyancy at the centre of buoyancy, linear and quadratic damping and a
-constant wrench. Integrated by DOP853 (Hairer, Norsett, Wanner 1993), relative tolerance 1e-12.
+constant wrench. In a separated flow a share of the Munk moment is left: the products with P lack (1 - share) of what
+the added mass along each axis has beyond its mean. Integrated by DOP853 (Hairer, Norsett, Wanner 1993), relative
+tolerance 1e-12.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ Array = NDArray[np.float64]
 
 GRAVITY_M_S2 = 9.80665
 TOLERANCE = 1e-12
+SWAY, HEAVE, PITCH, YAW = 1, 2, 4, 5
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class Coefficients:
     quadratic_damping: tuple[float, ...]
     centre_of_mass_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
     centre_of_buoyancy_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    munk_share: float = 1.0
+    crossflow_length_m: float = 0.0
     water_density_kg_m3: float = 1000.0
     source: str = ""
 
@@ -77,6 +82,8 @@ def integrate(
     applied = np.asarray(wrench_body, np.float64)
     weight_n = body.mass_kg * GRAVITY_M_S2
     lift_n = body.water_density_kg_m3 * body.volume_m3 * GRAVITY_M_S2
+    added = np.asarray(body.added_mass[:3])
+    lost = (1.0 - body.munk_share) * (added - added.mean())
     at_mass, at_lift = np.asarray(body.centre_of_mass_m), np.asarray(body.centre_of_buoyancy_m)
 
     def rate(_: float, y: Array) -> Array:
@@ -85,9 +92,11 @@ def integrate(
         v, w = nu[:3], nu[3:]
         up = attitude[2]
         wrench = applied - linear * nu - quadratic * np.abs(nu) * nu
+        if body.crossflow_length_m > 0:
+            wrench += crossflow_wrench(body, nu)
         force = wrench[:3] + (lift_n - weight_n) * up
         torque = wrench[3:] + _cross(at_lift, lift_n * up) - _cross(at_mass, weight_n * up)
-        p, angular = momentum[:3], momentum[3:]
+        p, angular = momentum[:3] - lost * v, momentum[3:]
         return np.concatenate(
             [
                 attitude @ v,
@@ -103,6 +112,27 @@ def integrate(
     )
     y = solution.y.T
     return Flight(times_s, y[:, :3], y[:, 3:12].reshape(-1, 3, 3), y[:, 12:] @ inverse.T)
+
+
+def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
+    """Return what the strips of a hull add to the drag (6,) of its separate axes, by Gauss's rule between their zeros.
+
+    The strips' length is the hull's, or less where their drag in turning would exceed the published one.
+    """
+    wrench = np.zeros(6)
+    for across, turn, sign in ((SWAY, YAW, 1.0), (HEAVE, PITCH, -1.0)):
+        drag, turning = body.quadratic_damping[across], body.quadratic_damping[turn]
+        half_m = min(body.crossflow_length_m / 2.0, np.cbrt(4.0 * turning / drag))
+        speed, rate = nu[across], sign * nu[turn]
+        turns_at = -speed / rate if abs(rate) * half_m > abs(speed) else half_m
+        for low, high in ((-half_m, turns_at), (turns_at, half_m)):
+            x = 0.5 * (low + high) + 0.5 * (high - low) * np.array([-1.0, 1.0]) / np.sqrt(3.0)
+            force = -drag / (2.0 * half_m) * 0.5 * (high - low) * (speed + rate * x) * np.abs(speed + rate * x)
+            wrench[across] += force.sum()
+            wrench[turn] += sign * (x * force).sum()
+        wrench[across] += drag * speed * abs(speed)
+        wrench[turn] += drag * half_m**3 / 4.0 * nu[turn] * abs(nu[turn])
+    return wrench
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -34,6 +34,7 @@ def craft(
     parameters.added_mass = model.matrix("added_mass")
     parameters.linear_damping = model.matrix("linear_damping")
     parameters.quadratic_damping = model.matrix("quadratic_damping")
+    parameters.munk_share, parameters.crossflow_length_m = model.munk_share, model.crossflow_length_m
     if buoyancy_share is not None:
         parameters.buoyancy_share, parameters.buoyancy_share_step_m = buoyancy_share.tolist(), STEP_M
     return _core.Craft(parameters, *vehicle_hull(model))

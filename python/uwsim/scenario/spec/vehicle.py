@@ -78,7 +78,12 @@ class VehicleModel(Model):
     which the mesh is scaled and moved; it must be close to them. collision: collision shape: the convex hull, the
     bounding box, or convex pieces. collision_pieces: the file with the pieces, which `uwsim decompose` makes from the
     mesh. linear_damping, quadratic_damping: force or torque that opposes v and v|v|. added_mass: mass of the water that
-    moves with the hull; zero by default. inertia_kg_m2: principal moments about the centre of mass along the body axes.
+    moves with the hull; zero by default. munk_share: how much of the Munk moment, which added_mass implies in an ideal
+    fluid, is left where the flow separates: 1 for a streamlined hull, near 0 for a sharp-edged open frame.
+    crossflow_length_m: length along x over which the quadratic drag of sway and heave is spread evenly in strips, each
+    with its own speed, so that they couple with yaw and pitch; pure motion along or about an axis keeps its published
+    drag, and therefore strips end sooner where the published drag in yaw or pitch is smaller than theirs. 0, the
+    default: the drag acts at the origin. inertia_kg_m2: principal moments about the centre of mass along the body axes.
     max_force_n, max_torque_nm: force and torque at full effort along and about x, y, z, for a vehicle without
     thrusters. control: gains and limits of a Controller's loops. thrusters, fins, sensors, cameras, lamps,
     imaging_sonars: by name. sonar: the multibeam's mount, if it has one. friction: Coulomb's coefficient; for two
@@ -115,6 +120,8 @@ class VehicleModel(Model):
         tuple[AlongQuadratic, AlongQuadratic, AlongQuadratic, AboutQuadratic, AboutQuadratic, AboutQuadratic] | None
     ) = None
     quadratic_damping_matrix: Matrix | None = None
+    munk_share: Annotated[float, InRange(0, 1)] = 1.0
+    crossflow_length_m: Annotated[float, InRange(0, 500, "m")] = 0.0
 
     max_force_n: tuple[Force, Force, Force] | None = None
     max_torque_nm: tuple[Torque, Torque, Torque] | None = None
