@@ -48,10 +48,10 @@ struct CraftParameters {
 /// equations (3.46), and the restoring forces g are gravity and the water's pressure on the hull, including waves
 /// (BuoyantHull). The drag in sway and in heave may be spread along the hull (CrossflowDrag).
 ///
-/// The Munk moment v x A v (1924, NACA Report 184), where A is the translational part of M_A, is that of an ideal fluid,
-/// which closes behind the body. Where the flow separates, the stern loses its part (Hopkins 1951, NACA RM A51C14), and
-/// behind a sharp-edged frame so does the bow. C_A therefore has s A + (1 - s) tr(A)/3 in place of A, with s =
-/// munk_share: only the deviator of A turns the body. C_A remains skew-symmetric, so that it does no work at any s;
+/// The Munk moment v x A v (1924, NACA Report 184), where A is the translational part of M_A, is that of an ideal
+/// fluid, which closes behind the body. Where the flow separates, the stern loses its part (Hopkins 1951, NACA RM
+/// A51C14), and behind a sharp-edged frame so does the bow. C_A therefore has s A + (1 - s) tr(A)/3 in place of A, with
+/// s = munk_share: only the deviator of A turns the body. C_A remains skew-symmetric, so that it does no work at any s;
 /// with s < 1 the wake carries momentum away. Fossen leaves such entries out in the same pairs (PythonVehicleSimulator,
 /// remus100.py).
 ///
