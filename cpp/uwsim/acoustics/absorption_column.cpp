@@ -60,7 +60,7 @@ double AbsorptionColumn::mean_db_m(double from_depth_m, double to_depth_m) const
 
 double AbsorptionColumn::mean_db_m(double from_depth_m, double down_to_from_db, double to_depth_m) const {
   const double down_m = to_depth_m - from_depth_m;
-  // On a nearly level path, the difference of the integrals would lose precision.
+  // On a nearly level path, subtracting the two integrals would lose precision.
   if (std::abs(down_m) < 0.01 * above_.spacing_m) return at_db_m(0.5 * (from_depth_m + to_depth_m));
   return (down_to_db(to_depth_m) - down_to_from_db) / down_m;
 }

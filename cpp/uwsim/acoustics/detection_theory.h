@@ -4,9 +4,8 @@
 ///
 /// Echoes fluctuate as speckle: an echo is the mean of `looks` independent exponential intensities (Rayleigh
 /// amplitudes), and its number of looks is its extent divided by the range cell. The gamma distribution of this mean is
-/// approximated by Wilson and Hilferty's cube root (1931, Proc. Natl. Acad. Sci. 17:684), with z a standard normal
-/// draw:
-/// mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Intensities are relative to the mean noise.
+/// approximated by the Wilson-Hilferty cube root (1931, Proc. Natl. Acad. Sci. 17:684), where z is a standard normal
+/// draw: mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Intensities are relative to the mean noise.
 namespace uwsim {
 
 /// The number of looks that the detector averages: all looks of the echo, but at most 100 (assumed; without this limit,
@@ -17,12 +16,12 @@ double averaged_looks(double extent_m, double cell_m);
 double speckle_intensity(double looks, double normal_draw);
 
 /// Draws the received intensity, including noise, for an echo of `echo` times the mean noise: noncentral chi-squared
-/// with 2 L degrees of freedom, by Abdel-Aty's cube root (1954, Biometrika 41:538).
+/// with 2 L degrees of freedom, approximated by the Abdel-Aty cube root (1954, Biometrika 41:538).
 double received_intensity(double echo, double looks, double normal_draw);
 
-/// Decides whether there is an echo, with the same false-alarm probability for any number of looks. Averaging reduces
-/// the fluctuations of the noise, so the threshold falls towards the mean noise (noncoherent integration: Marcum 1960,
-/// IRE Trans. Inf. Theory 6:59).
+/// Decides whether there is an echo. The false-alarm probability is the same for any number of looks. Averaging more
+/// looks reduces the fluctuations of the noise, so the threshold approaches the mean noise (noncoherent integration:
+/// Marcum 1960, IRE Trans. Inf. Theory 6:59).
 class DetectionThreshold {
  public:
   /// `detection_threshold_db`: signal-to-noise ratio at which a single look is detected half of the time.
@@ -50,19 +49,20 @@ struct RangeDeviation {
   double total_m() const;
 };
 
-/// The range error of amplitude detection for the centre of an echo of length `extent_m` (its rectangular equivalent)
-/// with L = extent / cell independent looks; `snr`: mean signal-to-noise ratio, as a linear ratio.
+/// The error of amplitude detection in locating the centre of an echo in range. `extent_m` is the echo's length, as
+/// that of an equivalent rectangle; it contains L = extent / cell independent looks. `snr` is the mean signal-to-noise
+/// ratio, as a linear ratio.
 ///
-/// Amplitude detection picks the largest sample: extent / sqrt(12) x (1 + 1/snr). Each look is equally likely to be the
-/// largest, so the detection lies anywhere in the echo: the deviation is that of a uniform distribution, widened by
-/// noise. Derived here; Lurton and Augustin's 2010 quality factor (IEEE J. Oceanic Eng. 35:852; only its abstract was
-/// consulted) is also based on an amplitude error that is proportional to the echo's length.
+/// Amplitude detection picks the largest sample, so its deviation is extent / sqrt(12) x (1 + 1/snr): each look is
+/// equally likely to be the largest, so the detected range is uniformly distributed over the echo, and noise widens
+/// this distribution. Derived here; Lurton and Augustin's 2010 quality factor (IEEE J. Oceanic Eng. 35:852; only its
+/// abstract was consulted) is also based on an amplitude error that is proportional to the echo's length.
 RangeDeviation amplitude_range_deviation(double extent_m, double cell_m, double snr);
 /// The range error of phase detection, which finds the zero crossing of the phase difference between the two halves of
 /// the array by fitting a line over L looks: extent / (0.886 pi) x sigma / sqrt(L), where each look's phase error is
 /// sigma^2 = 1/snr + 1/(2 snr^2) + floor^2. The phase changes by 0.886 pi over the beam's -3 dB width (halves of a line
-/// array). The floor of 0.3 rad is assumed; it represents speckle, the decorrelation between the halves due to the
-/// footprint's extent.
+/// array). The floor of 0.3 rad is assumed; it represents speckle, which decorrelates the two halves because the
+/// footprint has an extent.
 RangeDeviation phase_range_deviation(double extent_m, double cell_m, double snr);
 
 }  // namespace uwsim

@@ -7,8 +7,8 @@ namespace uwsim {
 /// re 1 uPa within the receiver's band.
 struct SonarFigures {
   double frequency_hz = 400e3;
-  double beam_width_along_rad = 0.007;  ///< -3 dB, one way: the transmitter's width, across the fan's plane
-  /// -3 dB, one way: the width of an unsteered receiving beam, within the fan's plane
+  double beam_width_along_rad = 0.007;  ///< -3 dB, one way: width of the transmitted beam, across the fan's plane
+  /// -3 dB, one way: width of an unsteered receiving beam, within the fan's plane
   double beam_width_across_rad = 0.012;
   double pulse_length_s = 1e-4;
   double bandwidth_hz = 1e4;  ///< bandwidth of the pulse, which is compressed to 1 / bandwidth
@@ -21,12 +21,12 @@ struct SonarFigures {
   void check() const;
   /// 10 log10 (bandwidth x pulse length), the gain from compressing a long pulse.
   double processing_gain_db() const;
-  /// SL + PG + DI - NL, the signal-to-noise ratio of a lossless echo [dB].
+  /// The signal-to-noise ratio of an echo without any losses, SL + PG + DI - NL [dB].
   double figure_db() const;
   /// Range resolution of the compressed pulse, c / (2 B) [m].
   double range_cell_m(double sound_speed_m_s) const;
-  /// Equivalent solid angle of the two-way beam: the integral of the product of both patterns, assumed Gaussian,
-  /// pi / (4 ln 2) x both widths [sr].
+  /// Equivalent solid angle of the two-way beam [sr]: the integral of the product of the two patterns. Both are assumed
+  /// Gaussian, so this is pi / (4 ln 2) x the product of their widths.
   double beam_solid_angle_sr() const;
 };
 
@@ -49,9 +49,10 @@ struct BottomPlace {
 };
 
 /// The extent in range of a plane bottom's echo [m], due to the range cell, the relief and the slope of the footprint.
-/// Relief contributes relief x width of the footprint x cos i, with the geometric mean of both widths, R sqrt(along x
-/// across) (derived: relief of a given slope is proportional to the footprint). Incidence i, within the fan's plane,
-/// contributes sqrt(pi / (4 ln 2)) x width across x R tan i, the width of a rectangle as high as the Gaussian.
+/// The relief contributes relief x width of the footprint x cos i, where the width is the geometric mean R sqrt(along x
+/// across) (derived: the height of relief of a given slope is proportional to the footprint's width). The incidence i
+/// within the fan's plane contributes sqrt(pi / (4 ln 2)) x width across x R tan i, the width of a rectangle that has
+/// the same height and area as the Gaussian.
 double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                      double sound_speed_m_s);
 

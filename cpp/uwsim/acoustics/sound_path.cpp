@@ -8,7 +8,7 @@
 namespace uwsim {
 namespace {
 
-/// For smaller arguments, a series that is exact to the last digit is used, since casting bent rays spends most of its
+/// Below this argument, a series that is exact to the last digit replaces the function: bent rays spend most of their
 /// time here.
 constexpr double kSmall = 0.02;
 
@@ -127,7 +127,7 @@ SoundState travel(const SoundSpeedProfile& profile, double depth_m, double dip_r
   SoundPath path(profile, depth_m, dip_rad);
   if (depth_m <= 0 && dip_rad <= 0) return path.state();
   for (;;) {
-    // To the end of the layer; limited in length for layers without an end.
+    // The step to the end of the layer. Its length is limited, because the outermost layers have no end.
     const SoundPath::Step whole = path.step(2000 * (time_s - path.state().time_s) + 1);
     if (whole.end.time_s >= time_s || !whole.leaves) return path.ahead(path.length_after(time_s - path.state().time_s));
     if (path.advance(whole)) return path.state();

@@ -36,10 +36,10 @@ class SoundPath {
     SoundState end;
     bool leaves = false;  ///< whether it ends at the layer's boundary or at the surface
   };
-  /// The next step, at most `length_max_m` long; shorter if the layer or the water ends first. An infinite maximum
-  /// requests the whole layer; the step is then infinitely long if the ray never leaves the layer.
+  /// The next step, at most `length_max_m` long; it is shorter if the layer or the water ends first. If the maximum is
+  /// infinite, the step leads to the end of the layer, or is infinitely long if the ray never leaves it.
   Step step(double length_max_m) const;
-  /// Moves to the end of the step. Returns whether that is at the surface, where the path ends.
+  /// Moves to the end of the step. Returns true if the path has reached the surface, where it ends.
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;

@@ -21,15 +21,15 @@ struct SoundLayer {
 class SoundSpeedProfile {
  public:
   /// Throws InvalidValue naming sound_speed_profile unless depths [m] increase and are in [0, 12000], and speeds [m/s],
-  /// one for each depth, are in [1300, 1900]. For comparison, water of -2..40 deg C and 0..45 psu has 1392 to 1777 m/s
-  /// down to 12 km by all equations of uwsim, and less than 1830 m/s under a column of 1300 kg/m3.
+  /// one for each depth, are in [1300, 1900]. For comparison, in water of -2..40 deg C and 0..45 psu, every equation in
+  /// uwsim yields 1392 to 1777 m/s down to 12 km, and less than 1830 m/s under a column of 1300 kg/m3.
   SoundSpeedProfile(std::span<const double> depths_m, std::span<const double> speeds_m_s);
 
   /// A profile with the same speed at all depths.
   static SoundSpeedProfile even(double speed_m_s);
 
   const std::vector<SoundLayer>& layers() const { return layers_; }
-  /// Index of the layer that contains a depth; at a boundary, of the lower layer.
+  /// Index of the layer that contains a depth; at a boundary, the index of the lower layer.
   std::size_t layer_at(double depth_m) const;
   double at(double depth_m) const { return layers_[layer_at(depth_m)].at(depth_m); }
   /// Largest |dc/dz| [1/s]; 0 if all rays are straight.

@@ -18,7 +18,7 @@ double surface_loss_db(double frequency_hz, double sound_speed_m_s, double rms_h
 }
 
 double bottom_loss_db(const FluidBottom& bottom, double grazing_rad) {
-  // alpha [dB per wavelength] = 40 pi log10(e) x the ratio of the imaginary to the real part of the wave number.
+  // alpha [dB per wavelength] is 40 pi log10(e) times the ratio of the wave number's imaginary part to its real part.
   const double lossy = bottom.attenuation_db_wavelength / (40 * std::numbers::pi * std::numbers::log10e);
   const std::complex<double> index = std::complex<double>(1, lossy) / bottom.speed_ratio;
   const double cosine = std::cos(grazing_rad);

@@ -13,8 +13,9 @@ namespace uwsim {
 namespace {
 
 constexpr int kIterations = 100;
-constexpr double kExact = 1e-13;  // relative error of the launch angle of a ray
-constexpr double kLevel = 1e-7;   // flatter legs are treated as this steep, which changes their length by 5e-15
+constexpr double kExact = 1e-13;  // relative error of a ray's launch angle
+// Legs flatter than this are treated as if they had this slope, which changes their length by 5e-15
+constexpr double kLevel = 1e-7;
 
 /// atanh(x) / x
 double atanh_ratio(double x) {
@@ -28,13 +29,14 @@ double per_sinc(double x) {
   return std::abs(x) < 0.02 ? 1 + q / 6 * (1 + q * 7 / 60) : x / std::sin(x);
 }
 
-/// Snell's invariant of a ray, expressed by the sine of its dip where sound is fastest: p = sqrt(1 - sine^2) / fastest.
+/// A ray's Snell invariant, stored as the sine of the ray's dip where the sound speed is greatest: p = sqrt(1 - sine^2)
+/// / fastest.
 struct Snell {
   double fastest_m_s;
   double sine;
 
   double p_s_m() const { return std::sqrt((1 - sine) * (1 + sine)) / fastest_m_s; }
-  /// The sine of the dip where the speed is c; exact where the dip vanishes.
+  /// The sine of the dip at the depth where the sound speed is c. It is exact where the ray is level.
   double sine_at(double c) const {
     const double ratio = c / fastest_m_s;
     return std::sqrt(std::max(0.0, sine * sine * ratio * ratio + (1 - ratio) * (1 + ratio)));
@@ -45,7 +47,7 @@ struct LegSum {
   double across_m = 0, time_s = 0, length_m = 0;
 };
 
-/// The leg between two depths along which the ray does not turn; the order of the depths does not matter.
+/// The leg of a ray between two depths, in either order. The ray must not turn between them.
 LegSum leg(const SoundSpeedProfile& profile, double depth_m, double other_m, const Snell& snell, bool all) {
   const auto [top, bottom] = std::minmax(depth_m, other_m);
   const double p = snell.p_s_m();
@@ -126,8 +128,8 @@ Eigenray ray_along(const SoundSpeedProfile& profile, Depths depths, const Snell&
   return ray;
 }
 
-/// Finds the ray whose legs do not turn between their ends; returns whether there is one. The angle atan(rise / across)
-/// is nearly linear in the ray's dip.
+/// Finds the ray with no turning point within its legs; returns whether there is one. The search uses the angle
+/// atan(rise / across), because it is nearly linear in the ray's dip.
 bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, Snell& snell) {
   double rise = 0, low = depths[0], high = depths[0];
   for (std::size_t k = 1; k < depths.size(); ++k) {
@@ -144,7 +146,8 @@ bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, 
   const double least = 0.1 * kLevel;
   const double at_least = error(least);
   if (at_least > 0) return false;  // even the flattest leg does not reach far enough
-  // Bracket the root near the straight line if an initial guess shows on which side of it the root lies.
+  // Bracket the root close to the straight line's dip if an initial guess shows on which side of the guess the root
+  // lies.
   const double guess = std::clamp(std::sin(wanted), 2 * least, 0.999);
   const double at_guess = error(guess);
   double other = at_guess > 0 ? std::max(least, 0.8 * guess) : std::min(1.0, 1.25 * guess);
@@ -157,7 +160,8 @@ bool monotone(const SoundSpeedProfile& profile, Depths depths, double across_m, 
   return true;
 }
 
-/// Finds the direct ray that turns beyond `end_m`, above (sense -1) or below (+1) both ends, before `limit_m`.
+/// Finds the direct ray that turns at a depth between `end_m` and `limit_m`, above (sense -1) or below (sense +1) both
+/// ends.
 bool turning(const SoundSpeedProfile& profile, const RayEnds& ends, int sense, double limit_m, double& turn_m) {
   const double first =
       sense < 0 ? std::min(ends.from_depth_m, ends.to_depth_m) : std::max(ends.from_depth_m, ends.to_depth_m);
@@ -175,8 +179,8 @@ bool turning(const SoundSpeedProfile& profile, const RayEnds& ends, int sense, d
     const double edge = sense < 0 ? std::max(layer.top_m, limit_m) : std::min(layer.bottom_m, limit_m);
     const double edge_speed = layer.at(edge);
     if (edge_speed > fastest) {
-      // The depth at which the layer first exceeds all speeds between the ends, plus a tiny amount, so that the ray can
-      // turn.
+      // The depth at which the layer's sound speed first exceeds every speed between the ends, plus a tiny amount, so
+      // that the ray can turn there.
       double begin = layer.at(here) >= fastest ? here : here + (fastest - layer.at(here)) / layer.gradient_1_s;
       begin += 1e-9 * (edge - begin);
       const double at_begin = error(begin), at_edge = error(edge);
@@ -203,7 +207,8 @@ void check(const RayEnds& ends) {
           "must be in [0, 1e6] m");
 }
 
-/// The same ends, moved apart very slightly in depth if necessary: a level ray in uniform water has no vertical leg.
+/// Returns the same ends, moved apart very slightly in depth if necessary, because a level ray in uniform water has no
+/// legs along which depth changes.
 RayEnds never_level(RayEnds ends) {
   if (std::abs(ends.to_depth_m - ends.from_depth_m) < kLevel * ends.across_m) {
     const double sense = ends.from_depth_m + kLevel * ends.across_m <= ends.bottom_m ? 1 : -1;

@@ -35,11 +35,11 @@ struct RayEnds {
 /// Returns the rays between two points through a layered profile, between a flat surface and a flat bottom: direct
 /// rays, and rays reflected by the surface, by the bottom, or by each of them once. By Snell's law, cos(dip) / c = p,
 /// the horizontal length of a leg that does not turn is the integral of p c / sqrt(1 - p^2 c^2) over depth, which has a
-/// closed form in each layer (as in SoundPath) and is solved for p. If no such leg reaches far enough, a direct ray
-/// turns at the depth where c = 1 / p; if none does, the receiver is in a shadow zone and no direct ray is returned.
-/// High-frequency limit: no diffraction, no focusing. A profile with several extremes may have more rays of one kind:
-/// only the first found on each side is returned. Sorted by travel time. Throws InvalidValue for ends outside the
-/// water.
+/// closed form in each layer (as in SoundPath) and is solved for p. If no such leg reaches far enough, the direct ray
+/// turns at the depth where c = 1 / p. If no turning ray reaches the receiver either, it is in a shadow zone and no
+/// direct ray is returned. High-frequency limit: no diffraction, no focusing. If the profile has several extremes,
+/// there may be several rays of one kind; only the first one found on each side is returned. The rays are sorted by
+/// travel time. Throws InvalidValue for ends outside the water.
 std::vector<Eigenray> eigenrays(const SoundSpeedProfile& profile, const RayEnds& ends, bool with_bounces = true);
 
 /// Returns only the direct ray, or nullopt in a shadow zone. Does not allocate memory.

@@ -6,7 +6,8 @@
 
 namespace uwsim {
 
-/// A cable has only a fixed latency, an ideal link only the sound's travel time; for a modem, all effects are modelled.
+/// A cable has only a fixed latency, and an ideal link has only the sound's travel time. For a modem, all effects are
+/// modelled.
 enum class LinkKind { kCable, kIdeal, kModem };
 
 /// Medium access. ALOHA: a node sends when it has a packet, after a random wait. TDMA: each node sends in its own slot.
@@ -28,16 +29,16 @@ struct ModemSpec {
   Modulation modulation = Modulation::kFsk;
   bool fading = false;
   double coding_gain_db = 0;
-  double multipath_window_s =
-      0.01;                  ///< echoes within it after the first arrival add to the signal, later ones to noise
-  double speed_max_m_s = 5;  ///< closing speed of the ends up to which the receiver tracks the Doppler shift
+  /// Echoes that follow the first arrival within this time add to the signal, later ones to the noise
+  double multipath_window_s = 0.01;
+  double speed_max_m_s = 5;  ///< largest closing speed at which the receiver can track the Doppler shift
 
   MediumAccess access = MediumAccess::kTdma;
   double slot_s = 1;     ///< TDMA: time to send in a slot; a guard time follows
-  double guard_s = 1;    ///< TDMA: travel time over the range that the slots are designed for
+  double guard_s = 1;    ///< TDMA: travel time over the largest range for which the slots are designed
   double backoff_s = 0;  ///< ALOHA: maximum of the uniformly distributed wait before a packet
 
-  std::uint64_t queue_bytes = 4096;  ///< limit of the payload that may wait at a node
+  std::uint64_t queue_bytes = 4096;  ///< largest total payload that may be queued at a node
 
   bool takes_turns() const { return kind == LinkKind::kModem && access == MediumAccess::kTdma; }
   /// Duration of a packet with this many bytes of payload [s].

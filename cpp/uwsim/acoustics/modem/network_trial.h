@@ -6,8 +6,8 @@
 
 namespace uwsim {
 
-/// A network under random load, for testing its laws. Each node except node 0 sends single-packet messages to node 0 as
-/// a Poisson process. All packets are received at the same level.
+/// A network under random load, for comparing its throughput with theory. Every node except node 0 sends single-packet
+/// messages to node 0 as a Poisson process. All packets are received at the same level.
 struct NetworkTrial {
   ModemSpec modem;
   std::size_t nodes = 2;
@@ -19,8 +19,8 @@ struct NetworkTrial {
   double step_s = 0.005;
 };
 
-/// Runs the trial and returns the sum of all nodes' counts. Time advances in steps of step_s, in which a node submits
-/// at most one message, so the trial is valid for rates well below 1 / step_s. Throws InvalidValue.
+/// Runs the trial and returns the sum of all nodes' counts. Time advances in steps of step_s, and a node submits at
+/// most one message per step, so the trial is valid only for rates well below 1 / step_s. Throws InvalidValue.
 TopicCounts run_trial(const NetworkTrial& trial);
 
 }  // namespace uwsim

@@ -82,7 +82,7 @@ bool PacketNetwork::more_to_come(const Flight& flight) const {
                      [&](const auto& other) { return other.message.number == number && other.packet > flight.packet; });
 }
 
-/// A message that has been sent and will not be repeated is lost if no copy of it is still in flight.
+/// Called when the remaining repeats of a message are dropped: the message is lost if no copy of it is still in flight.
 void PacketNetwork::drop_repeat(std::size_t from, const LinkMessage& message) {
   const bool on_its_way = std::any_of(flights_.begin(), flights_.end(),
                                       [&](const Flight& flight) { return flight.message.number == message.number; });
@@ -188,9 +188,9 @@ void PacketNetwork::finish(const Flight& flight, Loss loss) {
   if (deliveries_.size() > kDeliveriesKept) deliveries_.pop_front();
 }
 
-/// Discards sounds that cannot overlap any flight that has yet to arrive.
+/// Discards sounds that cannot overlap any packet still in flight.
 void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
-  first_start_ns_.assign(nodes_.size(), kNever);  // of the flights that have yet to arrive at each node
+  first_start_ns_.assign(nodes_.size(), kNever);  // for each node, the earliest start of a packet still in flight to it
   for (const Flight& flight : flights_) {
     first_start_ns_[flight.at] = std::min(first_start_ns_[flight.at], flight.starts_ns);
   }
@@ -198,7 +198,7 @@ void PacketNetwork::forget_sounds(std::uint64_t now_ns) {
                 [&](const Sound& old) { return old.ends_ns <= now_ns && first_start_ns_[old.at] >= old.ends_ns; });
 }
 
-/// Discards outages that cannot overlap any packet that has yet to arrive.
+/// Discards outages that cannot overlap any packet still in flight.
 void PacketNetwork::forget_outages(std::uint64_t now_ns) {
   std::uint64_t first_ns = now_ns;
   for (const Flight& flight : flights_) first_ns = std::min(first_ns, flight.starts_ns);

@@ -11,7 +11,7 @@ enum class Modulation { kPsk, kFsk };
 ///   non-coherent binary FSK: exp(-gamma / 2) / 2;        in Rayleigh fading 1 / (2 + gamma)
 double bit_error(Modulation modulation, bool fading, double gamma);
 
-/// Probability that at least one of `bits` bits is wrong, with independent errors: 1 - (1 - Pb)^bits.
+/// Probability that at least one of `bits` bits is wrong if bit errors are independent: 1 - (1 - Pb)^bits.
 double packet_error(double bit_error, double bits);
 
 }  // namespace uwsim

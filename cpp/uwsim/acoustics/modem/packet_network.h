@@ -13,8 +13,8 @@
 
 namespace uwsim {
 
-/// An interval in which packets are lost with some probability, whatever the state of the water; 1 is a blackout. It
-/// affects every packet whose reception overlaps it, including those in flight when it began.
+/// An interval in which packets are lost with a given probability, in addition to losses in the water; a probability of
+/// 1 is a blackout. It affects every packet whose reception overlaps it, including those in flight when it began.
 struct LinkFault {
   double from_s = 0;
   double until_s = 0;
@@ -43,19 +43,19 @@ struct LinkDelivery {
   void exchange_state(StateArchive& archive);
 };
 
-/// Outcomes of the messages that a node submitted on a topic. replaced: by newer ones before they were sent. refused:
-/// because the queue was full. late: the deadline passed before they could be sent. lost: by the reason for which their
-/// first lost packet was lost. Bytes count payloads only.
+/// Counts the outcomes of the messages that a node submitted on a topic. replaced: superseded by newer messages before
+/// they were sent. refused: rejected because the queue was full. late: not sent before their deadline. lost: counted by
+/// the reason their first lost packet was lost. Byte counts include payloads only.
 struct TopicCounts {
   std::uint64_t given = 0, replaced = 0, refused = 0, late = 0, sent = 0, delivered = 0;
   std::uint64_t bytes_sent = 0, bytes_delivered = 0;
   std::array<std::uint64_t, kLossKinds> lost{};
-  double delay_s = 0;  ///< sum over all delivered messages, from submission to arrival
+  double delay_s = 0;  ///< time from submission to arrival, summed over all delivered messages
   TopicCounts& operator+=(const TopicCounts& other);
   void exchange_state(StateArchive& archive);
 };
 
-/// The link quality that one node last observed from another.
+/// The quality of the link from one node to another, as last observed by the receiver.
 struct LinkQuality {
   std::uint64_t packets = 0, packets_lost = 0;
   std::uint64_t heard_ns = 0;                                     ///< when the last message arrived; 0 if none has
@@ -66,8 +66,8 @@ struct LinkQuality {
 /// Nodes that exchange messages over one shared channel, packet by packet, in simulated time. Every node receives every
 /// packet. Nodes are half-duplex: they cannot receive while they send. Packets that overlap at a receiver are noise to
 /// each other. There are no acknowledgements: a message with a lost packet is lost unless it is repeated (`repeats`)
-/// and a repeat arrives; a receiver discards further copies. A message arrives with its last packet. Random draws are
-/// keyed by packet number. Motion during a packet's flight is neglected.
+/// and one of the repeats arrives. Receivers discard duplicates. A message arrives when its last packet does. Random
+/// draws are keyed by packet number. Motion during a packet's flight is neglected.
 class PacketNetwork {
  public:
   PacketNetwork(const ModemSpec& modem, std::size_t nodes, std::vector<LinkFault> faults, std::uint64_t seed,
@@ -78,11 +78,10 @@ class PacketNetwork {
   /// Returns the index of a topic, for send() and counts().
   std::uint64_t topic(const std::string& name);
   const std::vector<std::string>& topics() const { return topics_; }
-  /// Returns the outcomes of the messages that a node submitted on a topic.
+  /// Returns the counts for a topic and the node that submitted the messages.
   const TopicCounts& counts(std::uint64_t topic, std::size_t from) const { return counts_[topic][from]; }
 
-  /// Queues a message from a node at a given time; returns whether there was room. Throws InvalidValue for an unknown
-  /// node.
+  /// Queues a message from a node; returns false if its queue is full. Throws InvalidValue for an unknown node.
   bool send(std::size_t from, LinkMessage message, std::uint64_t now_ns);
   /// Starts sending all packets that may be sent in the step that begins now.
   void transmit(std::uint64_t now_ns, const LinkMedium& medium);
@@ -92,14 +91,14 @@ class PacketNetwork {
   void cut_off(std::size_t node, bool is_cut_off, std::uint64_t now_ns);
   /// The probability that a fault destroys a packet sent between these nodes now.
   double fault_loss(std::size_t from, std::size_t to, std::uint64_t now_ns) const;
-  /// The longest time that a node may have to wait for its own turn, including the turns of the others [s].
+  /// The longest time that a node may have to wait for its turn to send [s].
   double longest_wait_s() const;
   /// A lower bound for the time at which the next message arrives.
   std::uint64_t next_arrival_ns(std::uint64_t now_ns) const;
 
   /// The newest messages that arrived, in order of arrival.
   const std::deque<LinkDelivery>& deliveries() const { return deliveries_; }
-  /// The link quality that node `at` last observed for packets from node `from`.
+  /// The quality of the link from node `from`, as last observed by node `at`.
   const LinkQuality& quality(std::size_t from, std::size_t at) const { return quality_[from * nodes_.size() + at]; }
   std::uint64_t waiting_messages(std::size_t node) const { return nodes_[node].queue.size(); }
   std::uint64_t waiting_bytes(std::size_t node) const { return nodes_[node].queue.bytes(); }
@@ -111,8 +110,8 @@ class PacketNetwork {
  private:
   struct Node {
     PacketQueue queue;
-    std::uint64_t may_send_ns = 0;       // ALOHA: end of the wait
-    bool waits = false;                  // ALOHA: the wait before the next packet has been drawn
+    std::uint64_t may_send_ns = 0;       // ALOHA: end of the random wait
+    bool waits = false;                  // ALOHA: whether the wait before the next packet has been drawn
     std::uint64_t sending_until_ns = 0;  // end of its newest packet
   };
   /// A packet in flight to its addressee.
@@ -132,8 +131,8 @@ class PacketNetwork {
     double level_db = 0;
     void exchange_state(StateArchive& archive);
   };
-  /// A message of which some packets have arrived. fate: the fate of the first lost packet, if any, in its newest copy.
-  /// before: the same for the previous copy. delivered: whether any copy has been delivered.
+  /// A message some of whose packets have arrived. fate: the reason the first lost packet of its newest copy was lost,
+  /// if any was. before: the same for the previous copy. delivered: whether any copy has been delivered.
   struct Partial {
     std::uint64_t number = 0, fate = 0, before = 0;
     bool delivered = false;

@@ -86,8 +86,8 @@ void PacketNetwork::exchange_state(StateArchive& archive) {
   if (archive.restoring()) check();
 }
 
-/// Throws InvalidValue for a state that no network could have saved, where an index, a length or a loop would otherwise
-/// go wrong.
+/// Throws InvalidValue for a state that no network could have saved and that would lead to an invalid index or length,
+/// or to an endless loop.
 void PacketNetwork::check() const {
   std::uint64_t waiting = 0, next_end_ns = ~std::uint64_t{0};
   for (std::size_t from = 0; from < nodes_.size(); ++from) {

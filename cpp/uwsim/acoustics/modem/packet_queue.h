@@ -33,17 +33,18 @@ struct LinkMessage {
 
 inline constexpr std::uint64_t kRepeatsMax = 1000;
 
-/// The messages waiting at a node: the lowest priority number first, then the oldest. The time for each operation grows
-/// at most with the logarithm of their number.
+/// The messages waiting at a node, ordered by priority number (lowest first) and then by age (oldest first). Every
+/// operation takes at most logarithmic time.
 class PacketQueue {
  public:
   enum class Added { kQueued, kReplaced, kRefused };
-  /// Refuses a message that would exceed `bytes_max`. replaced: set to the message that it replaces, if any.
+  /// Adds a message, unless the queue would then exceed `bytes_max`. If the message replaces another one, that one is
+  /// moved to `replaced`.
   Added add(LinkMessage message, std::uint64_t bytes_max, LinkMessage& replaced);
   bool empty() const { return messages_.empty(); }
   std::size_t size() const { return messages_.size(); }
   std::uint64_t bytes() const { return bytes_; }
-  /// Removes messages whose deadline has passed and calls `tell` for each, in order of deadline.
+  /// Removes the messages whose deadlines have passed and calls `tell` for each, in order of their deadlines.
   template <typename Tell>
   void expire(std::uint64_t now_ns, const Tell& tell) {
     while (!deadlines_.empty() && deadlines_.begin()->first <= now_ns) {
@@ -54,10 +55,10 @@ class PacketQueue {
       take(found);
     }
   }
-  /// The message from which to send next; the queue must not be empty.
+  /// The message whose packets are sent next; the queue must not be empty.
   LinkMessage& front() { return messages_.begin()->second; }
   LinkMessage take_front() { return take(messages_.begin()); }
-  /// Returns a copy of the message from which to send next, and requeues that message behind those of equal priority.
+  /// Returns a copy of front(), and moves that message behind all others of the same priority.
   LinkMessage repeat_front();
   bool holds(std::uint64_t number) const { return numbers_.contains(number); }
   /// All messages, in order of submission.
@@ -79,7 +80,7 @@ class PacketQueue {
   Messages::iterator replaced_by(const LinkMessage& message);
 
   Messages messages_;
-  std::set<std::pair<std::uint64_t, Place>> deadlines_;  // of waiting messages, and of some whose sending has begun
+  std::set<std::pair<std::uint64_t, Place>> deadlines_;  // of waiting messages, and of some that are already being sent
   std::set<Place> replaceable_;                          // a few per topic
   std::unordered_set<std::uint64_t> numbers_;
   std::uint64_t bytes_ = 0;

@@ -6,7 +6,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kAudible_db = 20;  // arrivals weaker than the strongest by more than this do not count for the spread
+// Arrivals that are weaker than the strongest by more than this are ignored in the spread
+constexpr double kAudible_db = 20;
 
 double power(double level_db) { return std::pow(10, 0.1 * level_db); }
 double level_db(double power) { return 10 * std::log10(std::max(power, 1e-30)); }

@@ -48,7 +48,8 @@ double path_loss_db(const ModemSpec& modem, const ModemWater& water, const Eigen
 /// Adds arrivals incoherently: those within the window after the first are signal, later ones are noise.
 Reception reception(const ModemSpec& modem, const ModemWater& water, std::span<const HeardPath> paths);
 
-/// The probability of losing a packet at this noise and interference; `interference_db` is the level within the band.
+/// The probability that a packet received in this way is lost. `interference_db` is the level of other packets within
+/// the band.
 double packet_loss(const ModemSpec& modem, const Reception& heard, double interference_db, std::uint64_t bytes);
 
 }  // namespace uwsim
