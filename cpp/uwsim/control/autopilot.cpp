@@ -33,7 +33,7 @@ Vector6d Autopilot::steer(const MotionEstimate& estimate, const Course& course) 
   const double step = gains.height_integral * period_s_ * clip(height_error, 1.0);
   integrals[2] = clip(integrals[2] + step, 0.5);
 
-  // The Munk moment pitches a slender vehicle over: turn the body's z axis back to the world's.
+  // The Munk moment would pitch a slender vehicle over, so this turns the body's z axis back towards the world's.
   effort[3] = -gains.level * up.y() - gains.level_rate * nu[3];
   effort[4] = gains.level * up.x() - gains.level_rate * nu[4];
 

@@ -37,7 +37,8 @@ class Autopilot {
   Vector6d steer(const MotionEstimate& estimate, const Course& course);
 
   AutopilotGains gains;
-  /// Integrals of surge, sway and height, in units of effort: the only state carried from one period to the next.
+  /// Integrals of surge, sway and height, in units of effort. They are the only state carried from one period to the
+  /// next.
   Eigen::Vector3d integrals = Eigen::Vector3d::Zero();
 
  private:

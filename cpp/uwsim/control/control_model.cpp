@@ -29,8 +29,8 @@ ControlModel::ControlModel(std::shared_ptr<const Craft> craft, const ActuatorsSp
   }
 }
 
-/// The torque at full effort. Below a small speed, where fins hardly turn the vehicle, the torque at that speed is
-/// used.
+/// The torque at full effort. At very low speeds, where fins hardly turn the vehicle, the torque at a small minimum
+/// speed is used.
 Vector6d ControlModel::fin_limit(double surge_m_s) const {
   const double speed = std::max(surge_m_s, kSlowest_m_s);
   return 0.5 * water_.density_kg_m3 * speed * speed * fin_torque_.cwiseAbs();
@@ -50,8 +50,8 @@ Vector6d ControlModel::driven_part(const Vector6d& wrench_body) const {
   return part;
 }
 
-/// The largest force along the vehicle that is compatible with the other components is found by bisection; the set of
-/// reachable wrenches is convex.
+/// Bisection finds the largest force along the vehicle that is compatible with the other components; it works because
+/// the set of reachable wrenches is convex.
 Vector6d ControlModel::by_thrusters(const Vector6d& wrench_body, bool across_first) const {
   const Allocation& allocation = actuators_.allocation();
   const Vector6d all = allocation.reachable(wrench_body);

@@ -11,7 +11,8 @@
 namespace uwsim {
 
 /// A controller's model of its vehicle, from the vehicle's file: the equations of motion deep in still water, the
-/// forces of thrusters there, and those of fins at small angles in flow from ahead, about axes that only fins drive.
+/// forces that thrusters produce there, and, for axes that only fins drive, the torques of fins at small angles in flow
+/// from ahead.
 class ControlModel {
  public:
   /// Throws InvalidValue for invalid actuators.
@@ -26,10 +27,10 @@ class ControlModel {
   Vector6d change_body(const Vector6d& wrench_body) const { return inverse_mass_ * wrench_body; }
   /// The wrench with components about axes that no actuator drives set to 0.
   Vector6d driven_part(const Vector6d& wrench_body) const;
-  /// The part of a requested wrench that thrusters, and fins at the given speed ahead, can deliver: without axes that
-  /// they do not drive, and scaled down where it exceeds the thrusters' limits. Torque takes priority over force; both
-  /// keep their direction. With across_first, force across the vehicle takes priority over force along it. Fins reach
-  /// their limits about each axis separately.
+  /// The part of a requested wrench that the thrusters, and the fins at the given forward speed, can deliver:
+  /// components about axes that they do not drive are removed, and the rest is scaled down to the thrusters' limits.
+  /// Torque takes priority over force; both keep their direction. With across_first, force across the vehicle takes
+  /// priority over force along it. Fins reach their limits about each axis separately.
   Vector6d reachable(const Vector6d& wrench_body, double surge_m_s, bool across_first = false) const;
   /// The efforts for a reachable wrench, each in [-1, 1].
   Vector6d effort(const Vector6d& wrench_body, double surge_m_s) const;
@@ -44,7 +45,7 @@ class ControlModel {
   Actuators actuators_;
   EvenWater water_;
   Matrix6d mass_, inverse_mass_;
-  Vector6d fin_torque_;  // about axes that only fins drive, at 1 N/m^2
+  Vector6d fin_torque_;  // of axes that only fins drive, at 1 N/m^2
   std::array<bool, 6> driven_{};
 };
 

@@ -58,7 +58,7 @@ Vector6d MotionController::reach(const MotionEstimate& estimate, const MotionTar
     const double left_m = target.position_world_m[axis] - estimate.position_world_m[axis];
     if (!std::isnan(left_m)) towards[axis] = left_m;
   }
-  // Surge and sway share one gain, weighted by the components of the direction of travel along them.
+  // Surge and sway share one gain: the mean of theirs, weighted by how far the direction of travel lies along each.
   const Eigen::Vector2d level = towards.head<2>();
   const double distance_m = level.norm(), yaw_rad = estimate.yaw_rad();
   const double ahead =
@@ -95,7 +95,7 @@ Vector3d MotionController::turn_towards(const MotionEstimate& estimate, const Mo
        Eigen::AngleAxisd(target.pitch_rad, Vector3d::UnitY()) * Eigen::AngleAxisd(target.roll_rad, Vector3d::UnitX()))
           .toRotationMatrix();
   const Eigen::AngleAxisd left(Eigen::Matrix3d(estimate.world_from_body.transpose() * wanted));
-  double gain = 0;  // of the axes about which the vehicle turns
+  double gain = 0;  // mean over the axes about which the vehicle turns
   for (int axis = 0; axis < 3; ++axis) {
     gain += left.axis()[axis] * left.axis()[axis] * gains_.loops[static_cast<std::size_t>(3 + axis)].position_1_s;
   }
@@ -116,7 +116,7 @@ Vector6d MotionController::track(const MotionEstimate& estimate, const Vector3d&
       limited(Vector3d(velocity_world_m_s - memory.velocity_world_m_s), gains_.acceleration_max_m_s2 * period_s_);
   const Vector3d spin =
       limited(Vector3d(turn_body_rad_s - memory.turn_body_rad_s), gains_.turn_acceleration_max_rad_s2 * period_s_);
-  // The error is the present one; the feed-forward leads to the reference at the end of the period.
+  // The error is the one at the start of the period; the feed-forward leads to the reference at its end.
   Vector6d error, reference, acceleration;
   error << world_from_body.transpose() * memory.velocity_world_m_s, memory.turn_body_rad_s;
   error -= measured;

@@ -13,7 +13,7 @@ namespace uwsim {
 struct LoopGains {
   double position_1_s = 0;    ///< velocity per unit of position error [1/s]
   double velocity_1_s = 0;    ///< acceleration per unit of velocity error [1/s]
-  double integral_1_s2 = 0;   ///< acceleration per unit of the velocity error's integral [1/s^2]
+  double integral_1_s2 = 0;   ///< acceleration per unit of the integrated velocity error [1/s^2]
   double acceleration_1 = 0;  ///< fraction of the measured acceleration that is opposed, like added inertia
 };
 
@@ -31,7 +31,7 @@ struct ControlGains {
   void check(double period_s) const;
 };
 
-/// The motion to maintain. Positions that are NaN are not controlled: only the velocity is maintained along these axes.
+/// The motion to maintain. An axis whose position is NaN is controlled by velocity alone.
 struct MotionTarget {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_m_s = Eigen::Vector3d::Zero();  ///< rate of change of the position, fed forward
@@ -59,9 +59,9 @@ struct MotionMemory {
 /// away, the highest velocity from which the vehicle can stop there. Their rates of change are limited (a reference
 /// model, sec. 12.1). A PID loop for each axis converts velocity errors to accelerations a, and tau = M a - f(eta,
 /// nu_ref) feeds forward drag, Coriolis and restoring forces from the vehicle's model. The attitude error is the
-/// remaining rotation vector. The integrals of surge, sway and heave are kept in world axes, since what they
-/// counteract, a current or a wrong trim, does not turn with the vehicle. The model assumes deep water at rest; the
-/// loops correct for everything else. A vehicle without vertical thrusters climbs by pitching.
+/// remaining rotation vector. The integrals of surge, sway and heave are kept in world axes, because the disturbances
+/// that they counteract (a current or a wrong trim) do not turn with the vehicle. The model assumes deep water at rest;
+/// the loops correct for everything else. A vehicle without vertical thrusters climbs by pitching.
 class MotionController {
  public:
   /// Throws InvalidValue for invalid gains.

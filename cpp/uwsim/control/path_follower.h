@@ -6,9 +6,9 @@
 
 namespace uwsim {
 
-/// Guidance along a path from a given position.
+/// The guidance that a path follower computes at one position.
 struct Guidance {
-  double course_rad = 0;     ///< direction of the commanded velocity, from the world's x axis, counter-clockwise
+  double course_rad = 0;     ///< direction of the commanded velocity, counter-clockwise from the world's x axis
   double path_rad = 0;       ///< direction of the path segment
   double cross_track_m = 0;  ///< distance from the path, positive to port
   double along_m = 0;        ///< distance travelled along the path
@@ -24,8 +24,8 @@ struct Guidance {
 ///   course = path - atan((y + s Y) / D),  dY/dt = D y / ((y + s Y)^2 + D^2)
 ///
 /// where y is the cross-track error, D the look-ahead distance and s the integral gain [m/s]. For s = 0, a vehicle that
-/// follows the course over ground at speed U approaches the path as dy/dt = -U y / sqrt(y^2 + D^2), near the path
-/// exponentially with the rate U/D.
+/// follows the course over ground at speed U approaches the path according to dy/dt = -U y / sqrt(y^2 + D^2), which
+/// near the path is exponential with the rate U/D.
 class PathFollower {
  public:
   /// points_m: (n >= 2) vertices of the path. Throws InvalidValue.

@@ -8,7 +8,8 @@ struct PidGains {
   double integral = 0;      ///< [u / (e s)]
   double derivative = 0;    ///< [u s / e]
   double filter_s = 0.1;    ///< time constant of the derivative filter
-  /// Time constant with which a saturated integral is pulled towards what is achievable; at least one period
+  /// Time constant with which the integral of a saturated output is pulled back towards the achievable output; at least
+  /// one period
   double tracking_s = 1;
 };
 
@@ -28,7 +29,8 @@ class Pid {
 
   /// The output requested in this period.
   double output(double error, double measured, const PidGains& gains, double period_s);
-  /// Completes the period: updates the integral with the error, and pulls it towards the applied output.
+  /// Completes the period: updates the integral with the error and with the difference between the applied and the
+  /// requested output.
   void settle(double applied, const PidGains& gains, double period_s);
 
   double integral = 0;    ///< I, in units of the output
