@@ -11,9 +11,9 @@ int fork_generation();
 [[noreturn]] void throw_in_use_at_fork();
 void pause_between_looks();
 
-/// A mutex that does not deadlock in a forked child. A child has none of its parent's other threads, so a mutex that
-/// one of them had locked at the fork stays locked, and the data it guards is half changed. Mutex: std::mutex or a
-/// recursive one.
+/// A mutex that does not deadlock in a forked child. The child has none of its parent's other threads, so a mutex that
+/// one of them held at the fork would stay locked for ever, and the data that it guards may be only partly updated.
+/// Mutex: std::mutex or std::recursive_mutex.
 template <typename Mutex>
 class ForkSafeMutex {
  public:
@@ -25,7 +25,8 @@ class ForkSafeMutex {
   /// Returns false, without locking, if another thread of the parent process held the mutex at the fork.
   bool lock_unless_forked() {
     if (try_lock()) return true;
-    // A thread that has just taken the lock records so immediately
+    // The lock may just have been taken by a thread that has yet to record this process's generation, so look more than
+    // once
     for (int look = 0; generation_ != fork_generation(); ++look) {
       if (look == kLooks) return false;
       pause_between_looks();
@@ -48,7 +49,7 @@ class ForkSafeMutex {
   static constexpr int kLooks = 100;
 
   Mutex mutex_;
-  std::atomic<int> generation_ = fork_generation();  ///< of the process that last locked the mutex
+  std::atomic<int> generation_ = fork_generation();  ///< generation of the process that last locked the mutex
 };
 
 }  // namespace uwsim

@@ -11,16 +11,16 @@ enum class InstructionSet : std::uint8_t { best, portable, avx2, avx512 };
 /// Whether this processor supports every instruction that the compiler may use in the kernels of `set`.
 /// cpp/uwsim/CMakeLists.txt lists the flags; tests/python/whole/test_architecture.py compares the two.
 bool processor_has(InstructionSet set);
-/// The instruction set in the environment variable UWSIM_INSTRUCTION_SET (portable, avx2 or avx512), which makes
-/// different kinds of CPU produce the same bytes; best if it is unset. Throws InvalidValue for any other value, or for
-/// a set that this processor does not support.
+/// The instruction set named by the environment variable UWSIM_INSTRUCTION_SET (portable, avx2 or avx512), or `best` if
+/// the variable is unset. Choosing a set makes different kinds of CPU produce the same bytes. Throws InvalidValue for
+/// any other value, or for a set that this processor does not support.
 InstructionSet chosen_instruction_set();
-/// The chosen set if there is one, else the widest that this processor supports: portable, avx2 or avx512. Throws like
-/// chosen_instruction_set().
+/// The chosen set if the variable is set, else the widest set that this processor supports: portable, avx2 or avx512.
+/// Throws like chosen_instruction_set().
 InstructionSet widest_instruction_set();
 const char* instruction_set_name(InstructionSet set);
 
-/// The table of kernels for the chosen set, or for the widest if none is chosen.
+/// Selects the table of kernels for widest_instruction_set().
 template <typename Kernels>
 const Kernels& widest(const Kernels& portable, const Kernels& avx2, const Kernels& avx512) {
   switch (widest_instruction_set()) {

@@ -7,7 +7,7 @@
 namespace uwsim {
 namespace {
 
-/// The nearest integer, for |x| < 2^51, and its lowest bits, in two's complement.
+/// Returns the nearest integer, for |x| < 2^51, and stores its lowest bits in two's complement.
 inline DoubleLanes nearest_whole(DoubleLanes x, IndexLanes& bits) {
   constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to integers
   const DoubleLanes shifted = x + kShift;
@@ -15,8 +15,8 @@ inline DoubleLanes nearest_whole(DoubleLanes x, IndexLanes& bits) {
   return shifted - kShift;
 }
 
-/// For |x| <= 1e6. Pi / 2 is split into three parts; the first two have so few bits that their multiples are exact
-/// (Cody and Waite 1980).
+/// For |x| <= 1e6. Pi / 2 is split into three parts, of which the first two have so few bits that their multiples are
+/// exact (Cody and Waite 1980).
 inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosine) {
   constexpr double kHigh = 0x1.921fb544p+0, kMiddle = 0x1.0b4611a6p-34, kLow = 0x1.3198a2e037073p-69;
   IndexLanes quarter;
@@ -40,7 +40,7 @@ inline void sine_and_cosine(DoubleLanes x, DoubleLanes& sine, DoubleLanes& cosin
   cosine = cosine_negative ? -cosine_size : cosine_size;
 }
 
-/// For x <= 0. Below -700, the result is that for -700, 1e-304.
+/// For x <= 0. Below -700, the result is 1e-304, as for -700.
 inline DoubleLanes exponential(DoubleLanes x) {
   constexpr double kHigh = 0x1.62e42fee00000p-1, kLow = 0x1.a39ef35793c76p-33;  // of ln 2
   x = x > -700.0 ? x : DoubleLanes{} - 700.0;

@@ -43,18 +43,18 @@ void on_threads(std::size_t threads, const Job& job) {
   if (error) std::rethrow_exception(error);
 }
 
-/// For items of even cost: calls work(first, last) on contiguous ranges that cover [0, count), one range per thread, on
-/// up to `threads` threads with at least `least_items` items each. Items must be independent: range boundaries must not
-/// affect a result.
+/// For items that all cost the same: calls work(first, last) on contiguous ranges that together cover [0, count). Uses
+/// up to `threads` threads, with one range of at least `least_items` items each. Items must be independent, so that the
+/// result does not depend on where the ranges are divided.
 template <typename Work>
 void parallel_ranges(std::size_t count, int threads, Work&& work, std::size_t least_items = 4096) {
   const std::size_t parts = std::clamp<std::size_t>(count / least_items, 1, std::max(threads, 1));
   on_threads(parts, [&](std::size_t part) { work(part * count / parts, (part + 1) * count / parts); });
 }
 
-/// For items of uneven cost: each thread takes the next `batch` items when it has finished its previous batch. Calls
-/// work(first, last, worker); workers are numbered from 0, so that each can have its own scratch memory. An exception
-/// stops the other threads after their current batch.
+/// For items whose costs differ: each thread takes the next `batch` items when it has finished its previous batch.
+/// Calls work(first, last, worker); workers are numbered from 0, so that each can have its own scratch memory. An
+/// exception stops the other threads after their current batch.
 template <typename Work>
 void parallel_batches(std::size_t count, std::size_t batch, int threads, Work&& work) {
   const std::size_t batches = (count + batch - 1) / batch;

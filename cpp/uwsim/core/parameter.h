@@ -16,12 +16,12 @@ inline constexpr double kAboveZero = std::numeric_limits<double>::denorm_min();
 
 enum class ParameterType { kNumber, kWholeNumber, kFlag };
 
-/// A parameter of a kind of sensor or sonar: a row in the table of the kind's file.
+/// A parameter of a kind of sensor or sonar, as listed in the table in that kind's source file.
 struct Parameter {
   std::string_view name;
   int width;          ///< number of values
   double by_default;  ///< default of each value; kRequired if there is none
-  double low, high;   ///< limits of each value; a low of kAboveZero excludes 0
+  double low, high;   ///< limits of each value; kAboveZero as the lower limit excludes 0
   std::string_view unit;
   std::string_view meaning;
   ParameterType type = ParameterType::kNumber;
@@ -33,7 +33,7 @@ using ParameterValues = std::map<std::string, std::vector<double>, std::less<>>;
 /// of values, or a value out of range.
 void complete_parameters(ParameterValues& values, std::span<const Parameter> parameters, const std::string& path);
 
-/// Returns a parameter's value from a completed set.
+/// Returns the value of a parameter from values that complete_parameters() has completed.
 double number(const ParameterValues& values, std::string_view name);
 int whole_number(const ParameterValues& values, std::string_view name);
 bool flag(const ParameterValues& values, std::string_view name);

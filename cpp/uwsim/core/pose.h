@@ -4,8 +4,9 @@
 
 namespace uwsim {
 
-/// A rigid transform, read as a chain: `world_from_sonar = world_from_body * body_from_sonar`.
-/// World ENU with z up and the mean water surface at z = 0; body x forward, y left, z up (REP 103).
+/// A rigid transform. Transforms are chained by multiplication: `world_from_sonar = world_from_body * body_from_sonar`.
+/// The world frame is ENU, with z up and the mean water surface at z = 0; body axes are x forward, y left, z up (REP
+/// 103).
 struct Pose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();

@@ -24,7 +24,7 @@ Block philox4x32(Block counter, std::uint64_t key) {
   return counter;
 }
 
-/// 52 random bits as the midpoint of one of 2^52 equal intervals of (0, 1).
+/// Converts 52 random bits to the midpoint of one of the 2^52 equal intervals of (0, 1).
 double open_unit(std::uint32_t high, std::uint32_t low) {
   const std::uint64_t bits = ((std::uint64_t{high} << 32) | low) >> 12;
   return (static_cast<double>(bits) + 0.5) * 0x1p-52;

@@ -7,8 +7,8 @@
 namespace uwsim {
 
 /// Counter-based random numbers: a draw is a pure function of (seed, stream, tick, index). Adding a sensor therefore
-/// does not change the noise of others, and repeating a reading at the same time returns the same sample. Philox4x32-10
-/// (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
+/// does not change the noise of the others, and reading a sensor twice at the same time returns the same sample.
+/// Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
 class RandomStream {
  public:
   /// `name` keys the stream; see stream_name().
@@ -18,10 +18,10 @@ class RandomStream {
   double uniform(std::uint64_t tick, std::uint32_t index = 0) const;
   /// Standard normal (Box-Muller).
   double normal(std::uint64_t tick, std::uint32_t index = 0) const;
-  /// Two independent standard normal draws for the cost of one; the first is the one that normal() returns.
+  /// Two independent standard normal draws for the cost of one; the first is the same as normal() returns.
   std::array<double, 2> normals(std::uint64_t tick, std::uint32_t index = 0) const;
 
-  /// The Philox key and the counter word of the stream, for kernels that draw sixteen numbers at once.
+  /// The stream's Philox key and counter word, for kernels that draw sixteen numbers at once.
   std::uint64_t key() const { return key_; }
   std::uint32_t stream() const { return stream_; }
 

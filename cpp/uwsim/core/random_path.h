@@ -7,11 +7,12 @@
 
 namespace uwsim {
 
-/// A correlated random process x(0), x(1), ... whose steps may be read in any order, each always with the same value:
-/// Levy's construction. The ends x(0) and x(2^40) are drawn first, then the midpoint of each interval given its two
-/// ends, down to the requested step. Each step is the midpoint of exactly one interval, so its number keys its draw.
-/// This is exact in distribution, not an approximation. The midpoints of the last descent are cached, so reading steps
-/// in order costs two draws each. Steps beyond 2^40 (174 years at 5 ms) start again from 0.
+/// A correlated random process x(0), x(1), ... whose steps may be read in any order and always have the same values
+/// (Levy's construction). The ends x(0) and x(2^40) are drawn first. Then intervals are halved down to the requested
+/// step, and each midpoint is drawn from its distribution given the two ends. Each step is the midpoint of exactly one
+/// interval, so the step's number keys its draw. The distribution is exact, not approximate. The midpoints of the last
+/// descent are cached, so reading steps in order costs two draws per step. Steps beyond 2^40 (174 years at 5 ms) start
+/// again from 0.
 class RandomPath {
  public:
   /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), correlation
@@ -19,8 +20,8 @@ class RandomPath {
   /// (a + b) / (2 cosh u) and the variance std^2 tanh u, where u = h / correlation_steps.
   static RandomPath gauss_markov(const RandomStream& stream, std::uint32_t index, double std, double correlation_steps);
 
-  /// Random walk from x(0) = 0 with increments N(0, std_step^2). A midpoint has the mean (a + b) / 2 and the variance
-  /// std_step^2 h / 2.
+  /// Random walk from x(0) = 0 with increments N(0, std_step^2). In the notation above, a midpoint has the mean (a + b)
+  /// / 2 and the variance std_step^2 h / 2.
   static RandomPath random_walk(const RandomStream& stream, std::uint32_t index, double std_step);
 
   double at(std::uint64_t step);

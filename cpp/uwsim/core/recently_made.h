@@ -8,16 +8,16 @@
 
 namespace uwsim {
 
-/// A cache of costly immutable objects, so that all users with the same requirements share one. It finds objects that
-/// are still in use, and keeps the last one that is worth keeping for the next user. Thread-safe.
+/// A cache that lets all users with the same requirements share one costly immutable object. It finds objects that are
+/// still in use; in addition, it keeps the last object that is worth keeping for the next user. Thread-safe.
 template <typename Object>
 class RecentlyMade {
  public:
-  /// Returns the cached object that `is_wanted` accepts, or else the result of `make`. Only one thread creates an
-  /// object at a time, so that two threads with the same requirements share one result.
+  /// Returns a cached object that `is_wanted` accepts or, if there is none, the result of `make`. Only one thread
+  /// creates an object at a time, so that two threads with the same requirements share one result.
   template <typename IsWanted, typename Make>
   std::shared_ptr<const Object> find_or_make(bool is_worth_keeping, const IsWanted& is_wanted, const Make& make) {
-    if (!mutex_.lock_unless_forked()) return make();  // the cache was being changed at the fork
+    if (!mutex_.lock_unless_forked()) return make();  // another thread was changing the cache at the fork
     const std::scoped_lock lock(std::adopt_lock, mutex_);
     std::shared_ptr<const Object> object = find(is_wanted);
     if (!object) {

@@ -8,7 +8,8 @@
 namespace uwsim {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // tolerance of a quaternion's length; steps keep the length within rounding
+// Tolerance for a quaternion's length; simulation steps change the length only by rounding
+constexpr double kUnitTolerance = 1e-6;
 
 }  // namespace
 

@@ -11,9 +11,10 @@
 
 namespace uwsim {
 
-/// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that either
-/// writes them to the archive or reads them back, so that the two cannot differ. Values are stored without gaps, in
-/// this machine's representation. Reading throws InvalidValue if the bytes end prematurely or a value is not finite.
+/// Saves and restores the parts of a simulation. Each part lists its values once, in an exchange_state() that both
+/// writes them to the archive and reads them back, so that saving and restoring cannot disagree. Values are stored
+/// without padding, in this machine's representation. Reading throws InvalidValue if the bytes end prematurely or a
+/// value is not finite.
 class StateArchive {
  public:
   /// Creates an archive for saving.
@@ -31,8 +32,8 @@ class StateArchive {
   void operator()(std::string& text);
   /// Reading throws unless the orientation is a unit quaternion.
   void operator()(BodyState& state);
-  /// Exchanges the length of a list, then each item by exchange(item). Allocates no more memory than the number of
-  /// bytes in the archive justifies.
+  /// Exchanges the length of a list, then calls exchange(item) for each item. An invalid length cannot cause a large
+  /// allocation, because memory is allocated only in proportion to the bytes in the archive.
   template <typename List, typename Exchange>
   void list(List& items, const Exchange& exchange) {
     std::uint64_t count = items.size();

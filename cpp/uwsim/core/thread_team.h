@@ -9,16 +9,16 @@
 
 namespace uwsim {
 
-/// Threads that go through the phases of a job together: no thread starts a phase before all have finished the previous
-/// one. For loops over independent items, see parallel.h.
+/// A group of threads that executes the phases of a job in step: no thread starts a phase before all have finished the
+/// previous one. For loops over independent items, see parallel.h.
 class ThreadTeam {
  public:
   explicit ThreadTeam(std::size_t threads)
       : threads_(threads), barrier_(static_cast<std::ptrdiff_t>(threads), EndOfPhase{this}) {}
 
   /// Calls job(0), job(1), ... job(threads - 1), each on its own thread, with job(0) on the calling thread. If the
-  /// system cannot start all threads, only the jobs of those that started are called, but always job(0); threads should
-  /// therefore take the items of a phase from a shared counter, so that fewer threads still do all the work. An
+  /// system cannot start all threads, only the jobs of the threads that did start are called (job(0) always is). Jobs
+  /// should therefore take the items of a phase from a shared counter, so that fewer threads still do all the work. An
   /// exception in a thread is rethrown here when all have finished.
   template <typename Job>
   void run(const Job& job) {
@@ -41,8 +41,8 @@ class ThreadTeam {
     if (error_) std::rethrow_exception(error_);
   }
 
-  /// Runs one phase; every thread of the job must call it. Returns when all threads have done their work: true, or
-  /// false on all threads if one threw, in which case the job must end.
+  /// Runs one phase; every thread of the job must call it. Returns when all threads have finished the phase: true, or,
+  /// if the work of any thread threw, false on all threads, in which case the job must return.
   template <typename Work>
   bool phase(const Work& work) {
     keep_error(work);

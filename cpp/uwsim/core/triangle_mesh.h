@@ -26,7 +26,8 @@ struct SolidProperties {
   Eigen::Matrix3d inertia_per_density_m5 = Eigen::Matrix3d::Zero();
 };
 
-/// Sums over signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2); here in closed tetrahedron form).
+/// Computes the properties as sums over signed tetrahedra from the origin (Mirtich 1996, J. Graphics Tools 1(2), but
+/// with the closed form for tetrahedra).
 SolidProperties solid_properties(const TriangleMesh& mesh);
 
 /// The winding number of a surface about a point: the sum of its triangles' solid angles over 4 pi (van Oosterom and

@@ -9,9 +9,9 @@ namespace uwsim {
 /// Motion of the water at a position and time, in the world frame.
 struct WaterFlow {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< current and waves combined
-  /// Acceleration of the water's particles; wave_load includes its force
+  /// Acceleration of the water's particles due to waves; wave_load includes the force that it causes
   Eigen::Vector3d wave_acceleration_m_s2 = Eigen::Vector3d::Zero();
-  /// Local acceleration; wave_load does not include its force
+  /// Local acceleration of the current; wave_load does not include the force that it causes
   Eigen::Vector3d current_acceleration_m_s2 = Eigen::Vector3d::Zero();
 };
 
@@ -33,7 +33,8 @@ struct SurfaceSpan {
   double middle_m = 0;
 };
 
-/// Force of the waves on a fully submerged volume [N / (kg/m3)] and moment about its centroid, per unit density.
+/// Force of the waves on a fully submerged volume [N / (kg/m3)] and their moment about its centroid, both per unit
+/// density.
 struct WaveLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
@@ -57,8 +58,8 @@ class WaterField {
   virtual double surface_height_at(double x_world_m, double y_world_m, double time_s) const = 0;  ///< [m]
   /// Pressure above atmospheric; 0 above the surface [Pa].
   virtual double gauge_pressure_at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Gauge pressure of still water under a surface at z = 0, as it acts on hulls, without the water's compression: the
-  /// integral of rho g from z up to 0; negative above the surface [Pa].
+  /// The gauge pressure of still water [Pa] that acts on hulls: the integral of rho g from z up to the surface at z =
+  /// 0, without the effect of the water's compression. Negative above the surface.
   virtual double still_pressure_at(double z_world_m) const = 0;
   /// Pressure head of each point: the height of still water [m] that exerts the same pressure, such that the gauge
   /// pressure is still_pressure_at(-head). Above the surface, it is minus the height above the surface.

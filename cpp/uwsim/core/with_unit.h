@@ -5,7 +5,7 @@
 
 namespace uwsim {
 
-/// A value printed with its unit, such as `3 m`; see `require`. Holds a reference to the value.
+/// Prints a value with its unit, such as `3 m`; for use with `require`. Holds a reference to the value.
 template <typename Value>
 struct WithUnit {
   const Value& value;
