@@ -6,7 +6,8 @@
 namespace uwsim {
 namespace {
 
-/// p + R r - station, as one scalar along the line of sight and two across it, with independent errors.
+/// Observes p + R r - station, the position relative to the station, as one scalar along the line of sight and two
+/// across it, with independent errors.
 class AcousticFixAid final : public Aid {
  public:
   AcousticFixAid(const Eigen::Vector3d& lever, const Eigen::Vector3d& station, double range_std, double bearing_std)
@@ -19,8 +20,9 @@ class AcousticFixAid final : public Aid {
     const Eigen::Vector3d fix = Eigen::Vector3d::Map(reading);
     const double range = fix.norm();
     if (!(range > 1e-6)) return;
-    // If the position is known well, use axes along and across the expected line of sight, so that the bearing error
-    // does not affect the range: along the measured line, the vehicle is R (1 - cos error) nearer than R.
+    // If the position is known well, use axes along and across the expected line of sight. Along the measured line of
+    // sight, the bearing error would affect the range: the vehicle is at R cos error, which is R (1 - cos error) less
+    // than R.
     const double position_variance = state.covariance.diagonal().segment<3>(kPosition).sum();
     const bool is_known = position_variance < kKnown * kKnown * range * range;
     const Eigen::Vector3d sight = is_known ? expected(state).normalized() : (fix / range).eval();
@@ -50,7 +52,7 @@ class AcousticFixAid final : public Aid {
     ErrorVector h = ErrorVector::Zero(state.errors());
     h.segment<3>(kPosition) = axis;
     h.segment<3>(kAttitude) = lever_.cross(state.orientation.conjugate() * axis);
-    constexpr double kLeast = 1e-6;  // m2; gives an exact fix a gate as well
+    constexpr double kLeast = 1e-6;  // m2; so that an exact fix also has a gate
     Aid::correct(state, residual, h, std::max(variance, kLeast));
   }
 

@@ -19,7 +19,7 @@ bool Aid::correct(FilterState& state, double residual, const ErrorVector& h, dou
   }
   const ErrorVector gain = seen_by / expected;
   state.add(gain * residual);
-  // (I - K h) P (I - K h)^T + K R K^T, as two updates of rank one.
+  // The Joseph form, (I - K h) P (I - K h)^T + K R K^T, computed as two rank-one updates.
   p.noalias() -= gain * seen_by.transpose();
   const ErrorVector left = p * h;
   p.noalias() += (variance * gain - left) * gain.transpose();

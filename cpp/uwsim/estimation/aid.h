@@ -10,12 +10,13 @@
 
 namespace uwsim {
 
-/// Gate of the outlier test: a scalar farther than this many standard deviations from its expected value (Mahalanobis
-/// distance) is an outlier. Rejects one good reading in 1.7 million.
+/// Gate of the outlier test: a scalar that differs from its expected value by more than this many standard deviations
+/// (Mahalanobis distance) is an outlier. The gate rejects one good scalar in 1.7 million.
 inline constexpr double kGate = 5;
-/// After this many consecutive readings with outliers, the filter assumes that the error is its own and increases its
-/// uncertainty accordingly. A reading counts if at least a third of its scalars are outliers: two of a DVL's four
-/// beams, which is how an error between them appears, but not one, which may be a single bad beam.
+/// After this many consecutive readings with outliers, the filter assumes that its own state is wrong and increases its
+/// uncertainty accordingly. A reading counts if at least a third of its scalars are outliers. For a DVL with four
+/// beams, this means two outliers, since an error of the filter affects at least two beams; one outlier may be a single
+/// bad beam.
 inline constexpr std::uint64_t kReadingsBeforeDoubt = 5;
 inline constexpr int kMaxReading = 8;
 
@@ -27,9 +28,10 @@ class Aid {
   virtual int width() const = 0;
   /// Models of the aid's biases, which become error states of the filter.
   virtual std::vector<BiasModel> biases() const { return {}; }
-  /// The number of biases, from the first, that are included in a saved state of version 1.
+  /// The number of leading biases stored in a version 1 saved state.
   virtual int biases_in_version_1() const { return static_cast<int>(biases().size()); }
-  /// Index of the first of the three errors that the aid observes, and that are inflated when the filter doubts itself.
+  /// Index of the first of the three errors that the aid observes; these are inflated when the filter doubts its
+  /// estimate.
   virtual ErrorIndex seen() const = 0;
   /// Corrects `state` with a reading (width(),), one scalar at a time.
   virtual void correct(FilterState& state, const double* reading) const = 0;
@@ -40,23 +42,28 @@ class Aid {
   int index = 0, first_bias = 0;
 
  protected:
-  /// Applies one scalar: residual = h . error + white noise of `variance`. Joseph form. Returns false for an outlier.
+  /// Applies one scalar, residual = h . error + white noise of `variance`, in the Joseph form. Returns false for an
+  /// outlier.
   bool correct(FilterState& state, double residual, const ErrorVector& h, double variance) const;
 };
 
-/// Velocities along beams, (n,) [m/s]; NaN for a lost beam. `beams_body` (n, 3): unit vectors.
+/// An aid whose reading is the velocities along beams, (n,) [m/s], with NaN for a lost beam. `beams_body` (n, 3): unit
+/// vectors.
 std::unique_ptr<Aid> doppler_aid(const Eigen::MatrixX3d& beams_body, const Eigen::Vector3d& lever_body_m, double std,
                                  const BiasModel& bias);
-/// Depth, (1,) [m, positive down].
+/// An aid whose reading is the depth, (1,) [m, positive down].
 std::unique_ptr<Aid> depth_aid(const Eigen::Vector3d& lever_body_m, double std, const BiasModel& bias);
-/// The angle of `axis_body` from east, counter-clockwise, (1,) [rad]; `north_rad`: the angle of magnetic north.
-/// `iron_std`: the vehicle's own field along each body axis, as a fraction of the earth's horizontal field.
+/// An aid whose reading is the angle of `axis_body`, (1,) [rad], counter-clockwise from east. `north_rad`: the angle of
+/// magnetic north. `iron_std`: standard deviation of the vehicle's own field along each body axis, as a fraction of the
+/// earth's horizontal field.
 std::unique_ptr<Aid> heading_aid(const Eigen::Vector3d& axis_body, double std, const BiasModel& bias, double iron_std,
                                  double north_rad);
-/// Position from a station along east, north and up, (3,) [m], with errors along and across the line of sight.
+/// An aid whose reading is the position relative to a station along east, north and up, (3,) [m], with errors along and
+/// across the line of sight.
 std::unique_ptr<Aid> acoustic_fix_aid(const Eigen::Vector3d& lever_body_m, const Eigen::Vector3d& station_world_m,
                                       double range_std, double bearing_std);
-/// Orientation, world from body, x, y, z, w, (4,), with errors in body axes.
+/// An aid whose reading is the orientation, a quaternion x, y, z, w that rotates body axes to world axes, (4,), with
+/// errors in body axes.
 std::unique_ptr<Aid> orientation_aid(double std, const BiasModel& bias);
 
 }  // namespace uwsim

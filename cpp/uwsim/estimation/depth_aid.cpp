@@ -4,7 +4,7 @@
 namespace uwsim {
 namespace {
 
-/// -(p + R r)_z + bias.
+/// Observes the depth, -(p + R r)_z + bias.
 class DepthAid final : public Aid {
  public:
   DepthAid(const Eigen::Vector3d& lever, double std, const BiasModel& bias)

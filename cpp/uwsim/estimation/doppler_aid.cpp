@@ -7,7 +7,7 @@
 namespace uwsim {
 namespace {
 
-/// Processes each beam separately, b . (R^T v + omega x r) + bias, so that even one or two good beams help.
+/// Observes each beam's velocity separately, b . (R^T v + omega x r) + bias, so that even one or two good beams help.
 class DopplerAid final : public Aid {
  public:
   DopplerAid(Eigen::MatrixX3d beams, const Eigen::Vector3d& lever, double std, const BiasModel& bias)

@@ -9,20 +9,20 @@
 
 namespace uwsim {
 
-/// A vector or matrix of fixed size, element by element.
+/// Saves or restores a vector or matrix of fixed size, element by element.
 template <typename Values>
 void exchange_numbers(StateArchive& archive, Values&& values) {
   for (Eigen::Index k = 0; k < values.size(); ++k) archive(values.data()[k]);
 }
 
-/// A number that may be infinite or NaN.
+/// Saves or restores a number that may be infinite or NaN.
 inline void exchange_any(StateArchive& archive, double& value) {
   auto bits = std::bit_cast<std::uint64_t>(value);
   archive(bits);
   value = std::bit_cast<double>(bits);
 }
 
-/// A standard deviation, a variance or a time.
+/// Saves or restores a standard deviation, a variance or a time.
 inline void exchange_not_negative(StateArchive& archive, double& value) {
   archive(value);
   require(value >= 0, "state.figure", value, "must not be negative");

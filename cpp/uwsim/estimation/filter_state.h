@@ -15,8 +15,8 @@ inline constexpr int kMaxAids = 8;
 using ErrorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxErrors, 1>;
 using ErrorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxErrors, kMaxErrors>;
 
-/// The model of one channel's bias, in its unit u: a constant drawn at the start, a first-order Gauss-Markov process
-/// with standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
+/// The model of one channel's bias, in the channel's unit u: the sum of a constant drawn at the start, a first-order
+/// Gauss-Markov process with standard deviation `drift_std` and correlation time `drift_time_s`, and a random walk.
 struct BiasModel {
   double turn_on_std = 0;   ///< [u]
   double drift_std = 0;     ///< [u]
@@ -24,27 +24,29 @@ struct BiasModel {
   double walk = 0;          ///< [u/sqrt(s)]
 
   double variance() const { return turn_on_std * turn_on_std + drift_std * drift_std; }
-  /// The fraction of the bias that remains after dt. A drift on top of a constant is treated as a random walk, which
-  /// agrees with it over times that are short compared with drift_time_s, so that one state can represent both.
+  /// The fraction of the bias that remains after dt. If there is a constant or a random walk as well as a drift, a
+  /// single state represents both: the drift is treated as a random walk, which is accurate over times that are short
+  /// compared with drift_time_s.
   double decay(double dt_s) const;
   /// The increase of the variance over dt [u2].
   double growth(double dt_s) const;
 };
 
-/// The outcomes of an aid's scalars, and the number of its last consecutive readings with outliers.
+/// How many of an aid's scalars were accepted and rejected, and how many of its latest readings in a row had outliers.
 struct AidCounts {
   std::uint64_t accepted = 0, rejected = 0, in_a_row = 0;
 };
 
-/// The IMU's values at the state's time, interpolated between two samples; including biases, in body axes at that time.
+/// The IMU's values at the state's time, interpolated between two samples, with biases not removed, in the body axes at
+/// that time.
 struct LastSample {
   Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero(), force_m_s2 = Eigen::Vector3d::Zero();
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::uint64_t time_ns = kNone;  ///< of the newest sample that the state has reached since it started or coasted
+  std::uint64_t time_ns = kNone;  ///< time of the newest sample that the state has reached since it started or coasted
   /// The change of the rate over the interval before that sample, and the interval's length; 0 if unknown.
   Eigen::Vector3d rate_slope_rad_s2 = Eigen::Vector3d::Zero();
   double slope_s = 0;
-  double guessed_s = 0;  ///< for how long the first sample's rate was assumed to apply before it
+  double guessed_s = 0;  ///< how long before the first sample its rate was assumed to apply
 };
 
 /// The state of an error-state Kalman filter (Sola 2017, "Quaternion kinematics for the error-state Kalman filter"):
@@ -60,8 +62,9 @@ struct FilterState {
   ErrorMatrix covariance;
   LastSample sample;
   std::array<AidCounts, kMaxAids> counts;
-  std::uint64_t doubts = 0, doubted_ns = 0;  ///< how often an aid made the filter doubt itself, and the last time
-  std::uint64_t restarted_ns = 0;            ///< time of the last restart
+  /// How often an aid made the filter doubt its estimate, and when it last did
+  std::uint64_t doubts = 0, doubted_ns = 0;
+  std::uint64_t restarted_ns = 0;  ///< time of the last restart
 
   int errors() const { return static_cast<int>(covariance.rows()); }
   Eigen::Vector3d rate_rad_s() const { return sample.rate_rad_s - rate_bias_rad_s; }

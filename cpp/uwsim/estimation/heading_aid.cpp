@@ -7,10 +7,10 @@
 namespace uwsim {
 namespace {
 
-/// The yaw of a compass's x axis. Let i be the vehicle's own field, in body axes, as a fraction of the earth's
+/// Observes the yaw of a compass's x axis. Let i be the vehicle's own field, in body axes, as a fraction of the earth's
 /// horizontal field, and n the direction of magnetic north. The measured yaw is then too small by (n x R i)_z (Groves
-/// 2013, ch. 6.1). On a level vehicle, turning separates this from an attitude error; the upward field matters as soon
-/// as the vehicle rolls or pitches.
+/// 2013, ch. 6.1). If the vehicle stays level, turning distinguishes this effect from an attitude error. The upward
+/// component of the field matters only when the vehicle rolls or pitches.
 class HeadingAid final : public Aid {
  public:
   HeadingAid(const Eigen::Vector3d& axis, double std, const BiasModel& bias, double iron_std, double north_rad)
@@ -21,14 +21,14 @@ class HeadingAid final : public Aid {
     const BiasModel iron{.turn_on_std = iron_std_};
     return {bias_, iron, iron, iron};
   }
-  int biases_in_version_1() const override { return 3; }  // the upward field is missing
+  int biases_in_version_1() const override { return 3; }  // without the upward component of the field
   ErrorIndex seen() const override { return kAttitude; }
 
   void correct(FilterState& state, const double* reading) const override {
     const Eigen::Vector3d ahead = state.orientation * axis_;
     const double level = ahead.head<2>().squaredNorm();
     if (level < 1e-4) return;  // the axis points straight up or down
-    // Use the expected yaw: the noise of the measured yaw would appear in `sees` as well as in the residual, and
+    // Use the expected yaw. With the measured yaw, the same noise would appear in `sees` and in the residual, and
     // readings at a single heading would then seem to reveal a field that does not exist.
     const double yaw = std::atan2(ahead.y(), ahead.x());
     const Eigen::Vector3d east_of_north(std::sin(north_rad_), -std::cos(north_rad_), 0);

@@ -9,26 +9,27 @@
 namespace uwsim {
 namespace {
 
-// The error of integrating in steps. It also ensures that a filter with perfect instruments still accepts corrections.
+// Lower limits of the noise densities, which represent the error of integrating in steps. They also ensure that a
+// filter with perfect instruments still accepts corrections.
 constexpr double kLeastRateDensity = 2e-6;   // rad/sqrt(s)
 constexpr double kLeastForceDensity = 2e-4;  // (m/s)/sqrt(s)
-// Velocity that may be hidden by a collision that exceeds the IMU's limits; assumed for an ROV that is stopped or
-// thrown back.
+// Change in velocity that the IMU may fail to measure during a collision that exceeds its limits; assumed for an ROV
+// that is stopped or thrown back.
 constexpr double kShockVelocity_m_s = 1;
 constexpr double kShockTurn_rad = 0.05;
 // Noise densities for a vehicle without an IMU: assumed, of the order of an ROV's manoeuvres.
 constexpr double kCoastForceDensity = 0.3;                 // (m/s)/sqrt(s)
 const Eigen::Vector3d kCoastRateDensity(0.02, 0.02, 0.3);  // rad/sqrt(s); roll and pitch are stabilised by buoyancy
 
-// Threshold for a shock, such as hitting the ground: the second difference of the angular velocity exceeds what
-// thrusters (assumed) and noise can cause. A second difference has sqrt(6) times the noise of one sample.
+// Threshold for detecting a shock, such as hitting the ground: a second difference of the angular velocity that is
+// larger than thrusters (assumed) and noise can cause. A second difference has sqrt(6) times the noise of one sample.
 constexpr double kBlow_rad_s = 0.01;
 constexpr double kBlowInNoise = 15;
-// The rotation that the gyroscope's samples miss when the ground pushes the hull out. Assumed: without it, the NEES of
-// the 9 errors after skids on the bed is 10.4 (uwsim validate estimation).
+// The rotation between the gyroscope's samples that goes unmeasured when the ground pushes the hull away. Assumed: if
+// it is ignored, the NEES of the 9 errors after skids on the bed is 10.4 (uwsim validate estimation).
 constexpr double kBlowTurn_rad = 1e-3;
 
-constexpr double kEven = 1.5;  // ratio up to which two intervals count as equal
+constexpr double kEven = 1.5;  // two intervals count as equal up to this ratio
 
 /// The variance that white noise of a sampled quantity adds to its integral over dt.
 double integrated(double sample_std, double period_s, double least_density, double dt_s) {
@@ -39,7 +40,7 @@ double seconds_between(std::uint64_t from_ns, std::uint64_t to_ns) {
   return 1e-9 * static_cast<double>(static_cast<std::int64_t>(to_ns - from_ns));
 }
 
-/// P <- F P F^T for the blocks of position, velocity and attitude: rows first, then columns.
+/// Computes P <- F P F^T for the blocks of position, velocity and attitude: rows first, then columns.
 void transport(ErrorMatrix& p, double dt, const Eigen::Matrix3d& velocity_from_attitude,
                const Eigen::Matrix3d& velocity_from_force, const Eigen::Matrix3d& attitude_from_attitude) {
   p.middleRows<3>(kPosition) += dt * p.middleRows<3>(kVelocity);
@@ -54,14 +55,15 @@ void transport(ErrorMatrix& p, double dt, const Eigen::Matrix3d& velocity_from_a
   p.middleCols<3>(kAttitude) -= dt * p.middleCols<3>(kRateBias);
 }
 
-/// Estimates the state before the first sample: its angular velocity, and its force along the same world axes.
+/// Sets the IMU's values for the time before the first sample: the angular velocity is that of the sample, and the
+/// specific force is the same in world axes.
 void guess_before(FilterState& state, const ImuSample& first) {
   const double ahead_s = seconds_between(state.time_ns, first.time_ns);
   state.sample.rate_rad_s = first.rate_rad_s;
   state.sample.force_m_s2 = rotation_by(ahead_s * (first.rate_rad_s - state.rate_bias_rad_s)) * first.force_m_s2;
 }
 
-/// Interpolates the IMU at `time_ns`, between the state's time and the next sample's.
+/// Interpolates the IMU's values at `time_ns`, between the state's time and that of the next sample.
 ImuSample between(const FilterState& state, const ImuSample& next, std::uint64_t time_ns) {
   if (time_ns == next.time_ns) return next;
   const double whole = seconds_between(state.time_ns, next.time_ns), passed = seconds_between(state.time_ns, time_ns);
@@ -73,17 +75,17 @@ ImuSample between(const FilterState& state, const ImuSample& next, std::uint64_t
   return {rate, (1 - share) * before + share * after, time_ns};
 }
 
-/// Corrects for the curvature of the rate: the difference between the parabola through three samples and the straight
-/// line through the last two, integrated from the state's time to `time_ns`. Not used if the samples are unevenly
-/// spaced, such as after a gap, since slopes over short intervals are mostly noise.
+/// The rotation due to the curvature of the rate: the difference between the parabola through three samples and the
+/// straight line through the last two, integrated over part of the interval. Zero if the samples are unevenly spaced,
+/// such as after a gap, since slopes over short intervals are mostly noise.
 Eigen::Vector3d bend(const LastSample& last, const Eigen::Vector3d& slope, double whole, double from, double to) {
   const auto integral = [whole](double t) { return t * t * (t / 3 - whole / 2); };
   if (last.slope_s == 0 || whole > kEven * last.slope_s || last.slope_s > kEven * whole) return Eigen::Vector3d::Zero();
   return (slope - last.rate_slope_rad_s2) / (whole + last.slope_s) * (integral(to) - integral(from));
 }
 
-/// The rotation from the state's time to that of `now`, on the way to the next sample; records what the next call
-/// needs.
+/// Returns the rotation from the state's time to that of `now`, which is at or before the next sample, and records what
+/// the next call needs.
 Eigen::Vector3d turned(FilterState& state, const ImuSample& now, const ImuSample& next) {
   LastSample& last = state.sample;
   const double dt = seconds_between(state.time_ns, now.time_ns);
@@ -97,7 +99,8 @@ Eigen::Vector3d turned(FilterState& state, const ImuSample& now, const ImuSample
                  from = seconds_between(last.time_ns, state.time_ns);
     const Eigen::Vector3d slope = (next.rate_rad_s - last.rate_rad_s) / (whole - from);
     turn += bend(last, slope, whole, from, from + dt);
-    // The rotation missed by the estimate before the first sample, if the rate changed then as it does now.
+    // Corrects guess_before(), which assumed a constant rate before the first sample: the rate probably changed then as
+    // it does now.
     if (last.guessed_s > 0 && last.guessed_s <= kEven * whole) turn -= 0.5 * last.guessed_s * last.guessed_s * slope;
     last.guessed_s = 0;
     if (now.time_ns == next.time_ns) {
@@ -164,7 +167,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   const Eigen::Vector3d turn = turned(state, now, next);
   state.orientation = (state.orientation * rotation_by(turn)).normalized();
   const Eigen::Matrix3d after = state.orientation.toRotationMatrix();
-  // A sample that is a mean belongs to the middle of its averaging time, so the later sample has more weight.
+  // A sample that is a mean applies to the middle of its averaging time, so the later sample has more weight.
   const double share = 0.5 * (1 + imu_.averaging_s / dt);
   const Eigen::Matrix3d turn_forces = share * after;
   const Eigen::Matrix3d turn_earlier = (1 - share) * before;
@@ -176,7 +179,7 @@ void Inertial::advance(FilterState& state, std::uint64_t time_ns, const ImuSampl
   state.sample.force_m_s2 = now.force_m_s2;
   state.time_ns = time_ns;
   ErrorMatrix& p = state.covariance;
-  // R [f]x e = [R f]x R e, at both ends, with the attitude error e at the start.
+  // At both ends of the interval, R [f]x e = [R f]x R e, where e is the attitude error at the start.
   transport(p, dt, -dt * cross_matrix(force_world) * before, -dt * (turn_earlier + turn_forces),
             rotation_by(-turn).toRotationMatrix());
   grow(p, kVelocity, integrated(imu_.force_std, imu_.period_s, kLeastForceDensity, dt));

@@ -13,7 +13,7 @@ struct ImuErrors {
   double rate_std = 0;   ///< [rad/s] white noise of a sample, including quantisation
   double force_std = 0;  ///< [m/s2]
   double period_s = 0.005;
-  /// A sample's specific force is the mean over this time before it; 0 for an instantaneous value
+  /// A sample's specific force is the mean over this time before the sample; 0 if it is an instantaneous value
   double averaging_s = 0;
   BiasModel rate_bias, force_bias;
   /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample that reaches it hides a shock.
@@ -32,7 +32,7 @@ struct ImuSample {
 /// in world axes, and the angular velocity by the parabola through the newest three samples, with the coning correction
 /// dt^2/12 w0 x w1 for rotating axes (Savage 1998, "Strapdown Inertial Navigation Integration Algorithm Design, Part
 /// 1", J. Guidance, Control and Dynamics 21:19, section on coning; Groves 2013, ch. 5.5). The errors are of third order
-/// in a step's rotation, so it is valid for steps that rotate by much less than 1 rad. The earth's rotation is
+/// in the rotation per step, so the method is valid if a step rotates by much less than 1 rad. The earth's rotation is
 /// neglected.
 class Inertial {
  public:
@@ -42,7 +42,8 @@ class Inertial {
   /// kAidBias on.
   void advance(FilterState& state, std::uint64_t time_ns, const ImuSample& next,
                const std::vector<BiasModel>& aid_biases) const;
-  /// Advances the state without a sample: along a straight line, with the errors of a vehicle that may manoeuvre.
+  /// Advances the state without a sample, assuming motion in a straight line; the covariance grows as for a vehicle
+  /// that may manoeuvre.
   void coast(FilterState& state, std::uint64_t time_ns, const std::vector<BiasModel>& aid_biases) const;
 
   /// Saves or restores the parameters passed to the constructor. Throws InvalidValue.

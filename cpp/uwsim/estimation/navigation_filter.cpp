@@ -11,16 +11,17 @@ namespace {
 
 constexpr std::uint64_t kHorizon_ns = static_cast<std::uint64_t>(NavigationFilter::kHorizon_s * 1e9);
 constexpr std::uint64_t kCheckpoint_ns = 100'000'000;
-// If the filter doubts itself again within this time, more is wrong than the aid observes, for example after a
-// collision. The filter then restarts from its present estimate, with these standard deviations, assumed for an ROV
-// that is thrown about.
+// If the filter doubts its estimate again within this time, then more errors are wrong than those that the aid
+// observes, for example after a collision. The filter then restarts from its present estimate, with the standard
+// deviations below, which are assumed for an ROV that is thrown about.
 constexpr std::uint64_t kDoubtAgain_ns = 5'000'000'000;
-// For some time after a doubt, the filter also restarts if the IMU's biases reach implausible values, which is how an
-// attitude error shows; but not again immediately.
+// For some time after the filter has doubted its estimate (kProbation_ns), it also restarts if the IMU's estimated
+// biases become implausibly large, which indicates an attitude error. It does not restart again until kSettling_ns
+// after a restart.
 constexpr std::uint64_t kProbation_ns = 30'000'000'000, kSettling_ns = 3'000'000'000;
 constexpr double kImplausible = 4;  // standard deviations
 constexpr double kLostPosition_m = 2, kLostVelocity_m_s = 1, kLostAttitude_rad = 0.15;
-constexpr std::size_t kForgetFrom = 2048;  // number of events; old ones are erased together
+constexpr std::size_t kForgetFrom = 2048;  // number of processed events from which old ones are erased, all at once
 
 }  // namespace
 
@@ -204,7 +205,7 @@ void NavigationFilter::advance(const Event& inertial, std::uint64_t time_ns) {
 
 void NavigationFilter::checkpoint() { checkpoints_.push_back({present_, next_}); }
 
-/// The index of the last checkpoint before the time that late readings may reach back to.
+/// The index of the last checkpoint that is early enough for the latest reading that may still arrive.
 std::size_t NavigationFilter::last_before_horizon() const {
   const auto after = std::find_if(checkpoints_.begin(), checkpoints_.end(), [&](const Checkpoint& c) {
     return c.state.time_ns + kHorizon_ns > present_.time_ns;

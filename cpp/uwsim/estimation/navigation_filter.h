@@ -25,8 +25,9 @@ struct FilterStart {
 };
 
 /// An error-state Kalman filter that accepts readings in any order. It keeps the readings of the last kHorizon_s, and
-/// its state at some times in between; when a reading arrives late, it returns to the last state before the reading and
-/// replays what followed. The result depends only on the readings and their times, not on when they were added.
+/// its state at some times in between (checkpoints). When a reading arrives late, the filter returns to the last
+/// checkpoint before the reading and replays the readings that followed. The result depends only on the readings and
+/// their times, not on when they were added.
 class NavigationFilter {
  public:
   static constexpr double kHorizon_s = 4;
@@ -41,8 +42,7 @@ class NavigationFilter {
   int add_aid(std::unique_ptr<Aid> aid);
   void start(const FilterStart& start);
 
-  /// Adds readings of the IMU, body axes, as rows of angular velocity and specific force. Other readings that are added
-  /// afterwards must not be earlier.
+  /// Adds an IMU sample in body axes: angular velocity, then specific force. Samples must be added in order of time.
   void add_imu(std::uint64_t time_ns, const double* rate_and_force);
   /// Adds a reading of an aid, measured at `time_ns`, that arrived at `arrival_ns`. A reading from before the start, or
   /// one that arrived more than kHorizon_s late, is dropped and counted.

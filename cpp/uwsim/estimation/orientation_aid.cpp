@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-/// The orientation from an attitude filter: true orientation * Exp(bias + noise). Three scalars.
+/// Observes the orientation reported by an attitude filter, true orientation * Exp(bias + noise), as three scalars.
 class OrientationAid final : public Aid {
  public:
   OrientationAid(double std, const BiasModel& bias) : variance_(std * std), bias_(bias) {}

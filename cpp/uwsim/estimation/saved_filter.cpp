@@ -15,7 +15,7 @@ void exchange_sample(StateArchive& archive, LastSample& sample) {
   archive(sample.guessed_s);
 }
 
-/// Of the IMU, version 1 contains only the newest angular velocity; the rest starts with the next sample.
+/// The only IMU value in version 1 is the newest angular velocity; the other values are set by the next sample.
 void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t version) {
   archive(state.time_ns);
   exchange_numbers(archive, state.position_m);
@@ -37,7 +37,7 @@ void exchange_state(StateArchive& archive, FilterState& state, std::uint64_t ver
   archive(state.restarted_ns);
 }
 
-/// Inserts error `k`, of which only the variance is known.
+/// Inserts error `k`, with an estimated bias of 0 and this variance, uncorrelated with the other errors.
 void put_in(FilterState& state, int k, double variance) {
   const int after = state.errors() - k;
   const ErrorVector bias = state.aid_bias;
