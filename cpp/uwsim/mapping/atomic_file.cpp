@@ -56,7 +56,7 @@ fs::path real_target(const std::string& path) {
   return target;
 }
 
-/// The process ID distinguishes the files of concurrent programs; O_EXCL protects existing files.
+/// The process ID in the name keeps concurrent programs from using the same file; O_EXCL protects existing files.
 std::pair<int, fs::path> create_beside(const fs::path& target, const std::string& path) {
   for (int attempt = 0;; ++attempt) {
     std::ostringstream name;
@@ -68,7 +68,8 @@ std::pair<int, fs::path> create_beside(const fs::path& target, const std::string
   }
 }
 
-/// The temporary names of all files being written, and the process that writes each: a fork inherits its parent's list.
+/// The temporary names of all files being written, each with the process that writes it, because a forked child
+/// inherits its parent's list.
 struct Unfinished {
   std::mutex mutex;
   std::map<std::string, pid_t> writers;
@@ -80,8 +81,8 @@ Unfinished& unfinished() {
   return *all;
 }
 
-/// A rename is only durable after its folder has been flushed. On file systems without support for this, the attempt
-/// does no harm.
+/// Flushes the target's folder, because a rename is only durable after that. File systems that do not support this
+/// ignore it.
 void flush_folder(const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -37,7 +37,7 @@ class AtomicFile {
   std::uint64_t size_ = 0;
 };
 
-/// Removes the temporary files of all files being written, for a process that is about to end while other threads are
+/// Removes the temporary files of all files being written. For use when a process must end while other threads are
 /// writing.
 void remove_unfinished_files();
 

@@ -102,8 +102,8 @@ class Icp : public pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, doub
   }
 };
 
-/// The root mean square of the distances to the nearest points of the target, and the fraction of the points with a
-/// target point within reach.
+/// Returns the root mean square of the distances from the cloud's points to their nearest points in the target, over
+/// those within reach, and the fraction of the points that are within reach.
 std::pair<double, double> closeness(const Cloud& cloud, const Cloud::Ptr& target, double reach_m) {
   pcl::search::KdTree<pcl::PointXYZ> tree;
   tree.setInputCloud(target);
@@ -198,9 +198,10 @@ std::vector<float> voxel_grid(std::span<const float> points_m, double voxel_m) {
     high_m = high_m.max(point_m);
   }
   if (!(low_m <= high_m).all()) return {};
-  // PCL's float32 sums lose few digits relative to it
+  // The corner of the grid of cubes; relative to it, PCL's float32 sums lose few digits
   const Eigen::Array3d corner_m = (low_m / voxel_m).floor() * voxel_m;
-  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();  // plus two along each axis, for rounding
+  // With two extra cubes along each axis, to allow for rounding
+  const double voxels = ((high_m - corner_m) / voxel_m + 2.0).prod();
   require(voxels < std::numeric_limits<std::int32_t>::max(), "voxel_m", voxel_m,
           "too small for the cloud's box, which must have fewer than 2^31 voxels");
   pcl::VoxelGrid<pcl::PointXYZ> grid;
@@ -288,7 +289,7 @@ Registration register_cloud(std::span<const float> source_m, std::span<const flo
   require_finite_points(target_m, "target_m", 3);
   silence_pcl();
   const Eigen::Vector3d mean = mean_m(target_m);
-  // The frame `mean`: the target's frame, with its origin at the mean.
+  // The frame `mean` has the axes of the target's frame and its origin at the target's mean.
   Eigen::Matrix4d target_from_mean = Eigen::Matrix4d::Identity(), mean_from_target = target_from_mean;
   target_from_mean.topRightCorner<3, 1>() = mean;
   mean_from_target.topRightCorner<3, 1>() = -mean;

@@ -20,18 +20,18 @@ struct ScanGeometry {
   double range_max_m;
 };
 
-/// Returns the points of a scan in its own frame (base_scan: x forward, y left, z = 0), in beam order. Ranges are used
-/// if range_min <= range < range_max, as in laser_geometry; infinity and NaN are discarded.
+/// Returns the points of a scan in the scanner's frame (base_scan: x forward, y left, z = 0), in beam order. Ranges are
+/// used if range_min <= range < range_max, as in laser_geometry; infinity and NaN are discarded.
 std::vector<float> scan_to_points(std::span<const float> ranges_m, const ScanGeometry& geometry);
 
-/// target_from_source: a rigid transform. Returns as many points as it receives.
+/// Transforms points by target_from_source, a rigid transform. All points are returned, in order.
 std::vector<float> transform_points(std::span<const float> points_source_m, const Eigen::Matrix4d& target_from_source);
 
 /// Returns the points whose distance to the frame's origin is in [min_m, max_m].
 std::vector<float> filter_range(std::span<const float> points_m, double min_m, double max_m);
 
-/// Returns the points outside an axis-aligned box, whose faces count as inside. Removes the vehicle's own echoes from a
-/// cloud in the vehicle's frame.
+/// Returns the points outside an axis-aligned box; the box's faces count as inside. For example, it removes the
+/// vehicle's own echoes from a cloud in the vehicle's frame.
 std::vector<float> remove_box(std::span<const float> points_m, const Eigen::Vector3d& box_min_m,
                               const Eigen::Vector3d& box_max_m);
 
@@ -61,9 +61,9 @@ struct PlaneFit {
 /// same points produce the same plane. Throws InvalidValue if there is no such plane.
 PlaneFit ground_plane(std::span<const float> points_m, double distance_m, double max_slope_rad);
 
-/// rms_m: root mean square of the distances from the source's points to the nearest points of the target, over those
-/// within max_distance_m. overlap: the fraction of points within that distance. converged: whether the steps became
-/// negligible before the iterations were exhausted.
+/// The result of register_cloud. rms_m: root mean square of the distances from the source's points to the nearest
+/// points of the target, over the points for which this distance is at most max_distance_m. overlap: the fraction of
+/// such points. converged: whether the steps became negligible before the iterations were exhausted.
 struct Registration {
   Eigen::Matrix4d target_from_source;
   double rms_m;

@@ -7,11 +7,12 @@
 ///   L = log(p / (1 - p)),  p = 1 / (1 + exp(-L))                       L: log-odds, p: probability of being occupied
 ///   L <- max(clamping_min, min(clamping_max, L + hit or miss))         an unknown voxel starts from L = 0
 ///
-/// A voxel that a hit or a miss would only push further past its limit keeps its value (OctoMap's updateNode).
+/// If a voxel is already at or beyond a limit and a hit or a miss would only push it further, it keeps its value (as in
+/// OctoMap's updateNode).
 ///
-/// The vector kernels include this header, so its functions are `static` to prevent linking them from another file. The
-/// kernels' versions of clamped_sum() are called add_misses() and are in bricks/kernels/scan_kernels_avx2.cpp and
-/// scan_kernels_avx512.cpp.
+/// The functions are `static` because the vector kernels include this header: code compiled for one instruction set
+/// must not be linked into other files. The kernels have their own versions of clamped_sum(), called add_misses(), in
+/// bricks/kernels/scan_kernels_avx2.cpp and scan_kernels_avx512.cpp.
 namespace uwsim {
 
 /// An OccupancyModel (occupancy_model.h) in log-odds.

@@ -83,7 +83,7 @@ void MapChanges::note(const ChangedChunks& chunks) {
   pending_.codes.insert(chunks.codes.begin(), chunks.codes.end());
 }
 
-/// If all chunks may have changed, lists the known ones.
+/// If all chunks may have changed, lists those that contain known voxels.
 void MapChanges::list_pending(const MapEngine& engine, std::size_t most) {
   if (!pending_.all) return;
   std::uint64_t voxels = 0;

@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// Tracks which voxels became unknown, free or occupied since the last call. It stores the states that it has reported,
-/// which takes 2 kB per chunk, and 128 bytes for each brick whose voxels differ.
+/// Tracks which voxels became unknown, free or occupied since the last call. It stores the states that it has reported:
+/// 2 kB per chunk, plus 128 bytes for each brick whose voxels differ.
 class MapChanges {
  public:
   struct Changed {

@@ -11,7 +11,7 @@ bool is_on_lattice(const VoxelKey& corner, int levels) {
   return ((corner[0] | corner[1] | corner[2]) & mask) == 0;
 }
 
-/// Whether the last eight leaves are the equal eighths of one cube.
+/// Whether the last eight leaves are the eighths of one cube and have the same value.
 bool can_be_pruned(const std::vector<MapCube>& leaves) {
   if (leaves.size() < 8) return false;
   const MapCube& first = leaves[leaves.size() - 8];
@@ -19,7 +19,7 @@ bool can_be_pruned(const std::vector<MapCube>& leaves) {
   for (std::size_t i = leaves.size() - 7; i < leaves.size(); ++i) {
     if (leaves[i].levels != first.levels || leaves[i].log_odds != first.log_odds) return false;
   }
-  // In Morton order, the last eighth is in its position only if all are.
+  // Leaves are in Morton order, so if the last one is in the position of the last eighth, all are in their positions.
   return leaves.back().corner == child_corner(first.corner, 7, 1 << first.levels);
 }
 

@@ -16,15 +16,15 @@ struct MapCube {
 
 using CubeVisitor = std::function<void(const MapCube&)>;
 
-/// The leaves of OctoMap's pruned tree, in Morton order: eight equal leaves are merged into one, up to an eighth of the
-/// root's cube.
+/// Visits the leaves of OctoMap's pruned tree, in Morton order: eight equal leaves are merged into one, which is at
+/// most an eighth of the root's cube.
 void for_each_pruned_leaf(const MapEngine& engine, const CubeVisitor& visit);
 
-/// The cubes with an edge of 2^levels voxels that contain known voxels, in Morton order. Their log-odds are the maximum
-/// inside them, as in OctoMap's inner nodes.
+/// Visits the cubes with an edge of 2^levels voxels that contain known voxels, in Morton order. A cube's log-odds are
+/// the maximum of those inside it, as in OctoMap's inner nodes.
 void for_each_cell(const MapEngine& engine, int levels, const CubeVisitor& visit);
 
-/// The known voxels of a box, in Morton order.
+/// Visits the known voxels of a box, in Morton order.
 void for_each_voxel_in(const MapEngine& engine, const KeyBox& box, const CubeVisitor& visit);
 
 }  // namespace uwsim

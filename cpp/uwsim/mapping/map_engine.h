@@ -36,7 +36,8 @@ struct TreeBytes {
 /// One bit for each voxel of a chunk, in Morton order.
 using OccupiedWords = std::array<std::uint64_t, 4096>;
 
-/// The data structure behind an OccupancyMap. Callers validate the arguments, and call from one thread at a time.
+/// The data structure behind an OccupancyMap. Callers must validate the arguments and use an engine from only one
+/// thread at a time.
 class MapEngine {
  public:
   /// leaf(key, levels, log_odds): a cube with an edge of 2^levels voxels; `key` is the key of its lowest voxel.
@@ -53,11 +54,11 @@ class MapEngine {
   /// (log_odds.h). finish_adding() must follow the last call.
   virtual void add(const VoxelKey& corner, int levels, float log_odds) = 0;
   virtual void finish_adding() = 0;
-  /// Applies to later scans; existing voxels keep their values.
+  /// Sets the model for later scans; existing voxels keep their values.
   virtual void set_model(const OccupancyModel& model) = 0;
 
-  /// Returns the chunks that may have changed since the last call; all on the first call, after which changes are
-  /// recorded.
+  /// Returns the chunks that may have changed since the last call. The first call returns all chunks and starts the
+  /// recording of changes.
   virtual ChangedChunks take_changed() = 0;
 
   /// Returns the chunks that may contain occupied voxels; `all` if there are too many to list.
@@ -66,7 +67,7 @@ class MapEngine {
   virtual void occupied_in(std::uint32_t chunk, OccupiedWords& words) const = 0;
 
   virtual std::optional<float> log_odds_at(const VoxelKey& key) const = 0;
-  /// In Morton order. The engine determines how many equal voxels form one leaf.
+  /// Visits the leaves in Morton order. The engine determines how many equal voxels form one leaf.
   virtual void for_each_leaf(const LeafVisitor& leaf) const = 0;
   virtual VoxelCounts count() const {
     VoxelCounts voxels;
@@ -75,11 +76,11 @@ class MapEngine {
     });
     return voxels;
   }
-  /// The leaves that contain voxels of the box.
+  /// Visits the leaves that contain voxels of the box.
   virtual void for_each_leaf_in(const KeyBox& box, const LeafVisitor& leaf) const = 0;
-  /// The tree of an .ot: all log-odds, pruned; the value of an inner node is the maximum of its children.
+  /// The pruned tree of an .ot, with all log-odds; the value of an inner node is the maximum of its children.
   virtual TreeBytes full_tree() const = 0;
-  /// The tree of a .bt: voxels are occupied or free, as written by OctoMap's writeBinary.
+  /// The tree of a .bt, in which known voxels are either occupied or free, as written by OctoMap's writeBinary.
   virtual TreeBytes binary_tree() const = 0;
   /// Writes the file for either tree, including its header.
   virtual void write_tree(MapFormat format, AtomicFile& file) const = 0;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t kPiecesMax = 4'000'000'000;
 
-/// The largest number of levels for which cubes are still aligned after the shift.
+/// The largest number of levels whose cubes are still aligned after the shift.
 int whole_levels(const VoxelKey& shift) {
   const int all = shift[0] | shift[1] | shift[2];
   return all == 0 ? kTreeDepth : std::countr_zero(static_cast<unsigned>(all));

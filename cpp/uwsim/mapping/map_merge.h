@@ -7,8 +7,8 @@
 namespace uwsim {
 
 /// Adds the log-odds of another map to those of `into`, voxel by voxel: an unknown voxel counts as 0, and the sum is
-/// clamped to the limits of `into`. shift: voxels from the corner of `into` to that of the other map. If a part of the
-/// other map would lie outside the cube, or if splitting its large leaves would take minutes, throws InvalidValue
+/// clamped to the limits of `into`. shift: voxels from the corner of `into` to that of the other map. If part of the
+/// other map would lie outside OctoMap's cube, or if splitting its large leaves would take minutes, throws InvalidValue
 /// without changing anything.
 void merge(MapEngine& into, const MapEngine& other, const VoxelKey& shift);
 

@@ -9,7 +9,7 @@ namespace uwsim {
 
 enum class MapRayEnd : std::int8_t {
   unknown = -1,  ///< in an unknown voxel that the ray was not allowed to enter
-  free = 0,      ///< at its maximum range or at the cube's edge
+  free = 0,      ///< at the ray's maximum range or at the cube's edge
   hit = 1,       ///< in an occupied voxel
 };
 

@@ -4,8 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Morton codes: the bits of a key's coordinates interleaved, x lowest. An octree's children, and all their
-/// descendants, are in this order. The voxels of a cube with an edge of 2^n voxels have 8^n consecutive codes.
+/// Morton codes, which interleave the bits of a key's coordinates, x lowest. An octree visited child by child lists its
+/// voxels in the order of their codes. The voxels of an aligned cube with an edge of 2^n voxels have 8^n consecutive
+/// codes.
 namespace uwsim::morton {
 
 /// Moves bit i of `value` to bit 3 i.
@@ -40,7 +41,7 @@ constexpr std::array<int, 3> key(std::uint64_t code) {
   return {static_cast<int>(gather(code)), static_cast<int>(gather(code >> 1)), static_cast<int>(gather(code >> 2))};
 }
 
-/// A mask of `count` voxels, 1, 8 or 64, starting at code `first`, in a word of 64 voxels.
+/// A mask, in a word of 64 voxels, of the `count` voxels from code `first` on; `count` is 1, 8 or 64.
 constexpr std::uint64_t bits_in_word(std::uint64_t first, std::size_t count) {
   return (count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1) << (first & 63);
 }

@@ -25,7 +25,8 @@ void for_each_voxel(const VoxelKey& corner, int levels, const Visit& visit) {
   for (int i = 0; i < 8; ++i) for_each_voxel(child_corner(corner, i, 1 << (levels - 1)), levels - 1, visit);
 }
 
-/// Refuses a map before it uses memory: a file with a few bytes per chunk may need a thousand times its size.
+/// Refuses a map that is too large before memory is allocated: a file of a few bytes per chunk may need a thousand
+/// times its size in memory.
 void require_memory_for(const OctreeFile& file, std::string_view name, const MapOptions& options) {
   if (options.memory_limit_bytes > 0) return;
   constexpr double kChunkBytes = 2'200, kFullBrickBytes = 2'240, kOctomapNodeBytes = 100;
@@ -100,7 +101,8 @@ void OccupancyMap::Impl::for_each_voxel_that_is(bool occupied, const Visit& visi
       if (is_occupied(log_odds) == occupied) for_each_voxel(corner, levels, visit);
     });
   }
-  for (const std::uint32_t chunk : chunks.codes) {  // about ten times as fast, since most voxels are free
+  // About ten times as fast as visiting every leaf, since most voxels are free
+  for (const std::uint32_t chunk : chunks.codes) {
     OccupiedWords words{};
     engine->occupied_in(chunk, words);
     for (std::size_t word = 0; word < words.size(); ++word) {

@@ -19,13 +19,13 @@ class OcTree;
 
 namespace uwsim {
 
-/// The data structure of a map. Both produce the same bytes, .bt and .ot, from the same scans.
+/// The data structures available for a map. From the same scans, both produce the same bytes of .bt and .ot files.
 enum class MapEngineKind {
   octomap,  ///< Debian's octomap::OcTree and its insertPointCloud; the reference
-  bricks,   ///< uwsim's own, much faster; see bricks/README.md
+  bricks,   ///< uwsim's own engine, which is much faster; see bricks/README.md
 };
 
-/// How to treat points outside OctoMap's cube; if a scan's origin is outside, all its points count as outside.
+/// How to treat points outside OctoMap's cube. If a scan's origin is outside, all its points count as outside.
 enum class OnOutside {
   refuse,  ///< throw InvalidValue and insert nothing
   count,   ///< discard and count them: MapStatistics::outside_points
@@ -36,9 +36,9 @@ struct MapOptions {
   OccupancyModel model;
   InstructionSet instruction_set = InstructionSet::best;  ///< for the kernels of `bricks`; does not affect the bytes
   OnOutside on_outside = OnOutside::refuse;
-  /// The memory that the voxels may take, excluding one batch of scans and unused reserves. The least recently used
-  /// parts of the map are moved to an unnamed file in `spill_folder` (empty: the system's), and restored when they are
-  /// needed. 0: no limit. Only for engine `bricks`.
+  /// The memory that the voxels may take, excluding one batch of scans and unused reserves; 0 for no limit. The least
+  /// recently used parts of the map are moved to an unnamed file in `spill_folder` (if empty, the system's folder for
+  /// temporary files), and restored when they are needed. Only for engine `bricks`.
   std::size_t memory_limit_bytes = 0;
   std::string spill_folder = {};
 };
@@ -46,8 +46,9 @@ struct MapOptions {
 struct MapStatistics {
   std::uint64_t occupied_voxels;  ///< at the finest level: a pruned leaf counts as many voxels as it covers
   std::uint64_t free_voxels;
-  std::size_t nodes;             ///< of the pruned tree
-  std::size_t memory_bytes;      ///< octomap: as it reports, excluding the allocator's overhead; bricks: everything
+  std::size_t nodes;  ///< of the pruned tree
+  /// Octomap: as OctoMap reports it, excluding the allocator's overhead; bricks: all memory of the map
+  std::size_t memory_bytes;
   std::uint64_t outside_points;  ///< discarded so far, with OnOutside::count
   std::uint64_t evictions;       ///< number of times that a part of the map has been evicted from memory
 };
@@ -63,10 +64,10 @@ struct MapCubes {
 /// model (log_odds.h).
 ///
 /// OctoMap's cube extends 2^15 voxels from its origin along each axis (+-6.5 km at 0.2 m). `origin_world_m` moves that
-/// origin to the survey area: the tree and its files store world minus origin, and the caller must keep track of the
-/// origin. Points are rounded to float32 in the tree's frame.
+/// origin to the survey area. The tree and its files store positions relative to the origin but not the origin itself,
+/// so the caller must keep track of it. Points are rounded to float32 in the tree's frame.
 ///
-/// The bytes of a map depend only on the scans and their order, not on queries or files written in between.
+/// The bytes of a map depend only on the scans and their order, not on queries made or files written in between.
 /// Thread-safe: concurrent calls are serialised.
 class OccupancyMap {
  public:
@@ -113,15 +114,17 @@ class OccupancyMap {
 
   // Defined in occupancy_map_queries.cpp:
 
-  /// For each point: 1 occupied, 0 free, -1 unknown or outside the cube. Throws InvalidValue for non-finite points.
+  /// The state of the voxel at each point: 1 occupied, 0 free, -1 unknown or outside the cube. Throws InvalidValue for
+  /// non-finite points.
   std::vector<std::int8_t> state_at(std::span<const double> points_world_m) const;
-  /// Log-odds of being occupied; NaN where state_at() is -1.
+  /// The log-odds of being occupied at each point; NaN where state_at() is -1.
   std::vector<float> log_odds_at(std::span<const double> points_world_m) const;
 
   /// The leaves of the pruned tree, in Morton order.
   MapCubes leaves() const;
-  /// The cubes at a depth of the tree, 1 to 16 (the finest), that contain known voxels, in Morton order. Their log-odds
-  /// are the maximum inside them, as in OctoMap's inner nodes. Throws InvalidValue if there are more than 100 million.
+  /// The cubes at a given depth of the tree, from 1 to 16 (the finest), that contain known voxels, in Morton order. A
+  /// cube's log-odds are the maximum of those inside it, as in OctoMap's inner nodes. Throws InvalidValue if there are
+  /// more than 100 million.
   MapCubes cells(int depth) const;
   /// The known voxels at the finest level whose centres lie in a box, including its faces, in Morton order. Throws
   /// InvalidValue if there are more than 100 million.
@@ -156,12 +159,12 @@ class OccupancyMap {
 
   /// Adds another map's log-odds, voxel by voxel: an unknown voxel counts as 0, and the sum is clamped to this map's
   /// limits. The other map's origin must be a whole number of voxels from this map's along each axis. If it is not, or
-  /// if the other map has a different resolution, is this map or extends outside the cube, throws InvalidValue without
-  /// changing anything.
+  /// if the other map has a different resolution, is this map itself, or extends outside the cube, throws
+  /// InvalidValue without changing anything.
   void merge(const OccupancyMap& other);
 
   OccupancyModel model() const;
-  /// Applies to later scans; a voxel keeps its value until a scan changes it. Throws InvalidValue.
+  /// Sets the sensor model for later scans; a voxel keeps its value until a scan changes it. Throws InvalidValue.
   void set_model(const OccupancyModel& model);
 
   /// Returns the bytes of a file. The map does not change: writing a .bt during a survey does not reset the log-odds to

@@ -59,7 +59,7 @@ struct OccupancyMap::Impl {
     return (corner[axis] - kHalfExtent + 0.5 * (1 << levels)) * resolution_m + origin_world_m[Eigen::Index(axis)];
   }
 
-  /// Records changes in both lists since either was last read.
+  /// Passes the chunks that may have changed to both lists of changes. Must be called before either list is read.
   void note_changes() {
     const ChangedChunks latest = engine->take_changed();
     changes.note(latest);

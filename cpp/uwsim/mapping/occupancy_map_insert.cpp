@@ -10,7 +10,8 @@ namespace {
 
 /// OctoMap collects a ray's keys in a buffer of 100,000 and aborts the process when it is full.
 constexpr double kRayStepsMax = 99'990;
-constexpr double kMaxRangeMin_m = 1e-9;  // below the resolution of floats, OctoMap's walk may not terminate
+// Below this, OctoMap's walk might not terminate, because floats cannot resolve the range
+constexpr double kMaxRangeMin_m = 1e-9;
 constexpr int kThreadsMax = 1024;
 
 /// The maximum range in OctoMap's convention: negative for no limit.
@@ -22,8 +23,8 @@ double octomap_range_m(double max_range_m) {
 
 }  // namespace
 
-/// Throws unless every point can be inserted: the point must lie inside the cube, and its ray must not be too long for
-/// OctoMap. Checks the box around the points first, and individual points only if the box is too large.
+/// Throws unless every point lies inside the cube and no ray is too long for OctoMap. Checks the box around the points
+/// first, and individual points only if the box is too large.
 void OccupancyMap::Impl::check_points(const Scan& scan, double max_range_m) const {
   float lowest[3], highest[3];
   for (int axis = 0; axis < 3; ++axis) lowest[axis] = highest[axis] = scan.origin_m[axis] + float(origin_world_m[axis]);

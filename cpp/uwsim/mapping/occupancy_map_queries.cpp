@@ -13,7 +13,7 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kListedMax = 100'000'000;
-/// How far the distance between two maps' origins may deviate from a whole number of voxels, in voxels.
+/// The tolerance, in voxels, for the distance between two maps' origins to be a whole number of voxels.
 constexpr double kShiftTolerance = 1e-6;
 
 void require_points(std::span<const double> points, const char* path) {
@@ -21,7 +21,7 @@ void require_points(std::span<const double> points, const char* path) {
   for (const double x : points) require(std::isfinite(x), path, x, "must be finite");
 }
 
-/// Returns the direction unchanged unless OctoMap could not compute its length; in that case, normalised, so that its
+/// Returns the direction unchanged if OctoMap can compute its length. Otherwise, returns it normalised, so that its
 /// squares stay within the range of a float.
 Eigen::Vector3f float_direction(const Eigen::Vector3d& direction) {
   const double length = direction.stableNorm();
@@ -113,7 +113,8 @@ MapCubes OccupancyMap::voxels_in(const Eigen::Vector3d& low_world_m, const Eigen
     const double low = low_world_m[axis], high = high_world_m[axis], origin = impl_->origin_world_m[axis];
     require(!std::isnan(low) && !std::isnan(high) && low <= high, "box", low,
             "the low corner must not be above the high one, nor NaN");
-    // One extra voxel at either end to allow for rounding; the test below decides which centres lie in the box.
+    // Includes one extra voxel at either end, to allow for rounding; the test below decides which centres lie in the
+    // box.
     const auto key = [&](double at) {
       return std::clamp(impl_->cell(at - origin), -kHalfExtent - 1.0, kHalfExtent + 1.0);
     };

@@ -10,8 +10,8 @@
 namespace uwsim {
 
 /// Tracks which voxels became occupied, or are no longer occupied, since the last call. Free water, which accounts for
-/// most changes by scans, costs nothing: only 12 bytes are stored for each 4 x 4 x 4 voxels that contain an occupied
-/// one.
+/// most of the changes that scans cause, takes no memory: 12 bytes are stored for each cube of 4 x 4 x 4 voxels that
+/// contains an occupied voxel, and nothing for other cubes.
 class OccupiedChanges {
  public:
   struct Changed {
@@ -26,7 +26,7 @@ class OccupiedChanges {
   std::vector<Changed> take(const MapEngine& engine, std::size_t most);
 
  private:
-  /// The nonzero words of a chunk, of 64 voxels each, in Morton order.
+  /// The nonzero words of a chunk, each with 64 voxels, in Morton order.
   using Words = std::vector<std::pair<std::uint16_t, std::uint64_t>>;
 
   ChangedChunks pending_{true, {}};

@@ -11,7 +11,8 @@
 #include "uwsim/mapping/morton.h"
 #include "uwsim/mapping/quiet_stderr.h"
 
-// The tree's code is Debian's, linked from its static libraries; compiled here, it might produce a different tree.
+// These keep the tree's code from being compiled here, which might produce a different tree; it is linked from Debian's
+// static libraries instead.
 extern template class octomap::OcTreeDataNode<float>;
 extern template class octomap::OcTreeBaseImpl<octomap::OcTreeNode, octomap::AbstractOccupancyOcTree>;
 extern template class octomap::OccupancyOcTreeBase<octomap::OcTreeNode>;
@@ -21,7 +22,8 @@ namespace {
 
 using octomap::OcTreeNode;
 
-/// Access to protected members. OctoMap's own accessors and iterators are not in Debian's static libraries.
+/// Provides access to protected members, because OctoMap's own accessors and iterators are not in Debian's static
+/// libraries.
 struct Children : OcTreeNode {
   static const OcTreeNode* at(const OcTreeNode& node, int child) {
     octomap::AbstractOcTreeNode** all = node.*(&Children::children);
@@ -30,7 +32,7 @@ struct Children : OcTreeNode {
   static bool none(const OcTreeNode& node) { return node.*(&Children::children) == nullptr; }
 };
 struct Root : octomap::OcTree {
-  /// Null in an empty tree.
+  /// The root of a tree; null if the tree is empty.
   static OcTreeNode* of(const octomap::OcTree& tree) { return tree.*(&Root::root); }
   static void make(octomap::OcTree& tree) {
     tree.*(&Root::root) = new OcTreeNode();
@@ -195,7 +197,7 @@ class OctomapEngine : public MapEngine {
 
   TreeBytes full_tree() const override { return full_data(tree_); }
 
-  /// Does the same as writeBinary, but on a copy: the tree keeps its log-odds.
+  /// Does the same as writeBinary, but on a copy, so that the tree keeps its log-odds.
   TreeBytes binary_tree() const override { return Root::of(tree_) ? binary_data(*likely_copy()) : TreeBytes{}; }
 
   void write_tree(MapFormat format, AtomicFile& file) const override {

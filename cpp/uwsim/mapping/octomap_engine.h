@@ -10,8 +10,8 @@ class OcTree;
 
 namespace uwsim {
 
-/// The reference: Debian's octomap::OcTree, whose insertPointCloud inserts the scans (eagerly: inner nodes are updated
-/// and pruned after every voxel). Scans are passed directly to the tree.
+/// Creates the reference engine, which is Debian's octomap::OcTree. Scans are passed directly to its insertPointCloud,
+/// with eager evaluation: inner nodes are updated and pruned after every voxel.
 std::unique_ptr<MapEngine> make_octomap_engine(double resolution_m, const Eigen::Vector3d& tree_origin_world_m,
                                                const OccupancyModel& model);
 
@@ -19,7 +19,7 @@ std::unique_ptr<MapEngine> make_octomap_engine(double resolution_m, const Eigen:
 std::shared_ptr<octomap::OcTree> octree_of(const TreeBytes& full_tree, double resolution_m,
                                            const OccupancyModel& model);
 
-/// The tree of a .bt, as read and written again by an octomap::OcTree.
+/// Returns the tree of a .bt after an octomap::OcTree has read it and written it again.
 TreeBytes written_by_octomap(const TreeBytes& binary_tree, double resolution_m, const OccupancyModel& model);
 
 }  // namespace uwsim

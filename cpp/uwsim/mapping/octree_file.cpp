@@ -16,7 +16,7 @@ constexpr std::string_view kFullTitle = "# Octomap OcTree file";
   throw InvalidValue("map '" + std::string(name) + "': " + rule);
 }
 
-/// Text from a file, made printable on one line of a message.
+/// Makes text from a file printable on one line of a message.
 std::string quoted(std::string_view text) {
   std::string out = "'";
   for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
@@ -79,8 +79,8 @@ class TreeCheck {
  public:
   TreeCheck(std::string_view bytes, std::size_t at, std::string_view name) : bytes_(bytes), at_(at), name_(name) {}
 
-  /// Visits an inner node of a .bt that has already been counted. There must be a level below it, and another below its
-  /// inner children.
+  /// Visits an inner node of a .bt that has already been counted. The tree must have a level below the node, and
+  /// another one below its inner children.
   void binary_node(int depth) {
     const auto codes = take<std::uint16_t>();
     ++inner_nodes[static_cast<std::size_t>(depth)];

@@ -8,11 +8,11 @@
 
 #include "uwsim/mapping/voxel_key.h"
 
-/// OctoMap's two file formats, without OctoMap: a few header lines, then the tree in preorder.
+/// Checks OctoMap's two file formats without using OctoMap. Both have a few header lines, then the tree in preorder.
 ///   .bt  the most likely values: two bytes per inner node, two bits per child: 0 unknown, 1 free, 2 occupied, 3 inner.
 ///   .ot  all log-odds: a float32 of log-odds and a byte of child flags per node, including leaves.
-/// OctoMap's own reader trusts the file: it recurses as deep as the file demands, and prints instead of throwing. Every
-/// file is therefore checked here first.
+/// OctoMap's own reader trusts the file: it recurses as deep as the file demands, and prints errors instead of
+/// throwing. Every file is therefore checked here first.
 namespace uwsim {
 
 enum class MapFormat { bt, ot };

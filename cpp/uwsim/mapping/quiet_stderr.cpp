@@ -17,7 +17,8 @@ ssize_t write_unless_quiet(void*, const char* text, size_t size) {
   return quiet > 0 ? static_cast<ssize_t>(size) : ::write(STDERR_FILENO, text, size);
 }
 
-/// Replaces stderr, which is a variable in glibc. Never closed, since another thread may be about to print to it.
+/// Returns a stream that replaces stderr, which is a variable in glibc. The stream is never closed, since another
+/// thread may be about to print to it.
 FILE* filter() {
   static FILE* const stream = [] {
     cookie_io_functions_t functions{};

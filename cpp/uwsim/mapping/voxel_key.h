@@ -8,7 +8,7 @@ namespace uwsim {
 
 /// OctoMap's tree has 16 levels below its root, so a voxel's key has 16 bits per axis.
 inline constexpr int kTreeDepth = 16;
-/// Distance from the centre of OctoMap's cube, which is the tree's origin, to its faces, in voxels.
+/// Distance in voxels from the centre of OctoMap's cube, which is the tree's origin, to the cube's faces.
 inline constexpr int kHalfExtent = 1 << (kTreeDepth - 1);
 
 /// A voxel's position in OctoMap's cube: the number of voxels from the cube's corner along each axis, 0 to 65,535. A

@@ -15,15 +15,17 @@ namespace uwsim::bricks {
 ///   |  for the scan's chunks      |      Morton order of the voxel in its chunk: z y x z y x ... (18 bits)
 ///
 /// Chunks are numbered from the first one that the scan reaches. A step to the next voxel along an axis adds one to the
-/// bits of that axis, axis_mask, skipping the others. Addresses of a scan that needs more than kTableBits do not fit
-/// the bitmap; instead, they are the Morton codes of the voxels' keys (48 bits), and voxels are marked in a hash table.
+/// bits of that axis (axis_mask), skipping all other bits. A scan whose addresses would need more than kTableBits does
+/// not fit the bitmap: its addresses are instead the Morton codes of the voxels' keys (48 bits), and its voxels are
+/// marked in a hash table.
 struct AddressLayout {
   static constexpr int kChunkBits = 18;
-  static constexpr int kTableBits = 32;  ///< two tables of 512 MB of address space; only used pages take memory
+  /// Two tables of 512 MB of address space each; only the pages that are used take memory
+  static constexpr int kTableBits = 32;
 
   using Key = std::array<std::uint32_t, 3>;
 
-  /// For `count` rays from `origin`. The keys of their ends are given as three columns: end_key[axis][i].
+  /// Creates the layout for `count` rays from `origin`; ray i ends at the voxel with the key end_key[axis][i].
   AddressLayout(const Key& origin, const std::uint16_t* const* end_key, std::size_t count);
 
   std::uint64_t address(const Key& key) const {

@@ -11,7 +11,7 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr std::uint32_t kIndices = 1u << 31;
-/// Allocated before the first huge page, so that a small map uses little memory.
+/// The number of bytes allocated before the first huge page, so that a small map uses little memory.
 constexpr std::size_t kSmallBytes = 256 << 10;
 
 /// Segments of destroyed arenas are kept, up to this much address space, because their pages are already present.

@@ -8,9 +8,9 @@
 
 namespace uwsim::bricks {
 
-/// Elements of one size, identified by index. They never move, and new ones are uninitialised. Only one thread at a
-/// time may allocate; any number of threads may look elements up. When an arena is destroyed, some of its memory is
-/// kept for the next one.
+/// Storage for elements of one size, identified by index. Elements never move, and new elements are uninitialised. Only
+/// one thread at a time may allocate; any number of threads may look elements up. When an arena is destroyed, some of
+/// its memory is kept for the next arena.
 class Arena {
  public:
   /// Segments contain 2^segment_bits elements each.

@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The smallest parts of the map's storage. They are plain structs, used by the kernels of every instruction set.
+/// The smallest parts of the map's storage, as plain structs that the kernels of every instruction set can use.
 namespace uwsim::bricks {
 
 /// The index that means "no brick" or "no block".
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
 /// 8 x 8 x 8 voxels in Morton order. Word w covers the 4 x 4 x 4 voxels 64 w to 64 w + 63, whose log-odds are in one
-/// block. A word needs no block while all of its known voxels are exactly at clamping_min, which is true of most of the
-/// water in a survey.
+/// block. A word needs no block while all of its known voxels are exactly at clamping_min, as most of the water in a
+/// survey is.
 struct alignas(64) Brick {
   std::uint64_t known[8];
   std::uint64_t at_min[8];  ///< known and at or below clamping_min: unaffected by misses

@@ -18,7 +18,7 @@ BrickAllocator::~BrickAllocator() {
   try {
     store_.spare_bricks_.insert(store_.spare_bricks_.end(), free_bricks_.begin(), free_bricks_.end());
     store_.spare_blocks_.insert(store_.spare_blocks_.end(), pool_.free, pool_.free + pool_.free_count);
-  } catch (const std::bad_alloc&) {  // they are never reused
+  } catch (const std::bad_alloc&) {  // then these are never reused
   }
 }
 

@@ -18,11 +18,12 @@ class BrickAllocator {
   BrickAllocator(const BrickAllocator&) = delete;
   BrickAllocator& operator=(const BrickAllocator&) = delete;
 
-  /// A pool with at least `at_least` free blocks, and room for returning as many.
+  /// Returns a pool with at least `at_least` free blocks, and with room for returning the same number of blocks.
   BlockPool& blocks(std::size_t at_least);
-  /// The brick of a slot, for writing; created if the slot is kNone or uniform.
+  /// Returns the brick of a slot, for writing; creates it if the slot is kNone or uniform.
   Brick& writable(std::uint32_t& slot);
-  /// The block of a word, for writing. In a new block, known voxels are `known_log_odds` and unknown ones 0.
+  /// Returns the block of a word, for writing. A new block contains `known_log_odds` for known voxels and 0 for unknown
+  /// ones.
   float* writable_block(Brick& brick, int word, float known_log_odds);
   /// If all voxels of a slot's brick are known and at clamping_min, frees the brick and makes the slot uniform.
   void compact(std::uint32_t& slot);

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-/// The largest map that is written through OctoMap; during writing, each of its nodes takes about 90 bytes.
+/// The largest map that is written by OctoMap, whose tree takes about 90 bytes per node while it is being written.
 constexpr std::uint64_t kMostOctomapNodes = 30'000'000;
 
 class BrickEngine : public MapEngine {
@@ -112,8 +112,8 @@ class BrickEngine : public MapEngine {
   std::uint64_t evictions() const override { return store_.evictions(); }
 
  private:
-  /// Whether octomap::OcTree writes the .bt. This engine writes it directly if the map has a memory limit or if
-  /// OctoMap's tree would take gigabytes. The bytes are the same.
+  /// Whether octomap::OcTree writes the .bt. This engine writes it itself, with the same bytes, if the map has a memory
+  /// limit or if OctoMap's tree would take gigabytes.
   bool is_written_by_octomap(const TreeBytes& tree) const {
     return !store_.is_limited() && tree.nodes <= kMostOctomapNodes;
   }

@@ -11,42 +11,43 @@ namespace uwsim {
 class AtomicFile;
 }
 
-/// A store of bricks viewed as OctoMap's octree: lists leaves, and writes and reads OctoMap's files. Inner nodes and
-/// pruned leaves are computed on the fly and never stored.
+/// Functions that treat a store of bricks as OctoMap's octree: they list its leaves, and write and read OctoMap's
+/// files. Inner nodes and pruned leaves are computed on the fly and never stored.
 namespace uwsim::bricks {
 
 // Defined in brick_octree_leaves.cpp:
 
-/// In Morton order.
+/// Visits the leaves in Morton order.
 void for_each_leaf(const BrickStore& store, const MapEngine::LeafVisitor& leaf);
 
-/// The leaves that contain voxels of the box.
+/// Visits the leaves that contain voxels of the box.
 void for_each_leaf_in(const BrickStore& store, const KeyBox& box, const MapEngine::LeafVisitor& leaf);
 
-/// The numbers of voxels; nullopt if counting would have to iterate over large leaves.
+/// Returns the numbers of voxels, or nullopt if counting them would require iterating over large leaves.
 std::optional<VoxelCounts> count_voxels(const BrickStore& store);
 
-/// Sets the bits of a chunk's occupied voxels, in Morton order.
+/// Sets the bits of a chunk's occupied voxels; bits are in Morton order.
 void occupied_in(const BrickStore& store, std::uint32_t chunk, OccupiedWords& words);
 
 // Defined in brick_octree_write.cpp:
 
-/// The tree that OctoMap would have after the same scans, as an .ot: eight equal leaves are pruned to one, and an inner
-/// node holds the maximum of its children.
+/// Returns, as the body of an .ot, the tree that OctoMap would have after the same scans: eight equal leaves are pruned
+/// to one, and an inner node holds the maximum of its children.
 TreeBytes full_tree(const BrickStore& store);
 std::uint64_t count_nodes(const BrickStore& store);
 
-/// The same tree after OctoMap's toMaxLikelihood and prune. OctoMap's prune proceeds level by level upwards and stops
-/// at the first level where it prunes nothing, even if nodes above could be pruned; this shape reproduces that.
+/// The shape of the same tree after OctoMap's toMaxLikelihood and prune. OctoMap's prune proceeds upwards, level by
+/// level, and stops at the first level where it prunes nothing, even if nodes above could be pruned; this shape
+/// reproduces that behaviour.
 struct LikelyShape {
   int pruned_levels;
   std::uint64_t nodes;
 };
 LikelyShape likely_shape(const BrickStore& store);
-/// The tree in that shape as a .bt, identical to what octomap::OcTree writes.
+/// Returns the tree in that shape as the body of a .bt, identical to what octomap::OcTree writes.
 TreeBytes binary_tree(const BrickStore& store);
 
-/// Write the whole file chunk by chunk, so that the memory needed does not depend on the size of the map.
+/// These write a whole file chunk by chunk, so that the memory needed does not depend on the size of the map.
 void write_full_tree(const BrickStore& store, double resolution_m, AtomicFile& file);
 void write_binary_tree(const BrickStore& store, const LikelyShape& shape, double resolution_m, AtomicFile& file);
 

@@ -8,8 +8,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Reads the nodes of a tree in preorder. levels: the node's cube has an edge of 2^levels voxels; code: of its lowest
-/// voxel.
+/// Reads the nodes of a tree in preorder. A node's cube has an edge of 2^levels voxels; `code` is the Morton code of
+/// the cube's lowest voxel.
 class OctreeReader {
  public:
   OctreeReader(BrickStore& store, std::string_view body) : store_(store), allocator_(store), body_(body) {}

@@ -23,18 +23,18 @@ class OctreeWalk {
   using Result = decltype(std::declval<Visitor&>().unknown());
 
   OctreeWalk(const BrickStore& store, Visitor& visitor) : OctreeWalk(store, visitor, store.sorted_chunks()) {}
-  /// Walks only these chunks, which must be in Morton order.
+  /// Walks only the given chunks, which must be in Morton order.
   OctreeWalk(const BrickStore& store, Visitor& visitor, std::vector<BrickStore::ChunkRef> chunks)
       : store_(store), visitor_(visitor), chunks_(std::move(chunks)) {}
 
   Result run() { return walk_chunks(kTreeDepth, 0, std::span(chunks_), std::span(store_.large_leaves()), nullptr); }
 
  private:
-  /// Returns true only if the voxels of a cube are equal; not every such cube is detected. levels: 1 or 2.
+  /// Returns true only if the voxels of a cube are equal, but does not detect every such cube. levels: 1 or 2.
   bool are_equal(const Brick& brick, int first, int levels) const {
     const std::uint32_t block = brick.block[first >> 6];
     if (block == kNone) return true;  // all at clamping_min
-    if (levels == 2) return false;    // detected by its eighths
+    if (levels == 2) return false;    // the walk detects it from its eighths
     const float* const log_odds = store_.block(block) + (first & 63);
     bool equal = true;
     for (int i = 1; i < 8; ++i) equal &= log_odds[i] == log_odds[0];
@@ -44,8 +44,8 @@ class OctreeWalk {
   using Chunks = std::span<const BrickStore::ChunkRef>;
   using Leaves = std::span<const BrickStore::LargeLeaf>;
 
-  /// A cube of one or more chunks. `chunks`, `leaves`: those inside the cube. `cover`: the large leaf that contains it,
-  /// or null.
+  /// Walks a cube of one or more chunks. `chunks` and `leaves` are those inside the cube; `cover` is the large leaf
+  /// that contains the cube, or null.
   Result walk_chunks(int levels, std::uint32_t code, Chunks chunks, Leaves leaves, const BrickStore::LargeLeaf* cover) {
     if (leaves.size() == 1 && leaves[0].levels == levels) {
       cover = &leaves[0];
@@ -61,7 +61,7 @@ class OctreeWalk {
     return visitor_.inner(levels, std::uint64_t{code} << 18, [&](unsigned child) {
       const std::uint32_t first = code + (child << (3 * (levels - 7)));
       const std::uint64_t end = std::uint64_t{first} + (std::uint64_t{1} << (3 * (levels - 7)));
-      // The visitor may have skipped children before this one.
+      // The visitor may have skipped earlier children.
       while (!chunks.empty() && chunks[0].first < first) chunks = chunks.subspan(1);
       while (!leaves.empty() && leaves[0].code < first) leaves = leaves.subspan(1);
       std::size_t chunks_inside = 0, leaves_inside = 0;
@@ -75,7 +75,7 @@ class OctreeWalk {
     });
   }
 
-  /// A cube of one or more bricks. `first`: its first slot.
+  /// Walks a cube of one or more bricks. `first`: the cube's first slot.
   Result walk_bricks(int levels, std::uint64_t code, const BrickStore::Chunk& chunk, std::size_t first) {
     if (levels == 3) {
       const std::uint32_t slot = chunk.bricks[first];
@@ -89,7 +89,7 @@ class OctreeWalk {
     });
   }
 
-  /// A cube of one or more voxels. `first`: its first voxel.
+  /// Walks a cube of one or more voxels. `first`: the cube's first voxel.
   Result walk_voxels(int levels, std::uint64_t code, const Brick& brick, int first) {
     if (levels == 0) {
       if (!(brick.known[first >> 6] >> (first & 63) & 1)) return visitor_.unknown();

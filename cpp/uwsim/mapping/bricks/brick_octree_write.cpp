@@ -11,14 +11,14 @@ namespace uwsim::bricks {
 namespace {
 
 /// Writes nodes in preorder in one of OctoMap's formats (octree_file.h), or only counts them. A node precedes its
-/// children, but its bytes depend on them: they are overwritten when the children are complete, or, if all children are
-/// equal, the children are removed again.
+/// children in the file, but its bytes depend on theirs. The node's bytes are therefore overwritten when its children
+/// are complete or, if all children are equal, the children are removed again.
 class OctreeWriter {
  public:
   struct Node {
     bool exists = false;
     bool is_leaf = false;
-    bool is_inserted_leaf = false;  ///< whether it was a leaf before values were replaced by the most likely ones
+    bool is_inserted_leaf = false;  ///< whether the node was a leaf before values were replaced by the most likely ones
     float log_odds = 0;
     float written = 0;  ///< log_odds, or the most likely value
   };
@@ -26,8 +26,8 @@ class OctreeWriter {
 
   /// Writes all log-odds, as an .ot. buffer: null to count only.
   explicit OctreeWriter(OctreeBuffer* buffer) : buffer_(buffer) {}
-  /// Writes the most likely values, which makes more leaves equal. These are pruned up to `pruned_levels` above the
-  /// voxels.
+  /// Writes the most likely values, which makes more leaves equal. Equal leaves are pruned up to `pruned_levels` above
+  /// the voxels.
   OctreeWriter(OctreeBuffer* buffer, MapFormat format, const OccupancyLogOdds& model, int pruned_levels)
       : buffer_(buffer),
         is_binary_(format == MapFormat::bt),
@@ -122,7 +122,7 @@ OctreeWriter write(const BrickStore& store, OctreeWriter writer) {
   return writer;
 }
 
-/// Derives the shape from a writer that has pruned all levels.
+/// Derives the shape from the counts of `all`, a writer that has pruned all levels.
 LikelyShape shape_by(const OctreeWriter& all) {
   const auto newly_equal = [&](int levels) { return all.newly_equal[static_cast<std::size_t>(levels)]; };
   LikelyShape shape{0, all.nodes};

@@ -26,7 +26,8 @@ const BrickStore::Chunk* BrickStore::find_chunk(std::uint32_t code) const {
   const auto found = chunks_.find(code);
   if (found != chunks_.end()) return found->second.get();
   if (!spill_ || !spill_->saved.contains(code)) return nullptr;
-  BrickStore& self = const_cast<BrickStore&>(*this);  // callers cannot observe where a chunk is stored
+  // Const is kept in effect: callers cannot observe where a chunk is stored
+  BrickStore& self = const_cast<BrickStore&>(*this);
   self.evict_excess();
   Chunk* const chunk = self.restore(code);
   chunk->last_use = ++spill_->clock;
@@ -123,8 +124,8 @@ void BrickStore::set_model(const OccupancyLogOdds& model) {
   }
 }
 
-/// Adapts a chunk to a new clamping_min. old_slot: the new slot of uniform bricks at the old value; known_slot: the
-/// previous slot of uniform bricks at the new value, or kNone.
+/// Adapts a chunk to a new clamping_min. old_slot: the new slot for uniform bricks whose value is the old clamping_min.
+/// known_slot: the previous slot for uniform bricks whose value is the new clamping_min, or kNone.
 void BrickStore::move_clamping_min(Chunk& chunk, std::uint32_t old_slot, std::uint32_t known_slot, float old_min) {
   BrickAllocator allocator(*this);
   for (std::uint32_t& slot : chunk.bricks) {

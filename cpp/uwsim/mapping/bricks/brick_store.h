@@ -21,8 +21,8 @@ namespace uwsim::bricks {
 struct ChunkSpill;
 
 /// The voxels of a map: chunks of 8 x 8 x 8 bricks of 8 x 8 x 8 voxels, found in a hash table. A brick whose voxels are
-/// all known and equal is stored as a single value, as is a leaf from a file that is larger than a chunk. README.md
-/// shows the levels.
+/// all known and equal is stored as a single value, and so is a leaf, read from a file, that is larger than a chunk.
+/// README.md shows the levels.
 class BrickStore {
  public:
   /// 512 slots in Morton order. A slot is kNone (all voxels unknown), kUniform + the index of a value (all known and
@@ -35,14 +35,14 @@ class BrickStore {
   static constexpr std::uint32_t kUniform = 0x80000000;
   static constexpr std::uint32_t kUniformAtMin = kUniform;  ///< the first value is always clamping_min
 
-  /// A chunk's code, which is the Morton code of its first voxel without the lowest 18 bits, and the chunk; null if the
-  /// chunk is only in the spill file.
+  /// A chunk's code (the Morton code of its first voxel without the lowest 18 bits) and a pointer to the chunk, which
+  /// is null if the chunk is only in the spill file.
   using ChunkRef = std::pair<std::uint32_t, const Chunk*>;
 
   /// A cube of 2^levels voxels that are all known and equal.
   struct LargeLeaf {
     std::uint32_t code;  ///< of the leaf's first chunk
-    int levels;          ///< greater than a chunk's 6
+    int levels;          ///< more than 6, the number of levels of a chunk
     float log_odds;
   };
 
@@ -50,22 +50,23 @@ class BrickStore {
   ~BrickStore();
 
   const OccupancyLogOdds& model() const { return model_; }
-  /// Applies to later scans; existing voxels keep their values.
+  /// Sets the model for later scans; existing voxels keep their values.
   void set_model(const OccupancyLogOdds& model);
 
   // Memory; defined in chunk_spill.cpp:
 
-  /// Keeps the memory of the chunks near `bytes`: the least recently used chunks are moved to a file in `folder`
-  /// (empty: the system's) and restored when they are needed. Throws FileError.
+  /// Keeps the memory of the chunks near `bytes`: the least recently used chunks are moved to a file in `folder` (if
+  /// empty, the system's folder for temporary files) and restored when they are needed. Throws FileError.
   void limit_memory(std::size_t bytes, const std::string& folder);
   bool is_limited() const { return spill_ != nullptr; }
-  /// Evicts chunks if there are too many, which invalidates pointers from find_chunk() and writable_chunk(). Chunks
-  /// stay in memory if the file cannot be written.
+  /// Evicts chunks if too many are in memory. This invalidates pointers from find_chunk() and writable_chunk(). If the
+  /// file cannot be written, chunks stay in memory.
   void evict_excess();
-  /// Like evict_excess(), but throws FileError if the file cannot be written and there are too many chunks.
+  /// Like evict_excess(), but throws FileError if chunks must be evicted and the file cannot be written.
   void evict_excess_or_throw();
   std::uint64_t evictions() const;
-  /// A chunk for reading. If it is not in memory, it is loaded from the spill file for the lifetime of this object.
+  /// Provides a chunk for reading. A chunk that is not in memory is loaded from the spill file for the lifetime of this
+  /// object.
   class LoadedChunk {
    public:
     LoadedChunk(const BrickStore& store, const ChunkRef& chunk);
@@ -90,11 +91,11 @@ class BrickStore {
   /// Returns a chunk for writing; if there is none, it is created and filled from the large leaf that covers it, if
   /// any. Not thread-safe.
   Chunk& writable_chunk(std::uint32_t code);
-  /// In Morton order.
+  /// All chunks, in Morton order.
   std::vector<ChunkRef> sorted_chunks() const;
   std::vector<ChunkRef> sorted_chunks(const KeyBox& box) const;
-  /// Returns the chunks that may have changed since the last call; `all` on the first call, after which changes are
-  /// recorded.
+  /// Returns the chunks that may have changed since the last call. The first call returns `all` and starts the
+  /// recording of changes.
   ChangedChunks take_changed();
   ChangedChunks& changed() { return changed_; }
 
@@ -102,7 +103,7 @@ class BrickStore {
   const std::vector<LargeLeaf>& large_leaves() const { return large_leaves_; }
   void add_large_leaf(const LargeLeaf& leaf) { large_leaves_.push_back(leaf); }
   void set_large_leaves(std::vector<LargeLeaf> leaves) { large_leaves_ = std::move(leaves); }
-  /// Returns null if there is none.
+  /// Returns the large leaf that contains a chunk, or null if there is none.
   const LargeLeaf* large_leaf_over(std::uint32_t code) const;
 
   // Bricks:

@@ -46,8 +46,8 @@ std::size_t BrickStore::used_bytes() const {
          chunks_.size() * (sizeof(Chunk) + kHashBytes);
 }
 
-/// The chunk's slots, followed for each of its bricks by known, at_min, one byte that marks its blocks, and these
-/// blocks.
+/// Returns the chunk as bytes: its slots, and then for each of its bricks `known`, `at_min`, one byte that marks which
+/// words have blocks, and those blocks.
 std::vector<std::byte> BrickStore::packed(const Chunk& chunk) const {
   std::vector<std::byte> out;
   put(out, chunk.bricks.data(), sizeof chunk.bricks);
@@ -86,7 +86,7 @@ void BrickStore::unpack(std::span<const std::byte> in, Chunk& chunk) {
   }
 }
 
-/// Loads a chunk from the file; null if the file does not have it.
+/// Loads a chunk from the file; returns null if it is not in the file.
 BrickStore::Chunk* BrickStore::restore(std::uint32_t code) {
   const auto found = spill_->saved.find(code);
   if (found == spill_->saved.end()) return nullptr;
@@ -130,7 +130,7 @@ void BrickStore::evict_excess() {
   oldest.reserve(chunks_.size());
   for (const auto& [code, chunk] : chunks_) oldest.emplace_back(chunk->last_use, code);
   std::sort(oldest.begin(), oldest.end());
-  // leaves a margin, so that not every call has to evict
+  // evict more than necessary, so that not every call has to evict
   const std::size_t enough = spill_->limit_bytes - spill_->limit_bytes / 4;
   try {
     for (const auto& [last_use, code] : oldest) {
@@ -151,7 +151,7 @@ void BrickStore::evict_excess_or_throw() {
 }
 
 BrickStore::LoadedChunk::LoadedChunk(const BrickStore& store, const ChunkRef& chunk)
-    // Loading a chunk and dropping it again leaves the store unchanged.
+    // const is kept in effect: loading a chunk and dropping it again leaves the store unchanged.
     : store_(const_cast<BrickStore&>(store)), code_(chunk.first), chunk_(chunk.second), is_temporary_(!chunk_) {
   if (is_temporary_) chunk_ = store_.restore(code_);
 }

@@ -17,9 +17,9 @@ struct ChunkSpill {
   SpillFile file;
   /// chunks in the file, whether or not they are in memory
   std::unordered_map<std::uint32_t, SpillFile::Extent> saved;
-  std::uint64_t clock = 0;  ///< counts uses of chunks
+  std::uint64_t clock = 0;  ///< increases with every use of a chunk
   std::uint64_t evictions = 0;
-  std::string error;  ///< reason why the last attempt to write the file failed; empty if it succeeded
+  std::string error;  ///< why the last attempt to write the file failed; empty if it succeeded
 };
 
 }  // namespace uwsim::bricks

@@ -26,7 +26,8 @@ void CubeAdder::add(std::uint64_t code, int levels, float log_odds) {
   add_to_brick(into.bricks[brick], code & 511, std::size_t{1} << (3 * levels), log_odds);
 }
 
-/// The chunk for writing; created if necessary. Successive cubes are often in the same chunk.
+/// Returns a chunk for writing; creates it if necessary. The last chunk is cached, because successive cubes are often
+/// in the same one.
 BrickStore::Chunk& CubeAdder::chunk(std::uint32_t code) {
   if (code != code_) {
     store_.evict_excess();
@@ -130,7 +131,7 @@ void CubeAdder::add_to_large_leaves(std::uint32_t code, int levels, float log_od
   fill(fill, code, levels);
   leaves.insert(leaves.end(), new_leaves.begin(), new_leaves.end());
   sort_by_code(leaves);
-  // A new chunk is filled from the leaf that covers it, and here there is none.
+  // No leaf covers a new chunk here, so its voxels are still unknown.
   for (const std::uint32_t made : new_chunks) add_to_chunk(chunk(made), 0, 512, log_odds);
   store_.set_large_leaves(std::move(leaves));
 }

@@ -9,8 +9,8 @@
 
 namespace uwsim::bricks {
 
-/// Adds log-odds to cubes of voxels by the rule of log_odds.h, for merging maps. The store must not be changed by other
-/// means in the meantime.
+/// Adds log-odds to cubes of voxels by the rule in log_odds.h, for merging maps. While it exists, the store must not be
+/// changed by other means.
 class CubeAdder {
  public:
   /// Throws FileError if there are too many chunks in memory and they cannot be evicted.

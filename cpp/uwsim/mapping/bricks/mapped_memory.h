@@ -6,7 +6,7 @@ namespace uwsim {
 
 inline constexpr std::size_t kHugePage = std::size_t{1} << 21;
 
-/// Zeroed memory directly from the operating system. A page uses memory only once it has been written to.
+/// Zeroed memory obtained directly from the operating system. A page takes up memory only once it has been written to.
 class MappedMemory {
  public:
   MappedMemory() = default;

@@ -11,7 +11,7 @@
 namespace uwsim {
 
 /// The bytes of an octree while it is being written: they can be appended, overwritten in place, and removed from the
-/// end. If there is a file, which may already have content, older bytes are written to it, and only the last few
+/// end. With a file, which may already have content, older bytes are written to the file and only the last few
 /// megabytes stay in memory.
 class OctreeBuffer {
  public:
@@ -24,7 +24,7 @@ class OctreeBuffer {
     bytes_.append(bytes, count);
   }
 
-  /// Overwrites bytes that were appended in one call, so that all of them are either in memory or in the file.
+  /// Overwrites bytes that were appended in one call; such bytes are either all in memory or all in the file.
   void overwrite(std::uint64_t at, const char* bytes, std::size_t count) {
     if (at >= in_file_) {
       std::memcpy(bytes_.data() + (at - in_file_), bytes, count);

@@ -7,9 +7,9 @@
 
 namespace uwsim::bricks {
 
-/// One scan's marks: a bit for each voxel of the box around the scan, by its address (address_layout.h). All bits are
-/// zero between scans. Rays touch only a few of its pages. When a bitmap is destroyed, its memory is kept for later
-/// ones, up to a few bitmaps, because those pages are already present.
+/// The marks of one scan: one bit for each voxel of the box around the scan, indexed by the voxel's address
+/// (address_layout.h). All bits are zero between scans. Rays touch only a few of the bitmap's pages; because those are
+/// then present, the memory of a few destroyed bitmaps is kept for later ones.
 class ScanBitmap {
  public:
   ScanBitmap() = default;
@@ -17,7 +17,8 @@ class ScanBitmap {
   ScanBitmap(ScanBitmap&& other) noexcept;
   ScanBitmap& operator=(ScanBitmap&& other) noexcept;
 
-  /// Enlarges the bitmap for addresses of this many bits. Until end() is called, the bitmap counts as not zero.
+  /// Enlarges the bitmap for addresses of this many bits. Until end() is called, the bitmap is assumed to contain
+  /// marks.
   void begin(int address_bits);
   /// Must be called when the bitmap has been zeroed.
   void end() { is_in_use_ = false; }

@@ -7,8 +7,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Mask bytes of a batch per thread: half the size of a core's own cache, leaving room for the bricks that the masks
-/// change.
+/// Bytes of masks in a batch, per thread: half the size of a core's private cache, which leaves room for the bricks
+/// that the masks change.
 constexpr std::size_t kMaskBytesTogether = 768 << 10;
 constexpr std::size_t kMostTogether = 64;
 /// Minimum number of scans per thread; with fewer, each batch would fetch the same bricks from memory again.
@@ -16,7 +16,7 @@ constexpr std::size_t kFewestTogether = 6;
 
 }  // namespace
 
-/// One thread's memory for the bricks of one part.
+/// One thread's working memory for the bricks of one part.
 struct ScanInserter::Scratch {
   Brick* bricks[512];
   std::uint8_t freed_block[512];

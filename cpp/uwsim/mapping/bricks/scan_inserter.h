@@ -12,8 +12,8 @@
 namespace uwsim::bricks {
 
 /// Inserts scans into a store. Scans are traced in parallel, in batches. The traces of a batch are then grouped by
-/// chunk, and chunks are updated in parallel, each with its scans in order. The result depends on neither the number of
-/// threads nor the batches.
+/// chunk, and chunks are updated in parallel, each with its scans in order. The result depends neither on the number of
+/// threads nor on how scans are divided into batches.
 class ScanInserter {
  public:
   ScanInserter(BrickStore& store, const Kernels& kernels);
@@ -55,7 +55,7 @@ class ScanInserter {
   Batch batch_;
   std::vector<Part> parts_;
   std::vector<Group> groups_;
-  std::size_t mask_bytes_a_scan_ = 0;  ///< in the last batch; determines the size of the next one
+  std::size_t mask_bytes_a_scan_ = 0;  ///< average of the last batch; determines the size of the next batch
 };
 
 }  // namespace uwsim::bricks

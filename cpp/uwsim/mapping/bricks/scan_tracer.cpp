@@ -23,7 +23,7 @@ void ScanTrace::clear() {
 
 void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
   trace.clear();
-  wide_.clear();  // may be nonempty after a scan that ran out of memory
+  wide_.clear();  // not empty if the previous scan ran out of memory
   if (scan.count == 0) return;
   reserve(scan.count);
   kernels_.start_rays(scan, rays_);
@@ -46,7 +46,7 @@ void ScanTracer::trace(const ScanInput& scan, ScanTrace& trace) {
 
 void ScanTracer::reserve(std::size_t rays) {
   if (rays <= capacity_) return;
-  capacity_ = 0;  // until all vectors have grown, since an allocation may throw
+  capacity_ = 0;  // 0 until all vectors have grown, since an allocation may throw
   columns_.resize(7 * rays);
   keys_.resize(3 * rays);
   bytes_.resize(2 * rays);
@@ -80,8 +80,8 @@ void ScanTracer::reserve_slabs(std::size_t rays) {
   }
 }
 
-/// Finds the rays that can be walked by slabs, and sorts them by heading and then, in 16 classes, by number of slabs.
-/// Neighbouring rays, many of which mark the same voxels, stay together.
+/// Finds the rays that can be walked by slabs, and sorts them by heading and then into 16 classes by number of slabs.
+/// The sort keeps neighbouring rays together, since many of them mark the same voxels.
 void ScanTracer::set_up_slabs(std::size_t count, const Key& origin) {
   constexpr std::size_t kClasses = 16, kBuckets = 4 * kClasses;
   slabs_ = {&rays_, count, {origin[0], origin[1], origin[2]}, &slab_rays_, slab_order_.data(), {}};
@@ -117,7 +117,7 @@ void ScanTracer::find_addresses(std::size_t count, const AddressLayout& layout) 
   }
 }
 
-/// Sorts the rays to walk by number of steps, so that rays that are walked together end together.
+/// Sorts the rays to walk by number of steps, so that rays that are walked together also end at about the same time.
 void ScanTracer::sort_walks(std::size_t count) {
   constexpr std::size_t kBuckets = 1024;
   std::array<std::uint32_t, kBuckets + 1> starts{};

@@ -14,7 +14,7 @@ namespace uwsim::bricks {
 /// The voxels that one scan misses and hits, sorted by chunk and brick.
 struct ScanTrace {
   struct Chunk {
-    /// Morton code of the chunk's key, which is a voxel's key without the six lowest bits of each axis
+    /// Morton code of the chunk's key: the key of any of its voxels without the six lowest bits along each axis
     std::uint32_t code;
     std::uint32_t first_entry;
     std::uint32_t entries;

@@ -21,7 +21,8 @@ constexpr std::uint32_t kReservedMin = 512;
   throw FileError("'" + folder + "': the map's parts that leave memory cannot be kept there: " + reason);
 }
 
-/// The file is created without a name if the file system supports that; otherwise, it is unlinked immediately.
+/// Creates a file without a name if the file system supports that; otherwise, creates a named file and unlinks it
+/// immediately.
 int open_nameless(const std::string& folder) {
 #ifdef O_TMPFILE
   const int fd = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC | O_EXCL, 0600);

@@ -7,8 +7,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Returns the block of a word that is about to change; creates it if the word has none. Ops::fill(block, bits, value):
-/// sets voxels to `value` where `bits` is set, else to 0.
+/// Returns the block of a word that is about to change; creates the block if the word has none. Ops::fill(block, bits,
+/// value) sets voxels to `value` where `bits` is set, and to 0 elsewhere.
 template <typename Ops>
 inline float* block_of(Brick& brick, int word, const UpdateInput& in) {
   if (brick.block[word] == kNone) {
@@ -33,9 +33,9 @@ inline void add_hits(Brick& brick, int word, std::uint64_t hits, const UpdateInp
   brick.known[word] |= hits;
 }
 
-/// Ops::add_misses(block, todo, model): applies clamped_sum() with a miss to the voxels of `todo`; returns a mask of
-/// those that are now at or below clamping_min.
-/// Ops::all_equal(block, bits, value): whether all voxels of `bits` have this value.
+/// Ops::add_misses(block, todo, model) applies clamped_sum() with a miss to the voxels of `todo`, and returns a mask of
+/// those that are now at or below clamping_min. Ops::all_equal(block, bits, value) returns whether all voxels of `bits`
+/// have this value.
 template <typename Ops>
 inline void update_bricks(const UpdateInput& in) {
   const std::uint64_t* masks = in.masks;

@@ -6,8 +6,8 @@
 namespace uwsim::bricks {
 namespace {
 
-/// Marks waiting to be written to the table: half words (4 x 4 x 2 voxels) by index, each with its bits. The caller
-/// keeps their count, so that it stays in a register.
+/// A buffer of marks to be written to the table: each mark is the index of a half word (4 x 4 x 2 voxels) and its bits.
+/// The caller keeps the number of marks, so that this number stays in a register.
 class MarkBuffer {
  public:
   using HalfWord __attribute__((may_alias)) = std::uint32_t;
@@ -16,15 +16,16 @@ class MarkBuffer {
   explicit MarkBuffer(const WalkInput& walk)
       : table_(reinterpret_cast<HalfWord*>(walk.table)), touched_(walk.touched) {}
 
-  /// Appends the selected marks of sixteen after the first `count`; returns the new number of marks.
+  /// Appends those of sixteen marks that `which` selects, after the first `count` marks; returns the new number of
+  /// marks.
   std::size_t append(std::size_t count, __mmask16 which, __m512i half, __m512i mask) {
     _mm512_storeu_si512(halves_ + count, _mm512_maskz_compress_epi32(which, half));
     _mm512_storeu_si512(masks_ + count, _mm512_maskz_compress_epi32(which, mask));
     return count + static_cast<std::size_t>(__builtin_popcount(which));
   }
 
-  /// Writes the first `count` marks. Successive marks often fall into the same word, and each would have to wait for
-  /// the previous one, so the buffer is written from eight positions in turn.
+  /// Writes the first `count` marks. Successive marks often fall into the same word, where each would have to wait for
+  /// the previous one to be written. The buffer is therefore written from eight positions in turn.
   void write(std::size_t count) {
     constexpr std::size_t kPlaces = 8;
     const std::size_t stride = count / kPlaces;

@@ -23,10 +23,9 @@ struct ScalarWords {
   }
 };
 
-/// Ops::touched(bytes): returns a mask of the nonzero ones among 64 bytes.
-/// Ops::zero_touched(bytes): zeroes 64 bytes.
-/// Ops::move_nonzero(words, out): copies the nonzero ones of eight words, zeroes all eight, and returns a mask of the
-/// words copied; up to eight words after them are overwritten.
+/// Ops::touched(bytes) returns a mask of the nonzero bytes among 64. Ops::zero_touched(bytes) zeroes 64 bytes.
+/// Ops::move_nonzero(words, out) copies the nonzero words among eight to `out`, zeroes all eight, and returns a mask of
+/// the words copied; it may overwrite up to eight words in `out` after the copied ones.
 template <typename Ops>
 inline Collected collect_chunk(const CollectInput& in) {
   Collected n{0, 0};

@@ -17,7 +17,8 @@ struct RayEnd {
   float length_m;
 };
 
-/// The ray from `origin_m` to a point or, if the point is farther than max_range_m, to that range along the same line.
+/// Computes the ray from `origin_m` to a point or, if the point is farther away than max_range_m, to that range along
+/// the same line.
 inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], double max_range_m, RayEnd& ray) {
   const float dx = point_m[0] - origin_m[0], dy = point_m[1] - origin_m[1], dz = point_m[2] - origin_m[2];
   const float square = dx * dx + dy * dy + dz * dz;
@@ -40,7 +41,7 @@ inline RayKind end_of_ray(const float point_m[3], const float origin_m[3], doubl
   return kTruncated;
 }
 
-/// Kernels::start_rays in the portable and the AVX2 version.
+/// The portable and the AVX2 version of Kernels::start_rays.
 [[maybe_unused]] inline void start_rays(const ScanInput& scan, const Rays& rays) {
   const double factor = 1.0 / scan.resolution_m, resolution = scan.resolution_m;
   int origin_key[3];

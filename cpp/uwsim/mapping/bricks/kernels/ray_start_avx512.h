@@ -2,8 +2,8 @@
 
 #include "uwsim/mapping/bricks/kernels/ray_start.h"
 
-/// ray_start.h for eight rays at a time: the same operations in the same order. Only the files named
-/// scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
+/// The counterpart of ray_start.h for eight rays at a time, with the same operations in the same order. Only the files
+/// named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 

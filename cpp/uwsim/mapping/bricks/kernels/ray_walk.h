@@ -8,20 +8,20 @@
 namespace uwsim::bricks {
 namespace {
 
-/// The number of steps, including the start, that a ray of `steps` steps takes before it can possibly have ended.
-/// Reaching the end's voxel takes `steps` steps. Rounding moves a crossing by less than a millionth of the ray's
-/// length, which is less than one voxel, so only the last three steps, one along each axis, may come in a different
-/// order than in exact geometry.
+/// The number of voxels, including the first, for which the walk need not test whether the ray has ended. Reaching the
+/// voxel of the ray's end takes `steps` steps. Rounding moves a crossing by less than a millionth of the ray's length,
+/// which is less than one voxel, so only the last three steps, one along each axis, may come in a different order than
+/// in exact geometry.
 inline std::uint32_t untested_steps(std::uint32_t steps) { return steps > 4 ? steps - 3 : 1; }
 
-/// The bits to flip in the addresses of a ray so that each of its steps adds one.
+/// The bits to flip in a ray's addresses so that each step adds one, even in a negative direction.
 inline std::uint64_t mirror_of(const WalkInput& walk, std::uint32_t negative) {
   return (negative & 1 ? walk.axis_mask[0] : 0) | (negative & 2 ? walk.axis_mask[1] : 0) |
          (negative & 4 ? walk.axis_mask[2] : 0);
 }
 
-/// Marks the voxels from the origin's up to the one before the end's. The bits of one word are collected before they
-/// are written.
+/// Marks the voxels of a ray, from the voxel of the origin to the last one before the voxel of the end. The bits of one
+/// word are collected before they are written.
 inline void walk_one(const WalkInput& walk, std::uint32_t ray) {
   const Rays& rays = *walk.rays;
   double tx = rays.next[0][ray], ty = rays.next[1][ray], tz = rays.next[2][ray];

@@ -2,12 +2,12 @@
 
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
 
-/// ray_walk.h for eight rays at a time. Only scan_kernels_avx2.cpp may include this file, after <immintrin.h>.
+/// The counterpart of ray_walk.h for eight rays at a time. Only scan_kernels_avx2.cpp may include this file, after
+/// <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
-/// The even dwords of two vectors of four quadwords, in order: combines two masks of four quadwords into one mask of
-/// eight dwords.
+/// Combines two masks of four quadwords into one mask of eight dwords, by selecting the even dwords in order.
 __m256i narrowed(__m256d low, __m256d high) {
   const __m256 mixed = _mm256_shuffle_ps(_mm256_castpd_ps(low), _mm256_castpd_ps(high), 0x88);
   return _mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xd8);
@@ -33,8 +33,8 @@ struct FourCrossings {
     __m256d x, y;
   };
 
-  /// Crosses the nearest face; returns which rays did so along x and along y. Adding zero along the other axes changes
-  /// nothing.
+  /// Lets each ray cross its nearest face; returns which rays crossed a face across x and across y. For the other axes,
+  /// zero is added, which changes nothing.
   Axes step() {
     const __m256d not_z = _mm256_cmp_pd(_mm256_min_pd(tx, ty), tz, _CMP_LT_OQ);
     const __m256d first = _mm256_cmp_pd(tx, ty, _CMP_LT_OQ);
@@ -126,7 +126,7 @@ class EightRays {
   const __m256i axis_x_, axis_y_, axis_z_;
   __m256i mirror_, end_, address_;
   __m256d low_length_, high_length_;
-  std::uint32_t untested_ = ~0u;  ///< of the ray with the fewest such steps
+  std::uint32_t untested_ = ~0u;  ///< untested_steps() of the ray for which it is smallest
 };
 
 void walk_eight_at_a_time(const WalkInput& in) {

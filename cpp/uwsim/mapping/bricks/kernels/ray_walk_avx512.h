@@ -4,8 +4,8 @@
 #include "uwsim/mapping/bricks/kernels/ray_walk.h"
 #include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
 
-/// ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include this file, after
-/// <immintrin.h>.
+/// The counterpart of ray_walk.h for 32 rays at a time. Only the files named scan_kernels_*avx512.cpp may include this
+/// file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
@@ -29,7 +29,7 @@ struct EightCrossings {
     __mmask8 x, y;
   };
 
-  /// Crosses the nearest face; returns which rays did so along x and along y.
+  /// Lets each ray cross its nearest face; returns which rays crossed a face across x and across y.
   Axes step() {
     const __mmask8 not_z = _mm512_cmp_pd_mask(_mm512_min_pd(tx, ty), tz, _CMP_LT_OQ);
     const __mmask8 along_x = _mm512_mask_cmp_pd_mask(not_z, tx, ty, _CMP_LT_OQ);
@@ -44,7 +44,8 @@ struct EightCrossings {
   __mmask8 past() const { return _mm512_cmp_pd_mask(_mm512_min_pd(_mm512_min_pd(tx, ty), tz), length, _CMP_GT_OQ); }
 };
 
-/// Sixteen rays. Each collects the bits of the half word that it is in, and appends them to the buffer on leaving it.
+/// Sixteen rays. Each ray collects the bits of the half word that it is in, and appends them to the buffer when it
+/// leaves the half word.
 struct SixteenRays {
   EightCrossings low, high;
   __m512i mirror, end, address;

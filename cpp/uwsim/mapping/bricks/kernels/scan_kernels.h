@@ -8,11 +8,11 @@
 #include "uwsim/mapping/log_odds.h"
 
 /// The inner loops of the brick engine, in three versions with the same results: portable, AVX2 and AVX-512
-/// (scan_kernels_*.cpp). This header uses only plain structs and raw pointers, because files that are compiled for
-/// newer processors must not emit code that other files could link (tests/cpp/mapping/scan_kernels_stay_apart.sh checks
-/// this).
+/// (scan_kernels_*.cpp). This header contains only plain structs and raw pointers, because files that are compiled for
+/// newer processors must not emit code that the linker could use in other files
+/// (tests/cpp/mapping/scan_kernels_stay_apart.sh checks this).
 ///
-/// A scan passes through the members of Kernels in order; bricks/README.md shows the whole process.
+/// A scan is processed by the members of Kernels in order; bricks/README.md shows the whole process.
 namespace uwsim {
 namespace bricks {
 
@@ -38,7 +38,7 @@ struct Rays {
   double* stride[3];          ///< distance between two successive crossings [m]
   double* length;             ///< [m]
   std::uint16_t* end_key[3];  ///< key of the voxel where the ray ends; the origin's for skipped rays
-  std::uint32_t* steps;       ///< faces between the first voxel and the last; 0 if the ray stays in one voxel
+  std::uint32_t* steps;       ///< number of faces between the first voxel and the last; 0 if the ray stays in one voxel
   std::uint8_t* negative;     ///< bit `axis` is set if the ray runs in the negative direction of that axis
   std::uint8_t* kind;         ///< RayKind
 };
@@ -48,7 +48,7 @@ struct Rays {
 /// flipped), so that every step adds one.
 struct WalkInput {
   const Rays* rays;
-  /// Rays to walk, sorted by number of steps; padded to a multiple of 32 by repeating the last one
+  /// Indices of the rays to walk, sorted by number of steps; padded to a multiple of 32 by repeating the last index
   const std::uint32_t* order;
   std::size_t count;                 ///< number of rays, excluding the padding
   const std::uint64_t* end_address;  ///< end of each ray, mirrored
@@ -62,12 +62,13 @@ struct WalkInput {
   void* context;
 };
 
-/// Parameters of the rays that can be walked slab by slab, in columns; slab_setup_avx512.h explains them. Main axis a:
-/// whichever of x and y the ray runs along more; middle axis b: the other; minor axis: z.
+/// Parameters of the rays that can be walked slab by slab, in columns; slab_setup_avx512.h explains them. The main axis
+/// a is x or y, whichever the ray runs along more; the middle axis b is the other of the two; the minor axis is z.
 struct SlabRays {
-  std::uint8_t* heading;                              ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
-  std::uint32_t *slabs, *flags;                       ///< number of faces across a that the ray crosses; SlabFlag
-  std::uint32_t *slope, *fraction;                    ///< number of faces across b that it crosses: per slab, so far
+  std::uint8_t* heading;         ///< 0: not walked by slabs; 1 to 4: a is +x, -x, +y, -y
+  std::uint32_t *slabs, *flags;  ///< number of faces across a that the ray crosses; SlabFlag
+  /// Numbers of faces across b that the ray crosses: per slab, and so far
+  std::uint32_t *slope, *fraction;
   std::uint32_t *minor_slab, *minor_fraction;         ///< slab in which the ray crosses the next face across z
   std::uint32_t *minor_slabs, *minor_slabs_fraction;  ///< number of slabs from that crossing to the next
   std::uint32_t *minor_middle, *minor_middles;  ///< position along b at that crossing, modulo 2; change until the next
@@ -85,9 +86,9 @@ struct SlabKernels {
   void (*walk)(const SlabInput& slabs, const WalkInput& walk);  ///< marks their voxels in the table
 };
 
-/// The effect of one scan on one brick: which of its eight words contain missed and hit voxels. Their masks, one bit
-/// per voxel, are stored consecutively in a list separate from the entries: first those of the missed words, then those
-/// of the hit words.
+/// The effect of one scan on one brick: which of the brick's eight words contain missed and hit voxels. The masks of
+/// these words, with one bit per voxel, are stored consecutively in a separate list: first those of the missed words,
+/// then those of the hit words.
 struct TraceEntry {
   std::uint16_t brick;  ///< within its chunk, in Morton order
   std::uint8_t missed_words;
@@ -109,12 +110,12 @@ struct Collected {
 
 struct UpdateInput {
   OccupancyLogOdds model;
-  Brick* const* bricks;  ///< one per entry; null if the entry changes nothing
+  Brick* const* bricks;  ///< one brick per entry; null if the entry changes nothing
   const TraceEntry* entries;
   std::size_t count;
   const std::uint64_t* masks;
-  std::uint8_t* freed_block;  ///< one per entry; set to 1 if the brick returned a block
-  BlockPool* blocks;          ///< with at least 8 free blocks per entry
+  std::uint8_t* freed_block;  ///< one byte per entry; set to 1 if the brick returned a block
+  BlockPool* blocks;          ///< a pool with at least 8 free blocks per entry
 };
 
 struct Kernels {

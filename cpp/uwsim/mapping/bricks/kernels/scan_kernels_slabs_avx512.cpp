@@ -8,7 +8,7 @@ namespace uwsim::bricks {
 namespace {
 
 /// Sixteen rays with the same heading, walked slab by slab (slab_setup_avx512.h). Tile addresses are mirrored, so that
-/// every step adds one; the bits of tile masks are those of the actual voxels.
+/// every step adds one. Tile masks are not mirrored: their bits are those of the actual voxels.
 class SixteenSlabRays {
  public:
   SixteenSlabRays(const SlabInput& in, const WalkInput& walk, const SlabHeading& heading, const std::uint32_t* rays,
@@ -88,8 +88,8 @@ class SixteenSlabRays {
     bit_ = heading_.down ? _mm512_ror_epi32(next, 1) : _mm512_rol_epi32(next, 1);
   }
 
-  /// Called when four slabs, starting with `first`, are marked in `mask`: adds their marks to the tiles at the right
-  /// level of z and proceeds to the next tile.
+  /// Called when four slabs, starting with `first`, have been marked in `mask`. Adds the marks to the tiles at the
+  /// right levels of z and proceeds to the next tile.
   void finish_tile(int first, __m512i mask, TileMarks& marks) {
     bit_ = heading_.down ? _mm512_rol_epi32(bit_, 4) : _mm512_ror_epi32(bit_, 4);
     const __m512i start = _mm512_set1_epi32(first);
@@ -117,12 +117,12 @@ class SixteenSlabRays {
     bit_ = _mm512_mask_rol_epi32(bit_, in_next_b, bit_, 16);
   }
 
-  /// The unmirrored address of a tile.
+  /// Returns the address of a tile without mirroring.
   __m512i real(__m512i tile) const { return _mm512_ternarylogic_epi32(tile, mirror_, tile_bits_, 0x28); }
 
   /// Splits the marks of rays that cross a face across z in slab `at` of the tile into those before and those after the
-  /// crossing. The voxel where the ray crosses belongs to both. Its slab may contain one more voxel, before or after it
-  /// along b.
+  /// crossing. The voxel where the ray crosses belongs to both. The slab of that voxel may contain a second voxel,
+  /// before or after it along b.
   void split(__m512i mask, __m512i at, __mmask16 climbs, __m512i& before, __m512i& after) const {
     const __m512i until = _mm512_permutexvar_epi32(at, before_);
     const __m512i through = _mm512_permutexvar_epi32(_mm512_add_epi32(at, all_lanes(1)), before_);
@@ -155,7 +155,7 @@ class SixteenSlabRays {
     return !(doubts & lanes_);
   }
 
-  /// Marks the voxels in the last slab, up to the one before the end's.
+  /// Marks the voxels in the last slab, except the voxel of the ray's end.
   void mark_last_slab(MarkBuffer& buffer) const {
     const auto flagged = [&](SlabFlag flag) { return _mm512_mask_test_epi32_mask(lanes_, flags_, all_lanes(flag)); };
     const __mmask16 b = flagged(kMiddleInLastSlab), z = flagged(kMinorInLastSlab),
@@ -178,11 +178,13 @@ class SixteenSlabRays {
 
   const SlabHeading& heading_;
   const __mmask16 lanes_;
-  __mmask16 down_b_;          ///< mask of rays that run in the negative direction of b
-  __m512i mirror_, end_;      ///< as in WalkInput
-  __m512i tile_, tile_bits_;  ///< the tile that each ray is in, mirrored; the bits of an address that select a tile
-  __m512i bit_, step_b_;      ///< the voxel that each ray is in; how far its bit is rotated on crossing a face across b
-  __m512i before_;            ///< [n]: bits of the first n slabs of a tile
+  __mmask16 down_b_;      ///< mask of rays that run in the negative direction of b
+  __m512i mirror_, end_;  ///< as in WalkInput
+  /// Mirrored address of the tile that each ray is in; the bits of an address that select a tile
+  __m512i tile_, tile_bits_;
+  /// Bit of the voxel that each ray is in; how far this bit is rotated when the ray crosses a face across b
+  __m512i bit_, step_b_;
+  __m512i before_;                            ///< [n]: bits of the first n slabs of a tile
   __m512i slabs_, flags_, slope_, fraction_;  ///< as in SlabRays, then advanced
   __m512i minor_slab_, minor_fraction_, minor_slabs_, minor_slabs_fraction_, minor_middle_, minor_middles_;
   __m512i least_fraction_ = _mm512_set1_epi32(-1), least_middle_ = _mm512_set1_epi32(-1);  ///< smallest so far

@@ -2,14 +2,15 @@
 
 #include "uwsim/mapping/bricks/kernels/scan_kernels.h"
 
-/// A faster walk for most rays of a survey, which run mostly along x or y and little along z. Main axis a: whichever of
-/// x and y the ray runs along more; middle axis b: the other; minor axis: z. A slab is the part of a ray between two
-/// faces across a. In one slab, such a ray crosses at most one face across b, and in four slabs, at most one across z.
+/// A faster walk for most rays of a survey, which run mostly along x or y and little along z. The main axis a is x or
+/// y, whichever the ray runs along more; the middle axis b is the other of the two; the minor axis is z. A slab is the
+/// part of a ray between two faces across a. In one slab, such a ray crosses at most one face across b, and in four
+/// slabs, at most one across z.
 ///
 /// The crossings are computed in fixed point, with 2^32 units per voxel and per slab. OctoMap sums t + k d in doubles,
 /// with an error of less than k 2^-53 t, which is negligible here. The fixed-point numbers are off by at most one unit
 /// per step, so two crossings that are more than tolerance_of(slabs) units apart come in the same order as in OctoMap.
-/// Rays with two crossings closer than that are walked as OctoMap walks (ray_walk.h).
+/// Rays with two crossings closer together than that are walked in the same way as OctoMap does it (ray_walk.h).
 ///
 /// This file selects the rays and computes their parameters; scan_kernels_slabs_avx512.cpp walks them. Only the files
 /// named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
@@ -17,7 +18,7 @@ namespace uwsim::bricks {
 namespace {
 
 constexpr double kUnits = 4294967296.0;
-constexpr double kNever = 1e300;  // longer than any ray: the stride along an axis along which the ray does not move
+constexpr double kNever = 1e300;  // stride along an axis along which the ray does not move; longer than any ray
 constexpr double kMostSlabs = 16384, kFewestSlabs = 8;
 /// Maximum number of faces across z per slab, such that at most one is crossed in four slabs.
 constexpr double kSteepest = 0.2499;
@@ -30,7 +31,7 @@ enum SlabFlag : std::uint32_t {
   kMiddleBeforeMinor = 8,  ///< the last face across b is crossed before the last one across z
 };
 
-/// In units; applies to numbers to which up to `slabs` steps have been added.
+/// The tolerance, in units, for numbers to which up to `slabs` steps have been added.
 __m512d tolerance_of(__m512d slabs) { return _mm512_add_pd(_mm512_add_pd(slabs, slabs), _mm512_set1_pd(64)); }
 __m512i tolerance_of(__m512i slabs) { return _mm512_add_epi32(_mm512_slli_epi32(slabs, 1), _mm512_set1_epi32(64)); }
 
@@ -88,8 +89,8 @@ class EightSlabSetups {
     return _mm512_cvtepi32_pd(_mm256_abs_epi32(_mm256_sub_epi32(end, origin)));
   }
 
-  /// The fractional part of `x` [voxels, slabs] in units. A ray of `asked` whose fraction is within the tolerance of an
-  /// integer is marked unsuitable.
+  /// Returns the fractional part of `x` [voxels or slabs], in units. Rays in `asked` for which `x` is within the
+  /// tolerance of an integer are marked unsuitable.
   __m512d certain_fraction(__m512d x, __mmask8 asked) {
     const __m512d fraction = units(_mm512_sub_pd(x, floor(x)));
     const __m512d most = _mm512_sub_pd(_mm512_set1_pd(kUnits), _mm512_add_pd(tolerance_, tolerance_));
@@ -99,8 +100,9 @@ class EightSlabSetups {
     return fraction;
   }
 
-  /// A suitable ray reaches the end's voxel and ends there: its last crossings are at or before its length, its next
-  /// ones are beyond it, and the order of the last crossings along the three axes is certain.
+  /// Checks that each ray reaches the voxel of its end and ends there. In a suitable ray, the last crossings along the
+  /// three axes are at or before the ray's length, the next crossings are beyond it, and the order of the last
+  /// crossings is certain.
   void check_end() {
     const __m512d one = _mm512_set1_pd(1), none = _mm512_set1_pd(-kNever);
     const auto last = [&](__m512d t, __m512d d, __m512d n) {

@@ -11,7 +11,7 @@ namespace {
 /// to its size.
 struct SlabHeading {
   std::uint32_t mask_a, mask_b, mask_z;  ///< bits of an address that hold the coordinate along the axis
-  std::uint32_t tile_a, tile_b;          ///< the same without the two lowest bits of each coordinate
+  std::uint32_t tile_a, tile_b;          ///< mask_a and mask_b without the two lowest bits of each coordinate
   std::uint32_t origin;                  ///< address of the origin
   int a, b;                              ///< 0 for x, 1 for y
   bool down;                             ///< the rays run in the negative direction of the main axis
@@ -35,8 +35,9 @@ struct SlabHeading {
   }
 };
 
-/// Marked tiles waiting until their rays are known to be certain: the address of a tile, and bits b2 b1 b0 a1 a0 for
-/// the voxels of this tile and of the next one along b.
+/// A buffer of marked tiles, which are written only when the paths of their rays are known to be certain. Each has the
+/// address of a tile, and a mask with bits numbered b2 b1 b0 a1 a0 for the voxels of this tile and of the next tile
+/// along b.
 class TileMarks {
  public:
   static constexpr std::size_t kCapacity = 1024;
@@ -44,7 +45,8 @@ class TileMarks {
   std::size_t count() const { return count_; }
   void clear() { count_ = 0; }
 
-  /// Merges neighbouring rays that mark the same tile: a run of up to eight ends up in its first lane.
+  /// Adds marks, after merging those of neighbouring rays that mark the same tile: a run of up to eight is merged into
+  /// its first lane.
   void add(__m512i tile, __m512i mask) {
     merge<1>(tile, mask);
     merge<2>(tile, mask);
