@@ -10,7 +10,7 @@ namespace {
 
 using Found = std::vector<std::pair<std::uint32_t, TileMember>>;
 
-/// Whether the box comes within the margin of the infinite cylinder (or the sphere) of which the shape is a part.
+/// Whether the box comes within the margin of the shape's sphere, or of the infinite cylinder that contains the shape.
 bool may_touch(const RoundShape& shape, const Eigen::AlignedBox3d& box, double margin_m) {
   const Eigen::Vector3d from = box.center() - shape.ends[0].point_world_m;
   const double off_axis = (from - shape.axis.dot(from) * shape.axis).norm();

@@ -9,17 +9,17 @@ namespace uwsim {
 
 class TileSurfaces;
 
-/// A triangle or round shape, identified by the tile's surface numbers.
+/// A triangle or round shape of a solid, identified by the tile's surface numbers.
 struct TileMember {
   std::uint32_t geometry, primitive;
 };
 
-/// The terrain cells of a tile that are close to solids, each with those solids' triangles and shapes. In these cells,
-/// either may be hit first, within float's error.
+/// The terrain cells of a tile that are close to solids, each with the nearby triangles and shapes of those solids. In
+/// these cells, a cast in float cannot tell whether the terrain or the solid is hit first.
 class CellsNearSolids {
  public:
   CellsNearSolids() = default;
-  /// `near`: pairs of a cell and a nearby triangle or shape, sorted by cell, for a block of `cells`.
+  /// `found`: pairs of a cell and a nearby triangle or shape, sorted by cell, for a block of `cells` cells.
   CellsNearSolids(std::size_t cells, std::span<const std::pair<std::uint32_t, TileMember>> found);
 
   std::size_t size() const { return near_.size(); }

@@ -17,7 +17,7 @@ static_assert(kNoGeometry == RTC_INVALID_GEOMETRY_ID);
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-/// The context that Embree passes to callbacks: its own part, followed by the detail of the rays.
+/// The context that Embree passes to callbacks: Embree's own part, followed by the details of the cast.
 struct CastContext {
   RTCIntersectContext embree;
   CastDetail detail;
@@ -29,8 +29,8 @@ struct CastContext {
   }
 };
 
-/// Without AVX-512, Embree splits packets and reads idle lanes as well; Debian's build aborts the process if one is not
-/// finite.
+/// Without AVX-512, Embree splits packets and reads idle lanes as well; Debian's build aborts the process if an idle
+/// lane is not finite.
 void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const bool idle = active[k] == 0;
@@ -45,7 +45,7 @@ void make_idle_lanes_finite(const std::int32_t* active, RTCRay16& rays) {
   }
 }
 
-/// The end of a float ray, slightly farther than the true end.
+/// Returns the end of a float ray, which is slightly farther than the true end.
 float farther(double far_m) {
   const double farther_m = far_m * (1 + kFartherRelative) + kFarther_m;
   return farther_m < kLargest ? static_cast<float>(farther_m) : kLargest;
@@ -77,7 +77,7 @@ void fill(const TileSurfaces& surfaces, const ExactRays& rays, const double* sta
   }
 }
 
-/// Copies Embree's answer, replacing quads by triangles.
+/// Copies Embree's answer and replaces quads by triangles.
 void read(const RTCRayHit16& packet, const TileSurfaces& surfaces, FloatAnswer& answer) {
   static const RayKernels& kernels = ray_kernels();
   const int kinds = kernels.number_terrain({packet.hit.geomID, packet.hit.primID, packet.hit.u, packet.hit.v},
@@ -94,7 +94,7 @@ void read(const RTCRayHit16& packet, const TileSurfaces& surfaces, FloatAnswer& 
   std::copy_n(packet.ray.tfar, kPacketRays, answer.distance_m.begin());
 }
 
-/// The distance from a lane's origin at which its float ray starts.
+/// Returns the distance from a lane's origin at which its float ray starts.
 double float_start_m(const TileSurfaces& surfaces, const double* starts_m, std::size_t lane) {
   return (starts_m != nullptr ? starts_m[lane] : 0) - surfaces.tolerances().setback_m;
 }

@@ -24,10 +24,10 @@ struct FloatAnswer {
   alignas(64) std::array<float, kPacketRays> distance_m;                   ///< from the start of the float ray
   TerrainLanes terrain;  ///< the terrain triangles that were hit; the location of their heights is found later
   bool any_terrain;
-  ExactHits round;  ///< hits on round shapes, computed in double by Embree's callbacks; other lanes are uninitialised
+  ExactHits round;  ///< hits on round shapes, which Embree's callbacks compute in double; other lanes are uninitialised
 };
 
-/// The surface that Embree reports as the first hit of a ray. The distance is measured from the ray's origin.
+/// The surface that Embree reports as a ray's first hit, with the distance from the ray's origin.
 struct Candidate {
   std::uint32_t geometry, primitive;
   double distance_m;
@@ -47,8 +47,8 @@ std::optional<Candidate> candidate_of(const FloatAnswer& answer, const TileSurfa
 std::optional<Candidate> next_candidate(RTCSceneTy* tree, const TileSurfaces& surfaces, const ExactRays& rays,
                                         std::size_t lane, const TileRay& ray, double from_m, const double* starts_m);
 
-/// The double-precision version of a picture's packet of float rays, created when a callback first needs it, since most
-/// packets hit no round shapes.
+/// A double-precision copy of a picture's packet of float rays. It is created only when a callback first needs it,
+/// since most packets hit no round shapes.
 class LazyExactRays {
  public:
   LazyExactRays(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays)
@@ -63,18 +63,20 @@ class LazyExactRays {
   ExactRays exact_;
 };
 
-/// The context in which Embree's callbacks find their rays: lane `id` of `exact`, starting `starts_m[id]` along its
-/// direction (0 if null). If both `exact` and `lazy` are null, only the float ray is available.
+/// The context through which Embree's callbacks access their rays in double: ray `id` is lane `id` of `exact` and
+/// starts `starts_m[id]` along its direction (0 if null). If both `exact` and `lazy` are null, only the float ray is
+/// available.
 struct CastDetail {
   const TileSurfaces* surfaces;
   const ExactRays* exact = nullptr;
   const double* starts_m = nullptr;
-  double setback_m = 0;             ///< how far the float ray starts before that start
+  double setback_m = 0;             ///< how far before that start the float ray starts
   ExactHits* round_hits = nullptr;  ///< if not null, receives each hit on a round shape in double, by lane
-  LazyExactRays* lazy = nullptr;    ///< used if `exact` is null, to create it when a round shape requires it
+  /// Creates the rays in double when a round shape requires them; used if `exact` is null
+  LazyExactRays* lazy = nullptr;
 };
 
-/// The detail with which the cast was started.
+/// Returns the detail with which the cast was started.
 const CastDetail& detail_of(const RTCIntersectContext* context);
 
 /// Casts rays through a tree. The hit fields must be invalid beforehand.

@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-/// Each loop covers one or two rows, which compilers turn into wide moves.
+/// Each loop covers only one or two rows, so that compilers turn it into wide moves.
 void fill(const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m, const RayPacket& rays,
           const double* starts_m, RTCRay16& out) {
   const Eigen::Vector3d shift = anchor_world_m - surfaces.middle_m();
@@ -59,7 +59,7 @@ void number_triangles(RTCHit16& hit) {
     if (!TileSurfaces::is_terrain(hit.geomID[k])) continue;
     const float u = hit.u[k], v = hit.v[k];
     hit.primID[k] = member_number(hit.geomID[k], hit.primID[k], u, v);
-    const bool second = u + v > 1;  // its corners are the quad's second, third and fourth
+    const bool second = u + v > 1;  // the corners of the second triangle are the quad's second, third and fourth
     hit.u[k] = second ? u + v - 1 : u;
     hit.v[k] = second ? 1 - u : v;
   }

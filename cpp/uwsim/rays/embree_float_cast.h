@@ -19,8 +19,8 @@ struct RoundAnswer {
 };
 
 /// Returns Embree's own answer to a packet of rays that start `starts_m` along their direction (0 if null); distances
-/// are measured from the rays' origins. If `round` is not null, it is filled where Embree queried a round shape; this
-/// is only supported for rays that start at 0.
+/// are measured from the rays' origins. If `round` is not null, it receives the hits on the round shapes that Embree
+/// queried; this is only supported for rays that start at 0.
 void cast_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,
                 const RayPacket& rays, const double* starts_m, RoundAnswer* round, HitPacket& hits, RayOrder order);
 void occluded_float(RTCSceneTy* tree, const TileSurfaces& surfaces, const Eigen::Vector3d& anchor_world_m,

@@ -37,7 +37,7 @@ bool try_primitive(RTCPointQueryFunctionArguments* args) {
   return false;
 }
 
-/// A triangle or shape of a solid, and whether another surface is near it.
+/// The state of the search for other surfaces near a triangle or shape of a solid.
 struct Neighbourhood {
   const TileSurfaces* surfaces;
   std::uint32_t geometry;
@@ -58,8 +58,8 @@ bool comes_near(const Neighbourhood& own, const TileMember& other) {
       if (std::ranges::find(own.corners, corner) != own.corners.end()) return false;
     }
   }
-  // The boxes of slanted triangles overlap even if the triangles are far apart. Only triangles within reach of the
-  // widening count as crowded.
+  // The boxes of slanted triangles may overlap even if the triangles are far apart, so this computes the true distance.
+  // Only triangles closer to each other than the widening count as crowded.
   return closer_than(own.corners, corners, own.surfaces->tolerances().widening_m);
 }
 
@@ -81,7 +81,7 @@ struct NearestTriangle {
   double distance_m;
 };
 
-/// Slightly larger than the distance, so that float rounding does not hide a nearer triangle.
+/// Returns a radius slightly larger than the distance, so that float rounding does not hide a nearer triangle.
 float search_radius(const TileSurfaces& surfaces, double distance_m) {
   return static_cast<float>(distance_m * (1 + kFartherSearch) + surfaces.tolerances().search_margin_m);
 }

@@ -22,8 +22,8 @@ std::optional<LabelledHit> first_hit_around(RTCSceneTy* tree, const TileSurfaces
                                             const Eigen::Vector3d& point_world_m, double radius_m, const TileRay& ray,
                                             double from_m, double to_m);
 
-/// For each triangle of a solid's mesh: whether a surface other than its neighbours is so close that either may be hit
-/// first, within float's error. For each round shape: whether a mesh is that close.
+/// Determines, for each triangle of a solid's mesh, whether a surface other than its neighbours is so close that a cast
+/// in float cannot tell which of the two is hit first; and, for each round shape, whether a mesh is that close.
 std::vector<std::uint8_t> crowded_members(RTCSceneTy* tree, const TileSurfaces& surfaces, Label label);
 
 /// The smaller of `nearest_m` and the distance to the tree's nearest triangle, ignoring round shapes. `meshes`: whether

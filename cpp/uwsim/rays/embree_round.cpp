@@ -14,7 +14,7 @@
 namespace uwsim {
 namespace {
 
-/// The rays of a callback in double: the exact ones if available.
+/// The rays of a callback in double: the original rays if they are available, else the float rays.
 class CallbackRays {
  public:
   CallbackRays(const RTCIntersectContext* context, RTCRayN* rays, unsigned n)
@@ -46,7 +46,7 @@ class CallbackRays {
     return first_hit(shape, origin_world_m(k), direction_world(k), near_m(k), far_m(k));
   }
 
-  /// Passes the hit in double to the code that started the cast.
+  /// Passes the hit, computed in double, to the code that started the cast.
   void keep(unsigned k, const ShapeHit& hit) const {
     if (detail_.round_hits == nullptr) return;
     const unsigned lane = RTCRayN_id(rays_, n_, k);
@@ -56,7 +56,8 @@ class CallbackRays {
     detail_.round_hits->normal_z[lane] = hit.normal_world.z();
   }
 
-  /// Copies `valid` to `left` without the rays that miss the shape. Lanes are in order only in a full packet.
+  /// Copies `valid` to `left`, without the rays that certainly miss the shape. Only does so for a full packet, because
+  /// lanes are not in order otherwise.
   void discard_misses(const RoundShape& shape, const int* valid, std::int32_t* left) const {
     std::copy_n(valid, n_, left);
     if (n_ != kPacketRays) return;

@@ -68,8 +68,8 @@ void fill_terrain_near_solids(const TileSurfaces& surfaces, std::uint32_t cells,
   for (std::uint32_t k = 0; k < kCorners * cells; ++k) quads.index[k] = k;
 }
 
-/// Embree's filter for shadow rays. At a cliff, the raised terrain is high above the ground. A ray that starts between
-/// the two leaves through the raised sheet from below, and is blocked only if it hits the true terrain.
+/// Embree's filter for shadow rays. At a cliff, the raised terrain is high above the true terrain. A ray that starts
+/// between the two passes through the raised terrain from below, so it is blocked only if it hits the true terrain.
 void let_out_through_raised_terrain(const RTCFilterFunctionNArguments* args) {
   const TileSurfaces& surfaces = *detail_of(args->context).surfaces;
   RTCRayN* rays = args->ray;

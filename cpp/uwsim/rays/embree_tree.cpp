@@ -35,7 +35,7 @@ Corners about(const Eigen::Vector3d& middle_m, Corners corners) {
   return corners;
 }
 
-/// Embree's filter for rays that are not recomputed in double: discards hits on the margin by which triangles were
+/// Embree's filter for rays that are not recomputed in double: discards hits on the margins by which triangles were
 /// widened.
 void discard_widened_edges(const RTCFilterFunctionNArguments* args) {
   if (detail_of(args->context).exact != nullptr) return;

@@ -34,7 +34,8 @@ void commit(RTCDeviceTy* device, RTCSceneTy* tree, std::size_t triangles);
 void attach(RTCSceneTy* tree, const GeometryOwner& geometry, std::uint32_t geometry_id);
 /// Adds a solid's triangles, widened; geometry and primitive numbers are surface numbers.
 void attach_triangles(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
-/// Adds the triangles of a mesh whose shapes rays hit instead; primitive numbers count within the share.
+/// Adds the mesh of a solid whose round shapes rays hit instead; primitives are numbered within the tile's share of the
+/// mesh.
 void attach_mesh(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::size_t mesh);
 
 }  // namespace uwsim

@@ -24,8 +24,9 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kTogether = 4;    // packets; heights are fetched from memory while the next packets are cast
-constexpr std::size_t kFewSolids = 16;  // near one cell; up to this many are tried one at a time
-constexpr int kMostTurns = 64;          // candidates that a ray may pass before it is assumed to miss all solids
+constexpr std::size_t kFewSolids = 16;  // up to this many solids near a cell are tried one at a time
+// Number of candidates that a ray may pass before it is assumed to miss all solids
+constexpr int kMostTurns = 64;
 
 class ExactCast {
  public:
@@ -60,8 +61,9 @@ class ExactCast {
     if (answer.embree.any_terrain) kernels_.locate_heights(tile_.block, answer.embree.terrain);
   }
 
-  /// Embree intersects the raised terrain, which rays from above hit before the true terrain. Rays that start below it,
-  /// or just above it, may hit the terrain before anything that Embree reports.
+  /// Finds rays with low starts. Embree intersects the raised terrain, which rays from above hit before the true
+  /// terrain. A ray that starts below the raised terrain, or just above it, may hit the true terrain before anything
+  /// that Embree reports.
   std::uint32_t low_starts(const ExactRays& rays, const double* starts_m) const {
     alignas(64) std::array<std::int32_t, kPacketRays> low;
     starts_m == nullptr ? kernels_.find_low_starts(tile_.block, lanes_of(rays), low.data()) : low.fill(-1);
@@ -95,8 +97,8 @@ class ExactCast {
         {hits.distance_m.data(), hits.normal_x.data(), hits.normal_y.data(), hits.normal_z.data(), met.data()});
   }
 
-  /// Step 4. Labels hits on open terrain; returns a bit mask of the lanes that are not finished: those that hit
-  /// anything else and those that start low.
+  /// Step 4. Labels hits on open terrain. Returns a bit mask of the lanes that are not finished, because they hit
+  /// anything else or have low starts.
   std::uint32_t classify(const Answer& answer, const std::array<std::int32_t, kPacketRays>& met,
                          ExactHits& hits) const {
     const bool done = kernels_.label_terrain(answer.embree.geometry.data(), TileSurfaces::kOpenTerrain, met.data(),
@@ -109,12 +111,12 @@ class ExactCast {
     return left;
   }
 
-  /// Step 5, for one ray. `refined`: whether step 3 found its hit on the terrain triangle that Embree reported, in
-  /// which case `hits` contains it.
+  /// Step 5, for one ray. `refined`: whether step 3 found the ray's hit on the terrain triangle that Embree reported;
+  /// if so, `hits` contains that hit.
   void resolve(const Answer& answer, const ExactRays& rays, const double* starts_m, std::size_t lane, bool refined,
                ExactHits& hits) const {
     const std::optional<Candidate> candidate = candidate_of(answer.embree, surfaces_, starts_m, lane);
-    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // nothing is known about the path up to the candidate
+    TerrainWalk terrain{.hit = {}, .clear_to_m = 0};  // so far, nothing is known about the terrain up to the candidate
 
     // 5a. From a low start, walk along the terrain until the ray is clear of it.
     if ((answer.low_starts >> lane & 1) != 0) {
@@ -160,7 +162,8 @@ class ExactCast {
     search(rays, lane, starts_m, candidate, terrain, hits);
   }
 
-  /// For 5b. In float, the terrain may have been hit before a solid that is nearer by less than float's error.
+  /// For 5b: replaces the hit if a nearby solid is hit first. Embree may have reported the terrain although a solid is
+  /// nearer, by less than float's error.
   void prefer_solids_before(const ExactRays& rays, std::size_t lane, std::uint32_t triangle_near_solids,
                             ExactHits& hits) const {
     const TileRay ray = ray_of(rays, lane);
@@ -171,9 +174,10 @@ class ExactCast {
     }
   }
 
-  /// Step 6. Proceeds from candidate to candidate until it finds a true hit that nothing can precede. Embree may report
-  /// a solid too early or wrongly (because of widening), and the terrain too early or not at all (from between the
-  /// raised terrain and the true one). `terrain`: the result so far of a walk along the ray.
+  /// Step 6. Proceeds from candidate to candidate until it finds a true hit before which nothing else can be hit.
+  /// Embree may report a solid too early or wrongly (because triangles are widened), and the terrain too early or not
+  /// at all (for a ray between the raised terrain and the true terrain). `terrain`: the result of the walk along the
+  /// ray so far.
   void search(const ExactRays& rays, std::size_t lane, const double* starts_m, std::optional<Candidate> candidate,
               TerrainWalk terrain, ExactHits& hits) const {
     const Tolerances& tolerances = surfaces_.tolerances();
@@ -182,10 +186,12 @@ class ExactCast {
     for (int turn = 0; candidate && turn < kMostTurns; ++turn) {
       const double at_m = candidate->distance_m;
       if (TileSurfaces::is_terrain(candidate->geometry)) {
-        // The raised terrain: the true terrain is behind it, unless a walk has already passed this point.
+        // The candidate is on the raised terrain: the true terrain is behind it, unless a walk has already passed this
+        // point.
         if (!terrain.hit && at_m >= terrain.clear_to_m) terrain = walk_terrain(surfaces_, ray, std::max(0.0, at_m));
       } else {
-        // A solid: the first hit among all surfaces nearby is the true one, unless the terrain comes before it.
+        // The candidate is a solid: the first hit among all nearby surfaces is the true one, unless the ray hits the
+        // terrain first.
         const double error_m = tolerances.hit_error_along_m(sine_at(*candidate, ray));
         const Eigen::Vector3d point = ray.origin_world_m + at_m * ray.direction_world;
         const auto solid = first_hit_around(tile_.tree.get(), surfaces_, point, error_m, ray,
@@ -194,7 +200,7 @@ class ExactCast {
           return keep(hits, lane, solid->hit, solid->label, far_m);
         }
       }
-      // Behind the terrain, only surfaces that float may have placed behind it matter.
+      // After a terrain hit, only surfaces that float's error may have moved behind the terrain can still be hit first.
       if (terrain.hit) {
         ray.far_m = std::min(ray.far_m, terrain.hit->distance_m + tolerances.hit_error_along_m(kGrazingSine));
       }
@@ -204,7 +210,8 @@ class ExactCast {
   }
 
   /// The sine of the angle between a ray and the triangle that it may have hit, but at least the sine of 0.1 degree.
-  /// Hits on a round shape are exact, but a mesh close to it may be hit at any angle.
+  /// For a round shape, it is this minimum: hits on the shape are exact, but a mesh close to it may be hit at any
+  /// angle.
   double sine_at(const Candidate& candidate, const TileRay& ray) const {
     if (surfaces_.is_round(candidate.geometry)) return kGrazingSine;
     const Corners t = surfaces_.corners(candidate.geometry, candidate.primitive);

@@ -9,7 +9,7 @@ namespace uwsim {
 
 /// Finds the true first hits in a tile, for rays that start `starts_m` along their direction (at 0 if null).
 void cast_exact(const TileTrees& tile, const ExactRays& rays, const double* starts_m, ExactHits& hits);
-/// Same, for packets that start at 0. Casting several packets together is faster, because memory is prefetched.
+/// The same for several packets whose rays start at 0. Casting them together is faster, because memory is prefetched.
 void cast_exact(const TileTrees& tile, std::span<const ExactRays> rays, std::span<ExactHits> hits);
 
 }  // namespace uwsim

@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kSphereMargin = 1e-5;  // fraction of the radius, for float rays
+constexpr double kSphereMargin = 1e-5;  // margin for float rays, as a fraction of the radius
 
 /// Rotates a packet from world axes to body axes, in float.
 RayPacket turned(const RayPacket& rays, const Eigen::Matrix3f& rotation) {

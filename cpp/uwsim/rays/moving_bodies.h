@@ -25,7 +25,7 @@ class MovingBodies {
  public:
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-  /// `first_label`: label of the first body; the others follow consecutively.
+  /// `first_label`: the label of the first body; the labels of the other bodies follow consecutively.
   explicit MovingBodies(Label first_label) : first_label_(first_label) {}
 
   /// Adds a body and returns its index. Throws InvalidValue for a mesh that is not well formed.
@@ -36,9 +36,9 @@ class MovingBodies {
 
   // The following functions exclude the body `hidden`.
 
-  /// Replaces hits by nearer hits on bodies.
+  /// Replaces each hit by a hit on a body if that is nearer.
   void cast(std::span<const ExactRays> rays, std::size_t hidden, std::span<ExactHits> hits) const;
-  /// Same in float, like RayScene::cast for pictures.
+  /// The same in float, like the version of RayScene::cast for pictures.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, RayOrder order, std::size_t hidden,
             HitPacket& hits) const;
   /// Marks the lanes that a body blocks.

@@ -45,8 +45,8 @@ Eigen::Vector3d raise_per_metre(const World& world, const TileContents& block, s
                                 std::uint32_t row) {
   const auto outward = [](std::uint32_t at, std::uint32_t last) { return at == 0 ? -1.0 : at == last ? 1.0 : 0.0; };
   Eigen::Vector3d shift(outward(column, block.columns), outward(row, block.rows), 0);
-  // Where the terrain slopes down outward, moving outward lowers the sheet relative to the terrain; raising the sheet
-  // more compensates for that.
+  // Where the terrain rises outward, moving a vertex outward brings the sheet closer to the terrain; raising it further
+  // compensates for that.
   const double steep = steepest_at(*world.terrain(), block, column, row), slope = std::sqrt(steep * steep - 1);
   shift.z() = steep + slope * (std::abs(shift.x()) + std::abs(shift.y()));
   return shift;

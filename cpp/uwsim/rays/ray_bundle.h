@@ -8,8 +8,8 @@
 
 namespace uwsim {
 
-/// A cone around the active rays of a packet, for quickly deciding whether any of them may reach a sphere. The answer
-/// is conservative: it is never "no" if a ray reaches the sphere.
+/// A cone around the active rays of a packet, for quickly deciding whether any of them may reach a sphere. The test is
+/// conservative: the answer is never "no" if a ray does reach the sphere.
 class RayBundle {
  public:
   /// `anchor_world_m`: the reference point of the packet's origins. `distance_m`: the distance of each ray's nearest
@@ -47,17 +47,18 @@ class RayBundle {
     const double distance2 = to_centre.squaredNorm(), reach = far_m_ + radius;
     if (!(reach >= 0 && distance2 <= reach * reach)) return false;
     if (cosine_ <= 0) return true;
-    // The distance to the line that contains the cone's side, in the plane through the axis and the centre.
+    // The distance from the sphere's centre to the cone's side, extended to a line, in the plane that contains the axis
+    // and the centre.
     const double along = to_centre.dot(axis_);
     const double aside = std::sqrt(std::max(0.0, distance2 - along * along));
     return aside * cosine_ - along * sine_ <= radius * (1 + kRounding) + kRounding * std::abs(along);
   }
 
  private:
-  static constexpr double kRounding = 1e-7;  // of float: directions are unit vectors to 6e-8
+  static constexpr double kRounding = 1e-7;  // of float: directions are unit vectors to within 6e-8
 
   Eigen::Vector3d apex_world_m_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::Zero();
-  double spread_m_ = 0;  // spread of the origins about the apex
+  double spread_m_ = 0;  // largest distance of an origin from the apex
   double cosine_ = -1, sine_ = 0;
   double far_m_ = -std::numeric_limits<double>::infinity();
 };

@@ -24,7 +24,7 @@ struct LaneRays {
   const std::int32_t* active;
 };
 
-/// The same in float, relative to a point.
+/// Sixteen rays in float, relative to a point.
 struct LaneFloats {
   float *origin_x, *origin_y, *origin_z, *direction_x, *direction_y, *direction_z, *far_m;
 };
@@ -44,8 +44,8 @@ struct LaneAnswers {
   const float *u, *v;
 };
 
-/// Sixteen results. `met` is -1 if the ray hits its triangle at least `kCellMargin` from every edge and between 0 and
-/// far_m. Otherwise it is 0, the distance is infinite and the normal zero.
+/// The results for sixteen rays. `met` is -1 if the ray hits its triangle between 0 and far_m and at least
+/// `kCellMargin` from every edge. Otherwise, `met` is 0, the distance is infinite and the normal is zero.
 struct LaneHits {
   double *distance_m, *normal_x, *normal_y, *normal_z;
   std::int32_t* met;
@@ -55,18 +55,18 @@ struct LaneHits {
 struct RayKernels {
   /// Whether every active ray starts within `distance_m` of the point along each axis.
   bool (*all_near)(const LaneRays& rays, const double* middle_m, double distance_m);
-  /// Sets low[k] to 0 if active ray k starts over the block and above all corners of its cell by the clearance, else to
-  /// -1.
+  /// Sets low[k] to 0 if active ray k starts over the block and higher than all corners of the cell there by the
+  /// clearance, else to -1.
   void (*find_low_starts)(const TerrainBlock& block, const LaneRays& rays, std::int32_t* low);
   /// Converts to float rays that start `setback_m` before their origins and reach slightly farther than far_m.
   void (*to_float)(const LaneRays& rays, const double* middle_m, double setback_m, const LaneFloats& floats);
-  /// Sets passes[k] to 0 if ray k's line stays outside an infinite cylinder about an axis (a point and a unit
-  /// direction; a zero direction means a sphere about the point), else to -1.
+  /// Sets passes[k] to 0 if ray k's line stays outside an infinite cylinder, else to -1. The cylinder's axis is a point
+  /// and a unit direction; if the direction is zero, the shape is a sphere about the point.
   void (*may_meet_round)(const LaneRays& rays, const double* point_m, const double* axis, double radius_m,
                          std::int32_t* passes);
-  /// Replaces Embree's quads in the geometries `near_solids` and `open` by triangles, two per quad. Sets all of
-  /// `primitive`, and `on_terrain` and `triangle` of `terrain` where the quad is open terrain. Returns which of the two
-  /// geometries were hit, as bits 1 and 2.
+  /// Replaces Embree's quads in the geometries `near_solids` and `open` by triangles, two per quad. Sets `primitive`
+  /// for every lane, and `on_terrain` and `triangle` of `terrain` for quads of open terrain. Returns which of the two
+  /// geometries were hit: 1 for `near_solids`, 2 for `open`.
   int (*number_terrain)(const LaneAnswers& answers, std::uint32_t near_solids, std::uint32_t open,
                         std::uint32_t* primitive, TerrainLanes& terrain);
   /// Finds the locations of the triangles' heights and prefetches them for the refinement.
@@ -74,7 +74,7 @@ struct RayKernels {
   /// Intersects ray k with the plane of triangle k in double (see terrain_hit.h).
   void (*refine_terrain)(const TerrainBlock& block, const TerrainLanes& terrain, const LaneRays& rays,
                          const LaneHits& hits);
-  /// Labels rays `open` if they hit that geometry and `met` is set, and all others 0; returns whether all others hit
+  /// Labels rays `open` if they hit that geometry and `met` is set, and all others 0. Returns true if all others hit
   /// nothing at all.
   bool (*label_terrain)(const std::uint32_t* geometry, std::uint32_t open, const std::int32_t* met,
                         std::uint32_t* label);

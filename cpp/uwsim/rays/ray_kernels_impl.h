@@ -7,8 +7,8 @@
 #include "uwsim/rays/terrain_hit.h"
 #include "uwsim/rays/tolerances.h"
 
-// The kernels of ray_kernels.h, compiled once for each instruction set, hence the anonymous namespace, and plain loops
-// that compilers can vectorise. `ivdep` asserts that inputs and outputs do not overlap.
+// The kernels of ray_kernels.h, as plain loops that compilers can vectorise. They are compiled once for each
+// instruction set, hence the anonymous namespace. `ivdep` asserts that inputs and outputs do not overlap.
 namespace uwsim {
 namespace {
 
@@ -43,7 +43,7 @@ void to_float(const LaneRays& rays, const double* middle_m, double setback_m, co
   }
 }
 
-/// Whether the point is over the block and above all corners of its cell by the clearance.
+/// Whether the point is over the block and higher than all corners of the cell there by the clearance.
 bool starts_high(const TerrainBlock& block, double x_m, double y_m, double z_m) {
   const double u = (x_m - block.origin_x) * block.cells_per_m - block.first_column;
   const double v = (y_m - block.origin_y) * block.cells_per_m - block.first_row;
@@ -107,7 +107,8 @@ int number_terrain(const LaneAnswers& answers, std::uint32_t near_solids, std::u
 }
 
 void locate_heights(const TerrainBlock& block, TerrainLanes& terrain) {
-  // Compute column and row by multiplication: exact for integers below 2^31, because half a cell is added.
+  // Compute column and row by multiplication instead of division. This is exact for integers below 2^31, because half a
+  // cell is added.
   const double per_column = 1.0 / block.columns;
   const auto columns = static_cast<std::int32_t>(block.columns);
   const auto first_column = static_cast<std::int32_t>(block.first_column);

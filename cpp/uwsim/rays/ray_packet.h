@@ -8,8 +8,8 @@ namespace uwsim {
 
 inline constexpr std::size_t kPacketRays = 16;
 
-/// Whether the rays of a packet are coherent, starting together and running in similar directions (a camera's block of
-/// pixels), or not (reflections). Affects the speed, not the result.
+/// Whether the rays of a packet are coherent: they start close together and run in similar directions, as for a block
+/// of a camera's pixels. Reflections are not coherent. This affects the speed, not the result.
 enum class RayOrder { kIncoherent, kCoherent };
 
 /// Sixteen rays in float, one row per coordinate, as loaded by vector units. Origins are in metres relative to an
@@ -29,7 +29,7 @@ struct HitPacket {
   using Lanes = std::array<float, kPacketRays>;
   alignas(64) Lanes distance_m;                                  ///< infinity for a miss
   alignas(64) Lanes u, v;                                        ///< barycentric on triangles, 0 on round shapes
-  alignas(64) Lanes normal_x, normal_y, normal_z;                ///< of any length; on the same side as in RayHit
+  alignas(64) Lanes normal_x, normal_y, normal_z;                ///< of any length, on the same side as in RayHit
   alignas(64) std::array<std::uint32_t, kPacketRays> label;      ///< a Label; 0 for a miss
   alignas(64) std::array<std::uint32_t, kPacketRays> primitive;  ///< triangle or round shape of the labelled object
   /// -1 if the distance was computed in double, else 0

@@ -38,7 +38,7 @@ ExactRays to_double(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays
   return out;
 }
 
-/// Deactivates the rays that do not enter a tile before their nearest hit so far.
+/// Deactivates the rays that do not enter the tile before their nearest hit so far.
 template <typename Packet>
 void keep_rays_that_may_hit_sooner(ReachedTile& next, const auto& distance_m, Packet& left) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
@@ -133,7 +133,7 @@ struct RayScene::Fixed {
   }
 };
 
-/// Scenes of worlds with the same surfaces share those: building the trees takes most of the time for creating a
+/// Scenes of worlds with the same surfaces share them, because building the trees takes most of the time for creating a
 /// simulator.
 RayScene::RayScene(const World& world) {
   // Never destroyed, because Embree's static objects may be destroyed before ours.
@@ -232,8 +232,8 @@ void RayScene::distance(std::span<const Eigen::Vector3d> points_world_m, std::sp
     for (std::size_t k = first; k < last; ++k) {
       const double fixed_m = fixed_->distance_to(points_world_m[k], nearest_m);
       distances_m[k] = bodies_ ? bodies_->distance(points_world_m[k], fixed_m, hidden_) : fixed_m;
-      // Neighbours in the list are usually neighbours in space: the next point is at most this much farther from that
-      // surface.
+      // Neighbours in the list are usually neighbours in space. The next point's distance to the nearest surface
+      // exceeds this one's by at most the distance between the two points.
       const double apart_m = k + 1 < last ? (points_world_m[k + 1] - points_world_m[k]).norm() : 0;
       nearest_m = (fixed_m + apart_m) * (1 + kFartherSearch) + kFartherSearch;
     }

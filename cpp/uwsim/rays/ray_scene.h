@@ -32,8 +32,8 @@ class RayScene {
  public:
   explicit RayScene(const World& world);
 
-  /// Returns the same surfaces together with bodies, at their poses at the time of each cast, except for `hidden`, such
-  /// as the vehicle that carries the sensor. Replaces any earlier bodies; null for none.
+  /// Returns a scene with the same surfaces and these bodies (null for none) instead of the present ones. Each cast
+  /// uses the bodies' poses at that time and ignores the body `hidden`, such as the vehicle that carries the sensor.
   RayScene with(std::shared_ptr<const MovingBodies> bodies, std::size_t hidden = MovingBodies::kNone) const;
   /// Whether a body may be within this distance of the point; conservative.
   bool bodies_within(const Eigen::Vector3d& point_world_m, double distance_m) const;
@@ -43,14 +43,14 @@ class RayScene {
   void cast(std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits, int threads = 1) const;
   RayHit cast(const Ray& ray, double max_range_m) const;
 
-  /// Same for packets of sixteen rays, without conversions; casting several packets together is faster than one at a
-  /// time.
+  /// The same for packets of sixteen rays, which need no conversion. Casting several packets together is faster than
+  /// casting them one at a time.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
 
-  /// Returns Embree's unrefined answer in float, for pictures, at the cost of Embree alone. The error of distances is
-  /// about 1e-4 m. At silhouettes, a ray may pass on the wrong side within half a millionth of half the tile's
-  /// diagonal; over terrain, within that times 1 / cosine of its slope: up to 0.2 mm at the lake's hills, a few
-  /// millimetres at cliffs of 24 in 1 in a tile 1 km wide.
+  /// Returns Embree's unrefined answer in float, for pictures, at no more than Embree's own cost. Distances have an
+  /// error of about 1e-4 m. A ray that passes a silhouette within half a millionth of half the tile's diagonal may be
+  /// on the wrong side of it. At the silhouette of terrain, this limit is multiplied by 1 / cosine of the slope: it is
+  /// up to 0.2 mm at the lake's hills, and a few millimetres at cliffs of 24 in 1 in a tile 1 km wide.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, HitPacket& hits,
             RayOrder order = RayOrder::kIncoherent) const;
   /// Whether each ray is blocked between its limits; idle lanes are not.
@@ -60,8 +60,8 @@ class RayScene {
   /// Whether the point lies on or below the terrain; false outside its extent.
   bool under_ground(const Eigen::Vector3d& point_world_m) const;
 
-  /// Whether the point lies in a round shape, deeper than `depth_m`. Shapes are closed: no ray from outside comes
-  /// closer to the point than that.
+  /// Whether the point lies in a round shape, deeper than `depth_m`. Since shapes are closed, no ray from outside comes
+  /// closer to such a point than `depth_m`.
   bool within_round(const Eigen::Vector3d& point_world_m, double depth_m) const;
 
   /// The distance from each point to the nearest triangle of the terrain, the solids' meshes and the bodies, exact to

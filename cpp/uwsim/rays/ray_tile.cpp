@@ -11,7 +11,7 @@
 namespace uwsim {
 namespace {
 
-/// Marks hits on round shapes with no mesh close to them: the callback has computed these in double.
+/// Marks hits on round shapes with no mesh close to them: the callback has computed such hits in double.
 void settle_round_hits(const TileTrees& trees, const RoundAnswer& answer, const RayPacket& rays, HitPacket& hits) {
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const std::uint32_t geometry = hits.label[k];

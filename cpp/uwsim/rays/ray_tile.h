@@ -23,7 +23,7 @@ class RayTile {
   RayTile(RayTile&&) noexcept;
   RayTile& operator=(RayTile&&) noexcept;
 
-  /// Bounds of the surfaces, including everything that tolerances add to them.
+  /// Bounds of the surfaces, including the margins that the tolerances add.
   const Eigen::AlignedBox3d& box() const;
   /// Whether rays from this point may be cast in float directly; other rays must start where they enter the box.
   bool is_near(const Eigen::Vector3d& point_world_m) const;
@@ -31,9 +31,9 @@ class RayTile {
 
   /// Finds the true first hits in this tile, for rays that start `starts_m` along their direction (at 0 if null).
   void cast(const ExactRays& rays, const double* starts_m, ExactHits& hits) const;
-  /// Same, for packets that are near and start at 0; casting several together is faster.
+  /// The same for packets whose rays are near (see is_near) and start at 0; casting several packets together is faster.
   void cast(std::span<const ExactRays> rays, std::span<ExactHits> hits) const;
-  /// Returns Embree's unrefined answers; `starts_m` as above; distances are measured from the rays' origins.
+  /// Returns Embree's unrefined answers, with distances from the rays' origins. `starts_m`: see above.
   void cast(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, HitPacket& hits,
             RayOrder order) const;
   void occluded(const Eigen::Vector3d& anchor_world_m, const RayPacket& rays, const double* starts_m, Blocked& blocked,

@@ -57,7 +57,7 @@ std::vector<ReachedTile> reached_tiles(const std::vector<RayTile>& tiles, const 
     }
     if (one.soonest_m < kInfinity) found.push_back(one);
   }
-  // stable_sort is not used because libstdc++ merges in memory that lacks the alignment of a ReachedTile.
+  // stable_sort is not used, because libstdc++ would merge in memory that is not aligned for a ReachedTile.
   std::ranges::sort(found, {}, [](const ReachedTile& one) { return std::pair(one.soonest_m, one.tile); });
   return found;
 }

@@ -12,7 +12,8 @@ struct ReachedTile {
   const RayTile* tile;
   double soonest_m;
   alignas(
-      64) std::array<double, kPacketRays> start_m;  ///< where each ray enters it: 0 from inside, infinity for a miss
+      /// Where each ray enters the tile: 0 from inside, infinity for a miss
+      64) std::array<double, kPacketRays> start_m;
 };
 
 /// The tiles that a packet's active rays reach, earliest first.

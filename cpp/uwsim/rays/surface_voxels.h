@@ -32,13 +32,14 @@ class SurfaceVoxels {
   /// earlier queries nor the number of threads.
   void distances(std::span<const PackedKey> voxels, std::span<double> distances_m, int threads);
 
-  /// For each voxel, given with its distance, 1 if the surface passes through it or within `kTouch_m` of it, else 0. If
-  /// the distance is at most half an edge, it does; if the distance exceeds half a diagonal, it does not. A cube in
-  /// between is split into eight, at most `kHalvings` times, and its parts decide.
+  /// For each voxel, returns 1 if the surface passes through the voxel or within `kTouch_m` of it, else 0. The distance
+  /// from the voxel's centre to the surface decides: it does if the distance is at most half an edge, and does not if
+  /// the distance exceeds half a diagonal. For distances in between, the voxel is split into eight cubes, at most
+  /// `kHalvings` times, and these are tested in the same way.
   void hold_surface(std::span<const PackedKey> voxels, std::span<const double> distances_m,
                     std::span<std::uint8_t> hold, int threads) const;
 
-  static constexpr double kTouch_m = 1e-3;  ///< points are rounded before they are mapped
+  static constexpr double kTouch_m = 1e-3;  ///< allows for the rounding of points before they are mapped
   static constexpr int kHalvings = 5;
 
  private:

@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-/// A ray over a block of cells, in horizontal cell units from the block's corner.
+/// A ray over a block of cells. Horizontal positions are in cells from the block's corner.
 class Walk {
  public:
   Walk(const TileSurfaces& surfaces, const TileRay& ray, double from_m)
@@ -97,7 +97,8 @@ class Walk {
     const PlaneHit hit = meet_plane(triangle, block_, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
     const bool met = hit.a >= -kSeam && hit.b >= -kSeam && hit.a + hit.b <= 1 + kSeam && hit.distance_m >= from_m_;
     if (!met || hit.distance_m > ray_.far_m || (nearest && nearest->distance_m <= hit.distance_m)) return;
-    // The kernel multiplies by the inverse of the length instead, which is faster and may differ in the last bit.
+    // The kernel instead multiplies by the inverse of the length, which is faster; the results may differ in the last
+    // bit.
     const Eigen::Vector3d up(-triangle.slope_x * block_.cells_per_m, -triangle.slope_y * block_.cells_per_m, 1);
     nearest = TileHit{hit.distance_m, up.normalized(), false};
   }

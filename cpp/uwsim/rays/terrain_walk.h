@@ -16,8 +16,9 @@ struct TerrainWalk {
   bool near_solids = false;  ///< whether the walk passed through a cell with a solid nearby
 };
 
-/// Walks from `from_m`, or from the point where the ray enters the space above the tile's terrain, until the ray hits
-/// the terrain (from above or below), leaves the tile, or is higher above the terrain than the clearance.
+/// Walks along the ray from `from_m`, or from the point where the ray enters the space above the tile's terrain if that
+/// is farther. The walk ends when the ray hits the terrain (from above or below), leaves the tile, or is higher above
+/// the terrain than the clearance.
 TerrainWalk walk_terrain(const TileSurfaces& surfaces, const TileRay& ray, double from_m);
 
 }  // namespace uwsim

@@ -14,12 +14,13 @@
 
 namespace uwsim {
 
-/// A tile's surfaces in double, with the same numbers as in Embree's tree: by geometry, then by primitive.
+/// A tile's surfaces in double. Surfaces are identified by geometry and primitive, with the same numbers as in Embree's
+/// tree.
 ///
 /// The terrain consists of two geometries, so that a hit immediately shows whether a solid is near: open terrain, and
-/// cells near solids. Triangles of the former are numbered within the block: 2 cell and 2 cell + 1, with cells row by
-/// row, including cells near solids. Triangles of the latter are numbered counting only the cells near solids. Solids
-/// follow, each under its label.
+/// cells near solids. In open terrain, triangles are numbered within the block: 2 cell and 2 cell + 1, where cells are
+/// counted row by row, including cells near solids. In the other geometry, only the cells near solids are counted.
+/// Solids follow, each under its label.
 class TileSurfaces {
  public:
   static constexpr std::uint32_t kTerrainNearSolids = 0;
@@ -29,7 +30,7 @@ class TileSurfaces {
 
   const World& world() const { return world_; }
   const TileContents& contents() const { return contents_; }
-  /// Bounds of the surfaces, including everything that tolerances add to them.
+  /// Bounds of the surfaces, including the margins that the tolerances add.
   const Eigen::AlignedBox3d& box() const { return box_; }
   /// The origin of float coordinates.
   const Eigen::Vector3d& middle_m() const { return middle_m_; }
@@ -51,10 +52,11 @@ class TileSurfaces {
   const RoundShape& shape(std::uint32_t geometry, std::uint32_t primitive) const;
   /// Bounds of a triangle or shape.
   Eigen::AlignedBox3d box_of(const TileMember& member) const;
-  /// The hit of a ray on one triangle, including its edges, or on one shape. Only shapes respect the ray's limits.
+  /// The hit of a ray on one triangle, including the triangle's edges, or on one shape. The ray's limits apply only to
+  /// shapes.
   std::optional<TileHit> meet(std::uint32_t geometry, std::uint32_t primitive, const TileRay& ray) const;
 
-  /// Whether a cell of the block is among those near solids, whose triangles belong only to kTerrainNearSolids.
+  /// Whether a cell of the block is near a solid; the triangles of such a cell belong only to kTerrainNearSolids.
   bool is_near_solids(std::uint32_t cell) const { return near_solids_.contains(cell); }
   /// The number, within the block, of a triangle near solids.
   std::uint32_t block_triangle(std::uint32_t triangle_near_solids) const {

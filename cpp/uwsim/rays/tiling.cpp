@@ -15,7 +15,7 @@ constexpr double kFineEdge = 8;  // as a multiple of the widening
 
 using Key = std::pair<std::int64_t, std::int64_t>;  // a tile's row and column
 
-/// Where the world is divided: at whole blocks of terrain cells, or every kTileWidth_m if there is no terrain.
+/// Defines where the world is divided: between blocks of terrain cells or, if there is no terrain, every kTileWidth_m.
 struct Cuts {
   Eigen::Vector2d origin_m, width_m;
   std::uint32_t columns = 0, rows = 0;  // per tile, in terrain cells
@@ -90,8 +90,8 @@ void add_solid(const Solid& solid, Label label, const Cuts& cuts, std::map<Key, 
   }
 }
 
-/// Whether triangles are so small that the margins that float requires in a tile of the world (tolerances.h) would
-/// merge them, in which case most of their hits would require a search.
+/// Whether a solid's triangles are so small that the margins that float requires in one of the world's tiles
+/// (tolerances.h) would overlap them. Most hits on them would then require a search.
 bool is_fine(const Solid& solid, const Eigen::AlignedBox2d& world) {
   if (!solid.shapes.empty()) return false;
   const double widening_m = tolerances_of(world.sizes().cwiseMin(kTileWidth_m).norm(), 1, true).widening_m;

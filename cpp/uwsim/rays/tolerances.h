@@ -2,8 +2,8 @@
 
 namespace uwsim {
 
-// Every tolerance, margin and error bound of the ray engine. README.md contains the error budget that they add up to.
-// Kernels include this file, which therefore only defines constants and declares one function.
+// Every tolerance, margin and error bound of the ray engine; README.md contains the resulting error budget. Because
+// kernels include this file, it only defines constants and declares one function.
 
 /// The sine of 0.1 degree, rounded down. At smaller angles to a surface, float's error may decide whether a ray grazes
 /// or misses it; errors that grow with 1 / sine are covered only down to this angle.
@@ -24,11 +24,11 @@ inline constexpr double kFarther_m = 1e-6;
 /// For the same reason, a search for the nearest triangle reaches farther than the best distance so far, by this
 /// fraction.
 inline constexpr double kFartherSearch = 1e-5;
-/// If terrain is raised by less than this, shadow rays need no second check, because they start at least 1 mm off their
-/// surface.
+/// If terrain is raised by less than this, shadow rays need no second check, because they start at least 1 mm off the
+/// surface that they leave.
 inline constexpr double kHarmlessRaise_m = 5e-4;
-/// A corner of a widened triangle moves by at most this multiple of the widening; 1 / 8 is the sine of half of 14
-/// degrees, so only corners sharper than 14 degrees are treated separately.
+/// A corner of a widened triangle moves by at most this multiple of the widening. Since 1 / 8 is the sine of half of 14
+/// degrees, only corners sharper than 14 degrees are treated separately.
 inline constexpr double kLongestMitre = 8;
 
 // Tolerances for double.
@@ -36,8 +36,8 @@ inline constexpr double kLongestMitre = 8;
 /// In barycentric units: neighbouring triangles overlap by this much, so that no ray slips between them.
 inline constexpr double kSeam = 1e-10;
 /// In cells: a terrain hit computed in double is accepted immediately if it lies this far inside its triangle;
-/// otherwise the walk from cell to cell decides. The walk's block is wider by the same amount on each side. At the far
-/// side of a terrain of 10,000 cells, the rounding error in double is 1e-12 cells.
+/// otherwise, a walk from cell to cell decides. The block over which the ray walks is wider by the same amount on each
+/// side. At the far side of a terrain of 10,000 cells, the rounding error in double is 1e-12 cells.
 inline constexpr double kCellMargin = 1e-9;
 /// A ray misses a round shape if the squared distance of its line exceeds the squared radius by more than this
 /// fraction.
@@ -53,8 +53,8 @@ struct Tolerances {
   double hit_error_m;
 
   /// 64 r: how far the edges of a solid's triangles are moved outward for Embree. In the plane of the surface, an error
-  /// perpendicular to a ray is amplified by 1 / sine: 570 times at 0.1 degree. One rounding is r / 16, which amounts to
-  /// 36 r.
+  /// perpendicular to a ray is amplified by 1 / sine, which is 570 at 0.1 degree. The error of one rounding, r / 16,
+  /// thus becomes 36 r.
   double widening_m;
 
   /// 256 r, or 0 if no solid has triangles: the distance before its origin at which a float ray starts. In float, a
@@ -68,18 +68,20 @@ struct Tolerances {
   /// `raise_m` times `steepest`, which is 1 / cosine of the steepest slope in the tile: the raise measured vertically.
   double upward_raise_m;
 
-  /// 4 `upward_raise_m`: a point this far above the terrain is also above the raised terrain. Vertices at a block's
-  /// edges also move outward by one raise along each axis, for which they rise by up to two more; the fourth is for
-  /// rounding.
+  /// 4 `upward_raise_m`: a point this far above the terrain is also above the raised terrain. The first raise applies
+  /// to all vertices. Vertices at a block's edges also move outward by one raise along each axis and, to compensate,
+  /// rise by up to two more. The fourth allows for rounding.
   double clearance_m;
 
   /// 4 r + `clearance_m`: how much farther from a point Embree's surfaces may be than the true ones.
   double search_margin_m;
 
-  /// 16 r + `clearance_m`: terrain cells and solids closer together than this may be hit in the wrong order in float.
+  /// 16 r + `clearance_m`: if a terrain cell and a solid are closer together than this, a cast in float may hit them in
+  /// the wrong order.
   double near_terrain_m;
 
-  /// 8 r: triangles and shapes of solids closer together than this may be hit in the wrong order in float.
+  /// 8 r: if triangles or shapes of solids are closer together than this, a cast in float may hit them in the wrong
+  /// order.
   double crowding_m;
 
   /// r: a hit this far inside a triangle's edges is on that triangle, regardless of what float reports.
@@ -91,12 +93,13 @@ struct Tolerances {
   /// 16 widenings: added to the tile's bounding box, so that it encloses all of the above.
   double box_margin_m;
 
-  /// The distance along the ray between the point reported by Embree and the true hit, at this sine of the angle to the
-  /// surface: the error perpendicular to the ray, plus its effect along the surface.
+  /// The distance along the ray between the point reported by Embree and the true hit, for a given sine of the angle
+  /// between ray and surface: the error perpendicular to the ray, plus its effect along the surface.
   double hit_error_along_m(double sine) const { return hit_error_m * (1 + 1 / sine); }
 
   /// How far outside the true triangle a float ray may hit the widened one and still be accepted. Float's error along a
-  /// ray grows with its length over the triangle; a twentieth of the bound keeps the tips of slivers from growing.
+  /// ray grows with the ray's length over the triangle. Only a twentieth of the bound is used, so that the tips of
+  /// slivers do not grow.
   double picture_edge_m(double sine) const { return hit_error_m * (1 + 0.05 / sine); }
 };
 

@@ -16,7 +16,8 @@ struct TileRay {
 struct TileHit {
   double distance_m;
   Eigen::Vector3d normal_world;  ///< unit, on the side from which the corners run counter-clockwise
-  bool clear_of_edges;           ///< farther inside than the tile's `edge_margin_m`: no neighbour can be hit
+  /// Whether the hit is farther inside than the tile's `edge_margin_m`, so that no neighbour can be hit
+  bool clear_of_edges;
 };
 
 using Corners = std::array<Eigen::Vector3d, 3>;

@@ -12,7 +12,7 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kGroupsTogether = 64;  // number of groups that share a list of nearest viewpoints
-// Near viewpoints are searched among every eighth, since neighbours on a path have similar views.
+// Near viewpoints are searched among every eighth viewpoint, since neighbours on a path have similar views.
 constexpr std::size_t kViewpointStride = 8;
 constexpr std::size_t kNearViewpoints = 24;  // number of viewpoints that are tried before all others
 

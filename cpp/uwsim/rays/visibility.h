@@ -21,11 +21,11 @@ struct PointGroups {
   }
 };
 
-/// For each group: 1 if one of its points is within `range_m` of a viewpoint with no surface more than `tolerance_m` in
-/// front of it, else 0. The result does not depend on the number of threads.
+/// For each group, returns 1 if a viewpoint within `range_m` sees one of the group's points, else 0. A point is seen
+/// unless a surface lies more than `tolerance_m` in front of it. The result does not depend on the number of threads.
 ///
-/// Most groups are visible from a nearby viewpoint. For a group that is not, all viewpoints are tried; points inside
-/// round shapes, such as the bed inside a pipe, are skipped.
+/// Nearby viewpoints are tried first, since most groups are visible from one of them; then all others are tried. Points
+/// inside round shapes, such as the bed inside a pipe, are skipped.
 std::vector<std::uint8_t> seen_groups(const RayScene& scene, std::span<const Eigen::Vector3d> viewpoints_world_m,
                                       const PointGroups& groups, double range_m, double tolerance_m, int threads);
 

@@ -10,9 +10,9 @@
 namespace uwsim {
 namespace {
 
-constexpr int kStartsInside = 3;  // used instead of the axis across which a ray enters
+constexpr int kStartsInside = 3;  // stands for the axis across which a ray enters a cube, if it starts inside
 
-/// The normal against the ray along an axis.
+/// The normal along an axis that points against the ray.
 Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
   if (axis == kStartsInside) direction.cwiseAbs().maxCoeff(&axis);
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -22,7 +22,7 @@ Eigen::Vector3f normal_against(const Eigen::Vector3d& direction, int axis) {
 
 }  // namespace
 
-/// A ray in units of cubes from the lowest corner; distances along the ray remain in metres.
+/// A ray whose position is in units of cubes from the lowest corner; distances along the ray remain in metres.
 struct VoxelScene::Walk {
   Eigen::Vector3d start, rate;
 
@@ -67,7 +67,7 @@ VoxelScene::VoxelScene(std::span<const Eigen::Vector3d> centres_world_m, double 
   }
   for (int k = 0; k < 2; ++k) block_counts_[k] = (high_[k] - low_[k]) / kBlock + 1;
 
-  // One number per cube, sorted by block, then by column, then by height.
+  // One number per cube; sorting the numbers sorts the cubes by block, then by column, then by height.
   std::vector<std::uint64_t> cubes;
   cubes.reserve(centres_world_m.size());
   for (const Eigen::Vector3d& centre : centres_world_m) {

@@ -16,8 +16,8 @@ bool has_sharp_corner(const Corners& triangle) {
   return is_sharp(0) || is_sharp(1) || is_sharp(2);
 }
 
-/// A triangle around a sliver: its longest side, a to b, is moved outward by the widening; the other two sides pass the
-/// corners at a distance of more than the widening.
+/// Returns a triangle around a sliver. The longest side, a to b, is moved outward by the widening; the other two sides
+/// pass the sliver's corners at a distance of more than the widening.
 Corners widened_sliver(const Corners& triangle, double widening_m) {
   std::size_t first = 0;
   const auto length = [&](std::size_t k) { return (triangle[(k + 1) % 3] - triangle[k]).squaredNorm(); };
@@ -26,7 +26,7 @@ Corners widened_sliver(const Corners& triangle, double widening_m) {
   const Eigen::Vector3d along = (b - a).stableNormalized(), up = (c - a) - along.dot(c - a) * along;
   const Eigen::Vector3d across = up.stableNormalized();
   const double height = up.norm(), apex = height + 4 * widening_m, foot = std::max(0.0, along.dot(c - a));
-  const auto beyond = [&](double to_foot) {  // how far the base extends beyond a or b
+  const auto beyond = [&](double to_foot) {  // returns how far the base extends beyond a or b
     return std::max(widening_m * (2 * to_foot + height + 5 * widening_m) / (height + 3 * widening_m),
                     0.5 * (apex + widening_m));
   };

@@ -5,7 +5,7 @@
 namespace uwsim {
 
 /// The triangle with each edge moved outward in its plane by `widening_m`, or by more if a corner is sharper than 14
-/// degrees. Embree gets solids' triangles in this form, so that float's error does not make a ray miss one.
+/// degrees. Solids' triangles are passed to Embree in this form, so that float's error does not make a ray miss them.
 Corners widened(const Corners& triangle, double widening_m);
 
 }  // namespace uwsim
