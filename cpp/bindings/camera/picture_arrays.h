@@ -7,7 +7,7 @@
 
 namespace uwsim::bindings {
 
-/// A picture as read-only arrays that own its memory.
+/// A picture as read-only NumPy arrays, which own the picture's memory.
 struct PictureArrays {
   PictureArrays(Picture&& picture, const RenderCost& cost, const RayRecord& record);
 

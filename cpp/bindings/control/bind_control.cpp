@@ -8,7 +8,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// The components of a tuple, list or array (2,), read without creating an array.
+/// Reads the two components of a tuple, list or array (2,) without creating an array.
 Eigen::Vector2d as_pair(const py::object& object, const char* name) {
   const py::sequence pair(object);
   require(pair.size() == 2, std::string(name) + ".shape", pair.size(), "expected (2,)");

@@ -10,7 +10,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// A control loop's state as numbers, which missions can save.
+/// Returns a control loop's state as an array of numbers, which missions can save.
 py::array_t<double> memory_out(const MotionController& controller) {
   const MotionMemory& m = controller.memory;
   Eigen::Matrix<double, 25, 1> numbers;

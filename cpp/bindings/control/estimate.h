@@ -12,8 +12,8 @@
 /// Conversion of estimates and efforts between Python and controllers.
 namespace uwsim::bindings {
 
-/// Returns an attribute that must be an array of this shape. An array of doubles is not copied, whatever its memory
-/// order.
+/// Returns an attribute, which must be an array of this shape. An array of doubles is not copied, regardless of its
+/// memory order.
 inline py::array_t<double> array_of(const py::object& owner, const char* name,
                                     std::initializer_list<py::ssize_t> shape) {
   const py::object value = owner.attr(name);
@@ -24,7 +24,7 @@ inline py::array_t<double> array_of(const py::object& owner, const char* name,
   return as_array<double>(value, name, shape);
 }
 
-/// Builds an estimate from an object with world_from_body (4, 4) and one with linear_body_m_s (3,) and
+/// Builds an estimate from `pose`, with world_from_body (4, 4), and `velocity`, with linear_body_m_s (3,) and
 /// angular_body_rad_s (3,). Raises ValueError for other shapes.
 inline MotionEstimate as_estimate(const py::object& pose, const py::object& velocity) {
   const auto matrix = array_of(pose, "world_from_body", {4, 4});
@@ -42,7 +42,7 @@ inline MotionEstimate as_estimate(const py::object& pose, const py::object& velo
   return estimate;
 }
 
-/// Plain floats: the arguments of set_effort.
+/// Six efforts as plain floats, as set_effort accepts them.
 using Efforts = py::typing::Tuple<py::float_, py::float_, py::float_, py::float_, py::float_, py::float_>;
 inline Efforts as_efforts(const Vector6d& effort) {
   return py::make_tuple(effort[0], effort[1], effort[2], effort[3], effort[4], effort[5]);

@@ -13,7 +13,8 @@
 #include "bindings/core/gil.h"
 #include "uwsim/core/check.h"
 
-/// Arrays between NumPy and C++: inputs of the right type pass without a copy, results are moved into a capsule.
+/// Conversion of arrays between NumPy and C++. Inputs of the right type are not copied; results are moved into a
+/// capsule.
 namespace uwsim::bindings {
 
 namespace py = pybind11;
@@ -84,7 +85,8 @@ py::array_t<T> move_out(std::vector<T>&& values) {
   return move_out(std::move(values), {n});
 }
 
-/// Clears the flag directly, because NumPy looks attributes up by name each time.
+/// Makes an array read-only by clearing its flag directly, which is faster than NumPy's look-up of the attribute by
+/// name.
 inline void forbid_writing(const py::array& array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
 }
@@ -95,8 +97,8 @@ py::array read_only(py::array_t<T> array) {
   return array;
 }
 
-/// A read-only copy of a vector or matrix, since writing to it would not affect the original. Requires
-/// pybind11/eigen.h.
+/// Returns a copy of a vector or matrix. The copy is read-only, since writing to it would not affect the original.
+/// Requires pybind11/eigen.h.
 template <typename Matrix>
 py::array_t<double> fixed(const Matrix& matrix) {
   py::array_t<double> array = py::cast(matrix);

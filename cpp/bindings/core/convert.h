@@ -15,13 +15,13 @@
 /// Conversion of geometry from Python's arrays.
 namespace uwsim::bindings {
 
-/// Numbers, (n,).
+/// Converts numbers, (n,).
 inline std::vector<double> as_numbers(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1});
   return {array.data(), array.data() + array.size()};
 }
 
-/// Finite points, (n, 3).
+/// Converts points, (n, 3), which must be finite.
 inline std::vector<Eigen::Vector3d> as_points(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 3});
   std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(array.shape(0)));
@@ -30,7 +30,7 @@ inline std::vector<Eigen::Vector3d> as_points(const py::object& object, const ch
   return points;
 }
 
-/// Indices, (m, 3). Negative and fractional ones are refused instead of wrapping around.
+/// Converts indices, (m, 3). Negative and fractional indices are refused, instead of wrapping around or being rounded.
 inline std::vector<Triangle> as_triangles(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 3});
   std::vector<Triangle> triangles(static_cast<std::size_t>(array.shape(0)));
@@ -53,14 +53,14 @@ inline Pose checked_pose(const Eigen::Vector3d& position, const Eigen::Quaternio
   return {position, orientation.normalized()};
 }
 
-/// A pose from a position (3,) and a quaternion x, y, z, w (4,), which is normalised.
+/// Converts a position (3,) and a quaternion x, y, z, w (4,) to a pose. The quaternion is normalised.
 inline Pose as_pose(const py::object& position_m, const py::object& orientation_xyzw, const std::string& name) {
   const Eigen::Vector3d position = as_vector3(position_m, (name + ".position_m").c_str());
   const auto q = as_array<double>(orientation_xyzw, (name + ".orientation_xyzw").c_str(), {4});
   return checked_pose(position, {q.at(3), q.at(0), q.at(1), q.at(2)}, name);
 }
 
-/// Poses from positions (n, 3) and quaternions x, y, z, w (n, 4), which are normalised.
+/// Converts positions (n, 3) and quaternions x, y, z, w (n, 4) to poses. The quaternions are normalised.
 inline std::vector<Pose> as_poses(const py::object& positions_m, const py::object& orientations_xyzw,
                                   const std::string& name) {
   const auto p = as_array<double>(positions_m, (name + ".positions_m").c_str(), {-1, 3});

@@ -4,12 +4,12 @@
 
 #include <utility>
 
-/// Guards that release or acquire the interpreter's lock around work in C++. During interpreter shutdown, CPython ends
-/// any thread that requests the lock with pthread_exit, which unwinds the stack; pybind11's guards, whose destructors
-/// are noexcept, would then abort the process by std::terminate.
+/// Guards that release or acquire the interpreter's lock (GIL) around work in C++. During interpreter shutdown, CPython
+/// calls pthread_exit in any thread that requests the lock. This unwinds the stack, and pybind11's guards, whose
+/// destructors are noexcept, would then abort the process through std::terminate.
 namespace uwsim::bindings {
 
-/// Releases the GIL of this thread for its lifetime.
+/// Releases the GIL, which this thread holds, for the lifetime of the guard.
 class GilReleased {
  public:
   GilReleased() : outer_(std::exchange(innermost_, this)), state_(PyEval_SaveThread()) {}
@@ -23,7 +23,7 @@ class GilReleased {
  private:
   friend class GilTaken;
 
-  /// Does nothing if the thread is already being ended, in which case it has requested the lock before.
+  /// Acquires the GIL. Does nothing if the lock has already been requested, because the thread is then being ended.
   void take() {
     if (PyThreadState* const state = std::exchange(state_, nullptr)) PyEval_RestoreThread(state);
   }
@@ -34,7 +34,8 @@ class GilReleased {
   PyThreadState* state_;
 };
 
-/// Reacquires the GIL for its lifetime, within work for which a GilReleased of this thread has released it.
+/// Reacquires the GIL for the lifetime of the guard, within work for which a GilReleased of this thread has released
+/// it.
 class GilTaken {
  public:
   GilTaken() : from_(GilReleased::innermost_) { from_->take(); }

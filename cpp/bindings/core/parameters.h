@@ -10,7 +10,7 @@
 
 namespace uwsim::bindings {
 
-/// {name: Parameter}, sorted by name.
+/// Returns {name: Parameter}, sorted by name.
 template <typename Parameters>
 std::map<std::string, Parameter> by_name(const Parameters& parameters) {
   std::map<std::string, Parameter> named;

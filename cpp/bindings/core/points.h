@@ -6,7 +6,8 @@
 
 #include "bindings/core/arrays.h"
 
-/// Points and ranges between NumPy and C++: float32 arrays are passed in as spans, and returned as rows of x, y, z.
+/// Conversion of points and ranges between NumPy and C++: float32 arrays are passed to C++ as spans, and points are
+/// returned as rows of x, y, z.
 namespace uwsim::bindings {
 
 /// Like as_array<float>, except that a finite float64 that does not fit in a float32 is an error instead of becoming

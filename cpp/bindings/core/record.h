@@ -17,7 +17,8 @@ namespace uwsim::bindings {
 /// A record's fields by name.
 using Fields = py::typing::Dict<py::str, py::object>;
 
-/// A result exposed to Python: read-only fields, with to_dict(), copies and pickles derived from them.
+/// Exposes a result type to Python: its fields are read-only, and to_dict(), copying and pickling are derived from
+/// them.
 template <typename T>
 class Record {
  public:
@@ -40,8 +41,8 @@ class Record {
     return *this;
   }
 
-  /// Sets the picture that notebooks show, drawn by `module`, which is imported on demand; plot() returns a matplotlib
-  /// figure.
+  /// Sets the Python module that draws the picture shown in notebooks. It is imported on demand; its plot() returns a
+  /// matplotlib figure.
   Record& drawn_by(const char* module) {
     class_
         .def(

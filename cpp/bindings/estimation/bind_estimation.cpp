@@ -17,7 +17,7 @@ namespace {
 
 using Times = py::array_t<std::uint64_t, py::array::c_style | py::array::forcecast>;
 
-/// times (n,), readings (n, width). Throws InvalidValue.
+/// Returns the readings as an array (n, width), for n times. Throws InvalidValue.
 py::array_t<double, py::array::c_style> rows(const Times& times, const py::object& readings, py::ssize_t width) {
   require(times.ndim() == 1, "times_ns.ndim", times.ndim(), "must be 1");
   return as_array<double>(readings, "readings", {times.shape(0), width});

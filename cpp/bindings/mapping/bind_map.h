@@ -3,7 +3,7 @@
 #include "bindings/core/arrays.h"
 #include "uwsim/mapping/occupancy_map.h"
 
-/// The class OccupancyMap is bound in two files, bind_occupancy_map.cpp and bind_map_queries.cpp.
+/// The class OccupancyMap is bound in two files: bind_occupancy_map.cpp and bind_map_queries.cpp.
 namespace uwsim::bindings {
 
 using MapClass = py::class_<OccupancyMap>;

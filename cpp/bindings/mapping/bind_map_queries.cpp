@@ -7,7 +7,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// (n, 3) centres, (n,) edges, (n,) log-odds.
+/// Returns cubes as arrays: centres (n, 3), edges (n,) and log-odds (n,).
 std::tuple<DoubleOut, DoubleOut, FloatOut> columns(MapCubes&& cubes) {
   return {rows_out(std::move(cubes.centres_world_m)), move_out(std::move(cubes.edges_m)),
           move_out(std::move(cubes.log_odds))};

@@ -16,7 +16,7 @@ namespace {
 
 using CountArray = py::array_t<std::int64_t, py::array::c_style>;
 
-/// Integers, (m,). Fractions are refused, not rounded.
+/// Converts integers, (m,). Fractions are refused, not rounded.
 CountArray as_counts(const py::object& object, const char* name) {
   const auto any = as_array<double>(object, name, {-1});
   for (py::ssize_t i = 0; i < any.size(); ++i) {

@@ -26,7 +26,8 @@ struct RayHits {
   py::array_t<Label> labels;
 };
 
-/// Embree's hits in float, for pictures: sixteen rays at a time, relative to the origin of the first.
+/// Casts rays as for pictures: Embree's hits in float, for sixteen rays at a time, relative to the origin of the first
+/// ray.
 void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double max_range_m, std::span<RayHit> hits) {
   for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
     const std::size_t count = std::min(kPacketRays, rays.size() - first);
@@ -51,7 +52,8 @@ void cast_for_picture(const RayScene& scene, std::span<const Ray> rays, double m
   }
 }
 
-/// Casts rays from origins (n, 3) or (1, 3) along directions (n, 3), in batches on all threads, by cast(rays, hits).
+/// Casts rays from origins (n, 3) or (1, 3) along directions (n, 3). Calls cast(rays, hits) for batches of rays, on all
+/// threads.
 template <typename Cast>
 RayHits cast_rays(const py::object& origins_m, const py::object& directions_world, double max_range_m,
                   const Cast& cast) {

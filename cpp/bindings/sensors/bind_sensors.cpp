@@ -17,7 +17,7 @@ namespace {
 
 using Parts = py::typing::Dict<py::str, py::typing::Tuple<py::int_, py::str>>;
 
-/// {name: (width, unit)} in the order of the items.
+/// Returns {name: (width, unit)}, in the order of the items.
 template <typename Part>
 Parts parts(std::span<const Part> items) {
   Parts named;

@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::uint64_t kMemberStepsBetweenSignals = 20000;
 
-/// An array that receives results; refused unless it is C-ordered, writeable and has `size` elements.
+/// Returns the data of an array that receives results. Refuses the array unless it is C-ordered, writeable and has
+/// `size` elements.
 template <typename T>
 using Out = py::array_t<T, py::array::c_style>;
 

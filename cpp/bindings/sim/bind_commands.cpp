@@ -13,7 +13,7 @@
 namespace uwsim::bindings {
 namespace {
 
-/// Pairs (name, value(part)), one for each thruster or fin.
+/// Returns a pair (name, value(part)) for each thruster or fin.
 template <typename Part, typename Value>
 std::vector<std::pair<std::string, double>> by_name(const std::vector<Part>& parts, Value value) {
   std::vector<std::pair<std::string, double>> named;

@@ -70,7 +70,7 @@ void bind_link_figures(py::module_& m) {
       .def_readwrite("faults", &LinkSpec::faults);
 }
 
-/// Binds the link's physics separately, for validation and plots.
+/// Binds the link's physics as separate functions, for validation and plots.
 void bind_link_physics(py::module_& m) {
   py::class_<Eigenray>(m, "Eigenray", "A ray of sound that connects two points; dips are below the horizontal.")
       .def_readonly("surface_bounces", &Eigenray::surface_bounces)

@@ -112,7 +112,7 @@ PhysicsPing acoustic_ping(OwnedSimulation& owned, std::size_t vehicle, std::size
   return physics_ping(std::move(ping), fan, world_from_sonar, time_ns);
 }
 
-/// Rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
+/// Converts rigid transforms (n, 4, 4). Throws InvalidValue for anything else.
 std::vector<Pose> as_poses(const py::object& object, const char* name) {
   const auto array = as_array<double>(object, name, {-1, 4, 4});
   std::vector<Pose> poses;

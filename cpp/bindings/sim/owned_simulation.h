@@ -26,7 +26,8 @@ class OwnedSimulation {
   OwnedSimulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec)
       : scene_(std::move(scene)), simulation_(std::make_shared<Simulation>(world, scene_, spec)) {}
 
-  /// Wraps a member of a batch, with its vehicles and link. Must be used only while no call to the batch is running.
+  /// Wraps a member of a batch, including the member's vehicles and link. Must be used only while no call to the batch
+  /// is running.
   explicit OwnedSimulation(std::shared_ptr<Simulation> member) : simulation_(std::move(member)) {}
 
   /// Returns call(simulation), called with the GIL released.
@@ -37,8 +38,9 @@ class OwnedSimulation {
     return call(*simulation_);
   }
 
-  /// Returns call(simulation), for calls of a few microseconds: keeps the GIL unless another thread is using the
-  /// simulation. Releasing it would let a waiting thread acquire it, at far higher cost than the call itself.
+  /// Returns call(simulation), for calls that take a few microseconds. Keeps the GIL unless another thread is using the
+  /// simulation: if it were released, a waiting thread might acquire it, which would cost far more than the call
+  /// itself.
   template <typename Call>
   auto with_briefly(Call&& call) {
     if (const std::unique_lock owned(mutex_, std::try_to_lock); owned) return call(*simulation_);
@@ -110,7 +112,8 @@ class OwnedSimulation {
   std::vector<VehicleSpec> vehicles_;
   std::optional<LinkSpec> link_;
   std::shared_ptr<Simulation> simulation_;
-  // Kept alive, since a signal handler may restart the simulation during a ping
+  // The simulation before the last restart, kept alive because a signal handler may restart the simulation during a
+  // ping
   std::shared_ptr<Simulation> previous_;
   std::uint64_t earlier_versions_ = 0;
 };

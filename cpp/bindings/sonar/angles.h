@@ -8,7 +8,7 @@
 
 namespace uwsim::bindings {
 
-/// Angles (n,) as float64. Throws InvalidValue unless they are finite.
+/// Converts angles (n,) to doubles. Throws InvalidValue unless they are finite.
 inline std::vector<double> as_angles(const py::object& angles_rad) {
   const auto array = as_array<double>(angles_rad, "angles_rad", {-1});
   std::vector<double> angles(array.data(), array.data() + array.size());

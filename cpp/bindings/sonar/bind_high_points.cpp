@@ -17,7 +17,7 @@ Eigen::Matrix4d as_transform(const py::object& object) {
   return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrix.data());
 }
 
-/// Calls work(points) with float32 points, without a copy, if they are float32, else with float64 points.
+/// Calls work(points). float32 points are passed without a copy; any others are converted to float64.
 template <typename Work>
 auto with_points(const py::object& points_m, const Work& work) {
   if (py::isinstance<py::array_t<float>>(points_m)) {

@@ -23,7 +23,7 @@ struct PhysicsPing {
 PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const Pose& world_from_sonar,
                          std::uint64_t time_ns);
 
-/// A short description for people: a ping's time, its beams, and the ranges of its echoes.
+/// Returns a short description for people: a ping's time, number of beams, and range of distances of its echoes.
 std::string describe_fan(const char* name, const pybind11::array& ranges_m, const pybind11::array& valid,
                          std::uint64_t time_ns);
 

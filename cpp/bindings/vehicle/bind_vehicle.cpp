@@ -16,8 +16,8 @@
 namespace uwsim::bindings {
 namespace {
 
-/// Shared by all vehicles with the same hull, regardless of their other parameters, since measuring and tabulating a
-/// hull takes 2 ms.
+/// Returns a hull that is shared by all vehicles with the same mesh, regardless of their other parameters, since
+/// measuring and tabulating a hull takes 2 ms.
 std::shared_ptr<const BuoyantHull> hull_of(TriangleMesh mesh_body) {
   static RecentlyMade<BuoyantHull> known;
   const auto is_wanted = [&](const BuoyantHull& hull) {

@@ -12,7 +12,7 @@
 
 namespace uwsim::bindings {
 
-/// A FixedWater that Python's stubs declare as Water, like World.water.
+/// A FixedWater object, which Python's stubs declare as Water, as for World.water.
 struct WaterObject : py::object {
   explicit WaterObject(py::object water) : py::object(std::move(water)) {}
 };
@@ -27,8 +27,8 @@ struct pybind11::detail::handle_type_name<uwsim::bindings::WaterObject> {
 namespace uwsim::bindings {
 namespace {
 
-/// The world of a running simulator, and its water. Physics and rays use copies, so a change here would have no effect;
-/// it raises AttributeError instead.
+/// The world of a running simulator, including its water. Physics and rays use copies of it, so a change here would
+/// have no effect; setting an attribute therefore raises AttributeError.
 struct FixedWorld : World {
   explicit FixedWorld(const World& world) : World(world) {}
 };
@@ -41,7 +41,7 @@ struct FixedWater : Water {
                             ": a running simulator's world is fixed: change the scenario, and make a simulator");
 }
 
-/// Python's object.__setattr__, for a class whose attributes are fixed.
+/// Replaces Python's object.__setattr__ for a class whose attributes are fixed.
 template <typename Class>
 auto refuse_assignments(const std::string& owner) {
   return [owner](Class&, const std::string& name, const py::object&) { refuse(owner + "." + name); };

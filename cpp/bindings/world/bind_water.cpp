@@ -44,7 +44,7 @@ std::shared_ptr<WaterProfile> profile(const py::object& depth_m, const py::objec
   return std::make_shared<WaterProfile>(levels);
 }
 
-/// Values (n,) of a function at points (n, width).
+/// Returns the values (n,) of a function at points (n, width).
 template <typename Function>
 py::array_t<double> values_at(const py::object& points_m, const char* name, py::ssize_t width, Function function) {
   const auto points = as_array<double>(points_m, name, {-1, width});
