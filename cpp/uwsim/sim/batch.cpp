@@ -13,8 +13,9 @@
 namespace uwsim {
 namespace {
 
-constexpr std::size_t kSharesPerThread = 8;      // members have uneven costs, since those near the bed find contacts
-constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer take less time than starting a thread
+// Costs differ between members, since those near the bed have contacts to solve
+constexpr std::size_t kSharesPerThread = 8;
+constexpr std::size_t kStepsWorthThreads = 256;  // over all members; fewer steps take less time than starting a thread
 constexpr std::size_t kAxes = 6;
 constexpr std::array<const char*, kAxes> kAxisNames = {"surge", "sway", "heave", "roll", "pitch", "yaw"};
 

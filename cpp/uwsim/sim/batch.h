@@ -20,7 +20,7 @@ struct MemberSpec {
   std::optional<LinkSpec> link;
 };
 
-/// Position and motion of one vehicle in each member; each pointer refers to one row per member.
+/// Destinations for the position and motion of one vehicle in each member. Each array has one row per member.
 struct MotionRows {
   std::uint64_t* times_ns;    ///< (n,)
   double* positions_world_m;  ///< (n, 3)
@@ -30,15 +30,15 @@ struct MotionRows {
   std::uint8_t* released;     ///< (n,) 0 or 1
 };
 
-/// The samples of one sensor in each member.
+/// Destinations for the samples of one sensor in each member.
 struct SampleRows {
   double* values;  ///< (n, width)
   std::uint64_t* stamps_ns;
   std::uint8_t* valid;
 };
 
-/// The pings of one sonar in each member in physics mode: (n, beams), with three columns for points. Fields are as in
-/// AcousticPing.
+/// Destinations for the pings of one sonar in each member, in physics mode: (n, beams) for each field of AcousticPing,
+/// and (n, beams, 3) for points.
 struct AcousticRows {
   PingRows echoes;
   float *snr_db, *travel_time_s, *deviation_m;
@@ -46,25 +46,26 @@ struct AcousticRows {
 };
 
 /// n independent simulations of one world, advanced and read together by several threads. They share terrain, solids
-/// and their indices; each has its own water, seed and vehicles, but the names of vehicles and instruments are the same
-/// in all. A member is equivalent to a Simulation with its spec: results are bitwise identical, regardless of the
-/// number of threads. Only one thread at a time may call these functions.
+/// and the search structures for these. Each has its own water, seed and vehicles, but vehicles and instruments have
+/// the same names in all members. A member is equivalent to a Simulation with its spec: results are bitwise identical,
+/// regardless of the number of threads. Only one thread at a time may call these functions.
 ///
-/// If a member throws, the others continue; then the first failing member's error is rethrown with its index, as
-/// batch[3].
+/// If a member throws, the others continue. Afterwards, the error of the first failing member is rethrown, prefixed
+/// with the member's index, such as batch[3].
 class Batch {
  public:
   /// Throws InvalidValue, like Simulation.
   Batch(const World& world, std::shared_ptr<const RayScene> scene, std::vector<MemberSpec> members, int threads);
 
   std::size_t size() const { return members_.size(); }
-  /// Shared, so that observers of a member outlive its restart. Throws std::out_of_range.
+  /// Returns a member. It is shared, so that an observer can still use it after the batch has restarted that member.
+  /// Throws std::out_of_range.
   const std::shared_ptr<Simulation>& member(std::size_t index) { return members_.at(index); }
 
   /// Restarts the chosen members. `specs`: new specs for these members; empty to reuse the present ones. On error,
   /// throws without changing anything.
   void restart(std::span<const std::size_t> chosen, std::vector<MemberSpec> specs = {});
-  /// See Simulation::release and set_state. Throws InvalidValue; all members that can be placed are placed.
+  /// See Simulation::release and Simulation::set_state. Throws InvalidValue; all members that can be placed are placed.
   void release(std::size_t vehicle, std::span<const std::size_t> chosen);
   void set_states(std::size_t vehicle, std::span<const std::size_t> chosen, std::span<const BodyState> states);
 
@@ -81,7 +82,7 @@ class Batch {
   void read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise, const SampleRows& rows);
   /// Pings in geometry mode: rows of n * beams, and the heads' poses (n, 4, 4), in row-major order.
   void ping(std::size_t vehicle, std::size_t sonar, const PingRows& rows, double* world_from_sonar) const;
-  /// Pings in physics mode, in the same layout. Throws InvalidValue for a member in geometry mode.
+  /// Pings in physics mode; results have the same layout as above. Throws InvalidValue for a member in geometry mode.
   void acoustic_ping(std::size_t vehicle, std::size_t sonar, const AcousticRows& rows, double* world_from_sonar) const;
 
  private:

@@ -10,8 +10,8 @@
 
 namespace uwsim {
 
-/// Builds new vehicles and transfers their state as if it had been saved and restored. Everything that may fail is done
-/// first.
+/// Builds new vehicles and transfers the state of the present ones to them, as if it had been saved and restored.
+/// Everything that may fail is done first.
 void Simulation::change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles) {
   spec.check();
   water.check();

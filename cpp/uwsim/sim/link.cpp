@@ -15,8 +15,9 @@ namespace uwsim {
 namespace {
 
 constexpr double kDeepest_m = 12000;
-constexpr int kChords = 4;  // per bent ray, for detecting obstacles
-// Clearance above the flat bottom at which a reflected ray is checked, as a fraction of the water depth.
+constexpr int kChords = 4;  // number of chords per bent ray, for detecting obstacles
+// A ray reflected by the flat bottom is checked for obstacles with its reflection raised by this fraction of the water
+// depth.
 constexpr double kOffTheBed = 0.05;
 constexpr double kBesideHit_m = 0.01;  // step past a solid before continuing behind it
 constexpr int kSolidsPassed = 8;
@@ -39,8 +40,8 @@ struct Segment {
   std::size_t path;  // index of its path
 };
 
-/// Adds the segments of a ray: the lines between its reflections, or chords of a bent ray, which is approximated
-/// between its ends by the cubic with the same directions at both ends.
+/// Adds the segments of a ray. A straight ray consists of the lines between its reflections. A bent ray is approximated
+/// by chords of the cubic that has the same ends and the same directions there.
 void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const Transducer& to,
                   const Eigen::Vector3d& level, double bottom_m, std::size_t path, std::vector<Segment>& segments) {
   const double start_m = depth_of(from), end_m = depth_of(to);
@@ -73,7 +74,7 @@ void add_segments(const Eigenray& ray, bool bends, const Transducer& from, const
   go(to.position_world_m);
 }
 
-/// Whether terrain lies on a segment behind a solid that the segment hits first.
+/// Whether terrain blocks a segment behind the solid that the segment hits first.
 bool blocked_behind(const RayScene& scene, const Segment& segment, double beyond_m) {
   const Eigen::Vector3d line = (segment.to - segment.from).normalized();
   Eigen::Vector3d from = segment.from;
@@ -170,7 +171,8 @@ Reception LinkWater::hear(const RayScene& scene, const Transducer& from, const T
       across_m > 0 ? Eigen::Vector3d(line.x() / across_m, line.y() / across_m, 0) : Eigen::Vector3d(1, 0, 0);
   const double deepest = std::max(depth_of(from), depth_of(to));
   double bottom_m = bed_under(scene, 0.5 * (from.position_world_m + to.position_world_m));
-  if (bottom_m <= deepest) bottom_m = kInfinity;  // the bed half-way is above one of the ends: no reflection
+  // The bed half-way is above one of the ends, so there is no reflection
+  if (bottom_m <= deepest) bottom_m = kInfinity;
   const std::vector<Eigenray> rays = eigenrays(water_.profile, {depth_of(from), depth_of(to), across_m, bottom_m});
   std::vector<Segment> segments;
   const bool bends = water_.profile.steepest_1_s() > 0;

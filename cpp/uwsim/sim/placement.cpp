@@ -12,8 +12,8 @@ constexpr double kSpeedMax = 100;  // m/s and rad/s
 
 }  // namespace
 
-/// Contacts push a body away from a surface towards the side that it is on, so they would keep a body that starts
-/// inside a solid there.
+/// Throws if the position is below the ground or inside a solid. Contacts push a body away from a surface towards the
+/// side on which the body is, so they would keep a body inside a solid if it started there.
 void Simulation::require_free(const std::string& path, const Eigen::Vector3d& position) const {
   const double bed_m = world_.terrain() ? world_.terrain()->height_at(position.x(), position.y()) : -kWorldEnd_m;
   require(!(position.z() <= bed_m), path, position.transpose(), "must be above the ground");
@@ -33,7 +33,7 @@ void Simulation::set_state(std::size_t index, const BodyState& state) {
   require(state.velocity_body.cwiseAbs().maxCoeff() <= kSpeedMax, path + " velocity_body",
           state.velocity_body.transpose(), "must be at most 100 m/s and rad/s");
   require_free(path + " position_m", position);
-  release(index);  // otherwise a docked vehicle would be held in place
+  release(index);  // otherwise, a docked vehicle would be held in place
   bodies_.set_state(moved.body, state);
   moved.touching = false;
   ++version_;

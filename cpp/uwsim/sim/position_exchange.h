@@ -9,18 +9,19 @@
 namespace uwsim {
 
 /// The pings of a USBL that shares its vehicle's modem. A ping and the fix that answers it are ordinary packets of the
-/// link, with air time, turns, collisions and losses. Only one ping is under way at a time: it waits for its turn (a
-/// newer ping replaces it), is measured from the vehicle's position when it is sent, and is answered by the station
-/// immediately. The vehicle gives up, and has no sample, if no answer has arrived after all turns and the travel time
-/// over its range. Both packets contain the sample number modulo 65536, which keeps vehicle and station synchronised.
+/// link: they take air time, wait for their turn, and may collide or be lost. Only one ping is under way at a time.
+/// While it waits for its turn, a newer ping replaces it; the fix is measured from the vehicle's position when the ping
+/// is sent, and the station answers immediately. If no answer has arrived after the time for all turns and the travel
+/// time over the sensor's range, the vehicle gives up and has no sample. Both packets contain the sample number modulo
+/// 65536, which keeps vehicle and station synchronised.
 class PositionExchange {
  public:
-  static constexpr std::uint64_t kPriority = 2;  ///< same as other instruments
-  /// A ping contains a number, a fix also three coordinates (assumed).
+  static constexpr std::uint64_t kPriority = 2;  ///< the same as for other instruments
+  /// A ping contains a number; a fix contains a number and three coordinates (assumed).
   static constexpr std::size_t kPingBytes = 2, kFixBytes = 14;
 
   PositionExchange() = default;
-  /// node: the vehicle's node; sensor: its index on the vehicle. topic: used by both packets.
+  /// node: the vehicle's node. sensor: the index of the sensor on the vehicle. topic: the topic of both packets.
   PositionExchange(std::size_t node, std::size_t sensor, std::uint64_t topic)
       : node_(node), sensor_(sensor), topic_(topic) {}
 
@@ -29,7 +30,8 @@ class PositionExchange {
 
   /// Gives up an overdue ping, and sends a new one if the sensor requests it. Must be called before packets are sent.
   void ask(NoisySensor& sensor, PacketNetwork& network, std::uint64_t now_ns);
-  /// Whether the ping has been sent since the last call; if so, the caller must pass the vehicle's state to left().
+  /// Returns whether the ping has been sent since the last call; if so, the caller must pass the vehicle's state to
+  /// left().
   bool has_left(const PacketNetwork& network) const {
     return state_ == State::kWaiting && network.counts(topic_, node_).sent != sent_before_;
   }
@@ -55,8 +57,9 @@ class PositionExchange {
   State state_ = State::kIdle;
   std::uint64_t number_ = 0;       // number of the sample for which the ping was sent
   std::uint64_t sent_before_ = 0;  // number of pings sent when the present one was queued
-  std::uint64_t until_ns_ = 0;     // kAsked: when it gives up; kAnswered: when the sensor's latency has passed
-  VehicleSnapshot asked_;          // the vehicle's state when the ping was sent
+  // In kAsked: when the vehicle gives up; in kAnswered: when the sensor's latency has passed
+  std::uint64_t until_ns_ = 0;
+  VehicleSnapshot asked_;  // the vehicle's state when the ping was sent
 };
 
 }  // namespace uwsim

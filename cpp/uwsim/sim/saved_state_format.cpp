@@ -10,8 +10,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::string_view kMagic = "uwsim state\n";
-/// The version of a saved state's bytes, in this file and in each `exchange_state`. Increasing it makes users' existing
-/// states unreadable, so do so only if the old bytes cannot be interpreted in the new form.
+/// The version of the format of a saved state, as defined by this file and by every `exchange_state`. A new version
+/// makes users' existing states unreadable, so increase it only if the old bytes cannot be converted to the new form.
 constexpr std::uint64_t kVersion = 1;
 
 /// FNV-1a, 64 bits: detects damage, not forgery.

@@ -5,7 +5,7 @@
 
 namespace uwsim {
 
-/// The origin of a saved state: fingerprints of the scenario, including the seed, and of the build.
+/// The origin of a saved state: a fingerprint of the scenario, including its seed, and a fingerprint of the build.
 struct StateOrigin {
   std::string scenario, build;
 };

@@ -30,8 +30,8 @@ struct SimulationSpec {
 };
 
 /// A world and its vehicles, advanced in fixed steps. In each step, sensors sample, actuators follow their commands
-/// while the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and telemetry do not advance
-/// time; repeated at the same time, they return the same result. Only one thread at a time may use it.
+/// while the battery lasts, bodies move, and sonar heads tilt. Reading sensors, pinging and reading telemetry do not
+/// advance time, and return the same result if repeated at the same time. Only one thread at a time may use it.
 class Simulation {
  public:
   Simulation(const World& world, std::shared_ptr<const RayScene> scene, const SimulationSpec& spec);
@@ -40,9 +40,10 @@ class Simulation {
   /// or inside a closed solid.
   std::size_t add_vehicle(const VehicleSpec& spec);
 
-  /// Replaces the parameters of the water, the vehicles and the spec from the next step on. All state is kept: motion,
-  /// commands, samples. `vehicles`: one spec per vehicle, in order, with parts of the same names; their start positions
-  /// are ignored. If a spec is invalid or has a different step or seed, throws InvalidValue without changing anything.
+  /// Replaces the water, the simulation's spec and the vehicles' specs from the next step on. All state is kept:
+  /// motion, commands and samples. `vehicles`: one spec per vehicle, in order, with the same names of parts; start
+  /// positions are ignored. If a spec is invalid or has a different step or seed, throws InvalidValue without changing
+  /// anything.
   void change(const Water& water, const SimulationSpec& spec, const std::vector<VehicleSpec>& vehicles);
 
   /// Connects the station, node 0, with the vehicles, nodes 1 + index. Must be called after all vehicles have been
@@ -57,7 +58,8 @@ class Simulation {
   /// Throws InvalidValue if the motion of a vehicle diverges.
   void step(std::uint64_t count = 1);
   std::uint64_t tick() const { return tick_; }
-  /// A counter that changes whenever an observation may change: with time, a vehicle's pose or a sonar's elevation.
+  /// A number that changes whenever an observation may change, which is when time, a vehicle's pose or a sonar's
+  /// elevation changes.
   std::uint64_t version() const { return version_; }
   std::uint64_t time_ns() const { return tick_ * step_ns_; }
   double time_s() const { return 1e-9 * static_cast<double>(time_ns()); }
@@ -110,9 +112,9 @@ class Simulation {
   const MovingBodies& vehicles_for_rays() const;
   const Water& water() const { return world_.water; }
 
-  /// Returns, as bytes, everything that future steps depend on, except for the parameters of the simulation. A
-  /// simulation built in the same way that restores these bytes produces bitwise identical steps and samples. `notes`
-  /// are stored as well.
+  /// Returns, as bytes, everything that future steps depend on, except for the parameters of the simulation. If a
+  /// simulation built in the same way restores these bytes, its steps and samples are bitwise identical. `notes` are
+  /// stored as well.
   std::string save_state(const StateOrigin& origin, const std::string& notes = {});
   /// Restores a saved state and returns its notes. If the state is damaged or of another origin, throws InvalidValue
   /// without changing anything.
@@ -146,7 +148,7 @@ class Simulation {
   std::vector<Vehicle> vehicles_;
   std::optional<Link> link_;
   std::shared_ptr<MovingBodies> hulls_;  // the vehicles as ray targets
-  mutable std::uint64_t hulls_version_;  // the version at which they were placed
+  mutable std::uint64_t hulls_version_;  // the version for which they were placed
 };
 
 }  // namespace uwsim

@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* kRanging = "ranging/";  // prefix of the topics of instruments that share the modem
 
-/// Transducers at their poses when a packet starts to be sent. Computed on demand, since most steps send nothing.
+/// The acoustics between transducers at the start of a step. The poses of transducers are computed on demand, since in
+/// most steps no packet is sent.
 template <typename Place>
 class Medium final : public LinkMedium {
  public:
@@ -90,7 +91,7 @@ void Simulation::receive() {
   PacketNetwork& network = link_->network;
   const auto& deliveries = network.deliveries();
   std::size_t arrived = network.receive(time_ns());
-  arrived = std::min(arrived, deliveries.size());  // older ones have been discarded
+  arrived = std::min(arrived, deliveries.size());  // the network has discarded older deliveries
   for (PositionExchange& one : link_->exchanges) {
     SensorRack& sensors = vehicles_[one.node() - 1].sensors;
     const NoisySensor& sensor = sensors.at(one.sensor());

@@ -19,9 +19,9 @@ struct Telemetry {
   double distance_to_seabed_m = 0;  ///< straight down; infinity if there is no surface below
   double mission_time_s = 0;        ///< since the release
   double battery_percent = 0;       ///< remaining fraction of the mission time
-  bool range_warning = false;       ///< too far from the station
-  bool proximity_warning = false;   ///< too near the seabed
-  bool collision_warning = false;   ///< in contact with anything
+  bool range_warning = false;       ///< whether the vehicle is too far from the station
+  bool proximity_warning = false;   ///< whether the vehicle is too near the seabed
+  bool collision_warning = false;   ///< whether the vehicle is in contact with anything
 };
 
 }  // namespace uwsim

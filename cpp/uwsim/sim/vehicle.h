@@ -31,7 +31,7 @@ struct VehicleSpec {
   BodySpec body() const { return {name, craft, shape, friction, restitution, collision_pieces_body_m}; }
 };
 
-/// A vehicle in a simulation: its equipment, and its state except for that of its body.
+/// A vehicle in a simulation: its equipment and state, except for the state of its body.
 struct Vehicle {
   std::string name;
   std::size_t body = 0;  ///< index in the RigidBodyWorld
