@@ -11,9 +11,8 @@ namespace uwsim {
 struct ReachedTile {
   const RayTile* tile;
   double soonest_m;
-  alignas(
-      /// Where each ray enters the tile: 0 from inside, infinity for a miss
-      64) std::array<double, kPacketRays> start_m;
+  /// Where each ray enters the tile: 0 from inside, infinity for a miss
+  alignas(64) std::array<double, kPacketRays> start_m;
 };
 
 /// The tiles that a packet's active rays reach, earliest first.

@@ -41,8 +41,8 @@ void check_rising(const std::vector<double>& axis, const std::string& path) {
   }
 }
 
-/// The two adjacent entries of an axis's increasing values that enclose a value, and the value's fractional position
-/// between them; beyond the ends, the end value.
+/// The two adjacent grid values of an axis that enclose a value, and the value's fractional position between them.
+/// Values beyond the ends are moved to the end.
 struct Interval {
   std::size_t first = 0, second = 0;
   double fraction = 0;
@@ -94,7 +94,7 @@ class GustyCurrent : public Current {
                RandomStream(seed, stream_name("water", "gusts", "y")),
                RandomStream(seed, stream_name("water", "gusts", "z"))} {
     for (int level = 0; level < kLevels; ++level) {
-      const double half = kBlock * std::pow(0.5, level + 1);  // in correlation times
+      const double half = kBlock * std::pow(0.5, level + 1);  // half the interval, in correlation times
       mean_weight_[static_cast<std::size_t>(level)] = 0.5 / std::cosh(half);
       std_[static_cast<std::size_t>(level)] = std::sqrt(std::tanh(half));
     }
@@ -144,7 +144,7 @@ class GustyCurrent : public Current {
   }
 
   /// Unit-variance processes at the ends of an interval. A draw is keyed by the block and an index: 0 for the start of
-  /// the block; for midpoints, their number in a binary heap, which also locates the interval.
+  /// the block, and for a midpoint its number in a binary heap, which also identifies the interval that it halves.
   std::pair<double, double> knots(const RandomStream& draw, std::int64_t index) const {
     const auto block = static_cast<std::uint64_t>(index >> kLevels);
     double left = draw.normal(block, 0), right = draw.normal(block + 1, 0);

@@ -18,8 +18,8 @@ class Current {
  public:
   virtual ~Current() = default;
   virtual CurrentSample at(const Eigen::Vector3d& point_world_m, double time_s) const = 0;
-  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts are unbounded; three standard deviations are used
-  /// for them.
+  /// Upper bound of the speed anywhere and at any time [m/s]. Gusts are unbounded, so three standard deviations are
+  /// used for them.
   virtual double bound_m_s() const = 0;
 };
 
@@ -32,9 +32,9 @@ std::shared_ptr<const Current> tidal_current(const Eigen::Vector3d& amplitude_m_
 
 /// Gauss-Markov gusts with zero mean: each world axis is an Ornstein-Uhlenbeck process with standard deviation sigma
 /// and autocorrelation exp(-|dt| / correlation_time), drawn at knots 1/32 of that time apart and linear between them.
-/// Knots are computed by bisection: those 16 correlation times apart are drawn independently (their correlation is
-/// e^-16), and each midpoint is drawn from its two neighbours as a bridge, which is exact. The value at any time thus
-/// depends only on seed and time, not on earlier steps, and costs ten draws.
+/// Knots are computed by bisection: knots 16 correlation times apart are drawn independently (their correlation is
+/// e^-16), and each midpoint is drawn from its exact distribution given its two neighbours (a bridge). The value at any
+/// time thus depends only on seed and time, not on earlier steps, and costs ten draws.
 std::shared_ptr<const Current> gusty_current(const Eigen::Vector3d& sigma_m_s, double correlation_time_s,
                                              std::uint64_t seed);
 

@@ -17,7 +17,8 @@ namespace {
 /// scaling to the significant height compensates for the rest.
 constexpr double kLowest = 0.5, kHighest = 3.0;
 
-/// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), as wavelength over height.
+/// Limit of the significant steepness for peak periods up to 8 s (DNV-RP-C205, 3.5.5), expressed as the ratio of
+/// wavelength to height.
 constexpr double kLengthOverHeightMin = 15;
 
 /// The unscaled spectrum at x = omega / omega_p.

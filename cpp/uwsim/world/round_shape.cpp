@@ -11,7 +11,8 @@ namespace {
 // Overlap of adjoining pieces, so that no ray slips between them.
 constexpr double kSeam_m = 1e-9;
 constexpr double kSharpestCosine = 0.1;  // cosine of half the angle of the sharpest bend
-constexpr double kAlongAxis = 1e-24;     // squared sine of the angle to the axis; a ray at less is parallel to the wall
+// Squared sine of the angle to the axis; a ray at a smaller angle counts as parallel to the wall
+constexpr double kAlongAxis = 1e-24;
 
 void require_round(const Eigen::Vector3d& point, double radius_m, const char* path) {
   require(point.allFinite(), std::string(path) + ".points_m", point.transpose(), "must be finite");
@@ -136,7 +137,8 @@ std::optional<ShapeHit> first_hit(const RoundShape& shape, const Eigen::Vector3d
 }
 
 double depth_within(const RoundShape& shape, const Eigen::Vector3d& point_world_m) {
-  const Eigen::Vector3d from_end = point_world_m - shape.ends[0].point_world_m;  // for a sphere: from its centre
+  // For a sphere, the vector from its centre
+  const Eigen::Vector3d from_end = point_world_m - shape.ends[0].point_world_m;
   double depth = shape.radius_m - (from_end - shape.axis.dot(from_end) * shape.axis).norm();
   if (shape.is_sphere()) return depth;
   for (const RoundShape::End& end : shape.ends) {

@@ -5,8 +5,9 @@
 namespace uwsim {
 namespace {
 
-constexpr std::int64_t kFlatRows = 4;  // a triangle with fewer is so flat that rounding dominates its slope
-constexpr int kMostCorners = 9;        // of a triangle cut by six planes
+// A triangle with fewer rows is so thin that rounding dominates the direction from edge a-b to corner c
+constexpr std::int64_t kFlatRows = 4;
+constexpr int kMostCorners = 9;  // of a triangle cut by six planes
 
 /// A convex polygon that is cut by planes, one at a time.
 struct Polygon {

@@ -49,7 +49,7 @@ class Octants {
   bool is_taken(std::int64_t number) const { return (taken_[word(number)] & bit(number)) != 0; }
   void take(std::int64_t number) { taken_[word(number)] |= bit(number); }
 
-  /// For each word of 64 octants, the number of occupied octants before it.
+  /// Returns, for each word of 64 octants, the number of occupied octants before it.
   std::vector<std::uint32_t> counts_before() const {
     std::vector<std::uint32_t> before(taken_.size());
     std::uint32_t count = 0;
@@ -155,7 +155,7 @@ void SurfaceSampler::visit_triangles(const Eigen::AlignedBox3d& near_m, const Vi
   }
 }
 
-/// Uses the even-odd rule.
+/// Tests the point by the even-odd rule.
 bool SurfaceSampler::is_inside_area(double x_m, double y_m) const {
   bool inside = false;
   for (std::size_t k = 0; k < area_world_m_.size(); ++k) {

@@ -8,23 +8,23 @@ namespace uwsim {
 inline constexpr std::size_t kWaveLanes = 8;
 inline constexpr int kLowestWaveOrder = 2, kHighestWaveOrder = 9;
 
-/// Eight waves about a centre, each the real part of (real + i imaginary) exp(i k_x x + i k_y y + k_z z). Unused slots
-/// are 0.
+/// Eight waves, each the real part of (real + i imaginary) exp(i k_x x + i k_y y + k_z z), with positions relative to a
+/// centre. Unused slots are 0.
 struct alignas(64) WaveTerms {
   double real[kWaveLanes], imaginary[kWaveLanes];
   double number_x_rad_m[kWaveLanes], number_y_rad_m[kWaveLanes], decay_rad_m[kWaveLanes];
 };
 
-/// A sum of many waves over a patch that is small compared with their lengths, as a Taylor polynomial of total degree
-/// n: one polynomial per point instead of a sine and an exponential per wave and point. At distance r from the centre,
-/// the remainder is at most sum a (k r)^(n + 1) / (n + 1)!, where a is the largest amplitude of each wave in the patch.
-/// The coefficients of x^a y^b z^c are in descending order of c, then b, then a.
+/// The sum of many waves over a patch that is small compared with their lengths, as a Taylor polynomial of total degree
+/// n. Each point then costs one polynomial, instead of a sine and an exponential for each wave. At distance r from the
+/// centre, the remainder is at most the sum over waves of a (k r)^(n + 1) / (n + 1)!, where a is the wave's largest
+/// amplitude in the patch. The coefficients of x^a y^b z^c are in descending order of c, then b, then a.
 using WavePolynomial = std::array<double, 220>;
 
 /// The sea over a patch.
 struct WavePatch {
   double centre_x_m, centre_y_m, centre_z_m;  ///< z: the height at which linear theory is evaluated for the centre
-  double stretched_m, troughs, depth_m;       ///< of the stretched layer: see Waves
+  double stretched_m, troughs, depth_m;       ///< parameters of the stretched layer: see Waves
   WavePolynomial surface;                     ///< the surface's height; only terms with c = 0, in x and y
   WavePolynomial below;                       ///< the waves' pressure head
 };

@@ -13,7 +13,7 @@
 namespace uwsim {
 namespace {
 
-// In units of 1 / k; below this depth, less than 2e-11 of a wave's motion remains.
+// Depth, in units of 1 / k, below which less than 2e-11 of a wave's motion remains.
 constexpr double kDepthOfMotion = 25;
 
 }  // namespace
@@ -112,7 +112,7 @@ Waves::Stretched Waves::stretched(double z_m, double height_m) const {
   const double layer = layer_m(height_m);
   if (z_m <= -layer) return {std::max(z_m, -depth_m_), 1, 0};
   const double under = layer + height_m, factor = layer / under;
-  // The layer either deepens with its trough or keeps its depth.
+  // The depth of the layer either follows that of the trough or is constant.
   const bool deepens = layer > stretched_m_ && layer < depth_m_;
   return {factor * (z_m - height_m), factor, deepens ? -factor : -factor * (layer + z_m) / under};
 }
@@ -144,9 +144,10 @@ double Waves::head_at(const Eigen::Vector3d& p, double time_s) const {
   return head;
 }
 
-/// Uses the surface eta, its derivatives, and the velocity gradient, which is symmetric and trace-free: the flow of
-/// linear theory has neither rotation nor divergence. A particle at z' has the velocity that linear theory predicts at
-/// z(z', eta), so its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, with Dz/Dt from the chain rule.
+/// Uses the surface eta, its derivatives, and the velocity gradient. The gradient is symmetric and trace-free, because
+/// the flow of linear theory has neither rotation nor divergence. A particle at z' has the velocity that linear theory
+/// predicts at z(z', eta), so its acceleration is du/dt + u du/dx + v du/dy + Dz/Dt du/dz, where Dz/Dt follows from the
+/// chain rule.
 WaveMotion Waves::motion_under(const Crest* crests, std::size_t count, double height, double z_m,
                                const Eigen::Vector3d& current_m_s) const {
   WaveMotion sum;

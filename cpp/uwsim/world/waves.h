@@ -59,10 +59,10 @@ struct WaveMotion {
 ///
 /// To second order, particles in deep water drift with the waves at a^2 omega k exp(2 k z) (Stokes 1847) and do not
 /// drift vertically. To ensure that a body that moves with the water keeps doing so, the acceleration is that of the
-/// particles, including the convective part (u . grad) u, whose pressure is Bernoulli's -rho u^2 / 2. A current carries
-/// the particles through the waves, but does not shift the wave frequencies: valid for currents that are slow compared
-/// with the phase speed. Second-order waves at sums and differences of frequencies are not modelled, nor is return
-/// flow.
+/// particles, including the convective part (u . grad) u, whose pressure is the Bernoulli term -rho u^2 / 2. A current
+/// carries the particles through the waves, but does not shift the wave frequencies: valid for currents that are slow
+/// compared with the phase speed. Second-order waves at sums and differences of frequencies are not modelled, nor is
+/// return flow.
 ///
 /// Valid for small steepness, which is bounded by the sum of the slopes (a wave higher than 0.142 wavelengths, k a =
 /// 0.45, would break), and only above the bed at z = -depth_m.

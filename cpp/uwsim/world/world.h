@@ -19,7 +19,7 @@ inline constexpr Label kNothing = 0;
 inline constexpr Label kTerrain = 1;
 
 /// A fixed solid. Rays hit its `shapes` if it has any, and its mesh otherwise. Contacts and the reference surface for
-/// scoring use the mesh, which approximates the shapes with whatever accuracy its creator chose.
+/// scoring use the mesh, which approximates the shapes as accurately as its creator chose.
 struct Solid {
   std::string name;
   TriangleMesh mesh_world;
