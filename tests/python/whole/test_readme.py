@@ -34,7 +34,7 @@ def test_the_readme_reads_sensors(tmp_path: Path) -> None:
 def test_the_readme_drives_by_roslibpy(tmp_path: Path) -> None:
     with LiveSimulator("lake") as live, RosbridgeServer(live) as server:
         start_m = live.simulator.rov.pose.position_world_m
-        changes = {"9090": str(server.port), "time.sleep(10)": "time.sleep(2)"}
+        changes = {"9090": str(server.port), "range(100)": "range(25)"}
         ranges_m = [float(line) for line in output_of(tmp_path, "roslibpy", changes).splitlines()]
         moved_m = np.linalg.norm(live.simulator.rov.pose.position_world_m - start_m)
     assert len(ranges_m) > 20 and all(0.0 < range_m < 96.0 for range_m in ranges_m)
