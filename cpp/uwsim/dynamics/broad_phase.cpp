@@ -37,7 +37,7 @@ BroadPhase::BroadPhase(const World& world) {
   set_grid(world);
   if (levels_.empty()) return;
   if (const auto& terrain = world.terrain()) {
-    // A vertex raises the surface up to its neighbours.
+    // A vertex affects the height of the surface as far as its neighbours.
     const Eigen::Vector3d around(terrain->spacing_m(), terrain->spacing_m(), 0);
     for (std::size_t k = 0; k < terrain->heights_m().size(); ++k) {
       const Eigen::Vector3d v = terrain->vertex(k);

@@ -10,9 +10,9 @@
 namespace uwsim {
 namespace {
 
-constexpr int kMostSteps = 12;  // of Newton's method; more than 9 never helped
+constexpr int kMostSteps = 12;  // of Newton's method; more than 9 have never helped
 constexpr int kPushSweeps = 20;
-constexpr double kWeights[] = {1, 0.5};  // r; the second is tried if the first does not converge
+constexpr double kWeights[] = {1, 0.5};  // values of r; the second is tried if the first does not converge
 constexpr double kCompliance = 1e-5;     // of a contact, as a fraction of 1 / mass
 // Smallest impulse that counts as helping to hold a body.
 constexpr double kPresses = 1e-5;  // relative to the largest impulse

@@ -9,7 +9,7 @@
 namespace uwsim {
 namespace {
 
-constexpr int kTrials = 20;  // for finding a direction that all edges of a peak point away from
+constexpr int kTrials = 20;  // number of attempts to find a direction from which all edges of a peak point away
 
 /// For each vertex, the first vertex at the same position.
 std::vector<std::uint32_t> welded(const std::vector<Eigen::Vector3d>& vertices_m) {

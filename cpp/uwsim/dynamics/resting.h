@@ -20,8 +20,8 @@ class Resting {
   /// Returns whether the contacts that produced `solved` hold the body, and stores the result. `radius_m` is the body's
   /// radius.
   bool begins(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m);
-  /// Whether a body in this state, which would have this velocity without contacts, is known to be held by the fixed
-  /// world.
+  /// Whether a body is known to be held by the fixed world, given its state and the velocity that it would have without
+  /// contacts.
   bool lasts(const BodyState& state, const Vector6d& free_velocity_body) const;
   void forget() { is_known_ = false; }
 

@@ -87,7 +87,7 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
     const Body& body = bodies_[k];
     next_states_[k] =
         body.held ? body.state : advance(*body.spec.craft, body.state, {.body = body.tau_body}, water, time_s, step_s_);
-    require_plausible(body, next_states_[k], time_s);  // before it hits another body
+    require_plausible(body, next_states_[k], time_s);  // checked before a diverging body can hit another
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) rests_[k] = stays_at_rest(k) ? 1 : 0;
   find_contacts();

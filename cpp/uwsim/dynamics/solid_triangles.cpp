@@ -44,7 +44,7 @@ struct Search final : btDbvt::ICollide, btTriangleCallback {
   const MeshEdges* edges = nullptr;
   std::vector<SurfacePatch>* patches = nullptr;
   std::size_t count = 0;
-  std::size_t triangles = 0, most_triangles = 0;  // beyond the maximum they are only counted
+  std::size_t triangles = 0, most_triangles = 0;  // beyond the maximum, triangles are only counted
 
   void Process(const btDbvtNode* leaf) override {
     const auto& tree = *static_cast<const Tree*>(leaf->data);

@@ -54,7 +54,7 @@ struct SurfacePatch {
   void clear();
 };
 
-/// Sine of the largest angle by which a surface that counts as flat may bend: 0.1 mm per metre.
+/// Sine of the largest angle by which a surface may bend at an edge and still count as flat: 0.1 mm per metre.
 inline constexpr double kFlat = 1e-4;
 
 }  // namespace uwsim

@@ -20,7 +20,7 @@ class CellsInBox {
         budget_(budget),
         nx_(static_cast<std::ptrdiff_t>(terrain.nx())),
         ny_(static_cast<std::ptrdiff_t>(terrain.ny())) {
-    // Heights are floats: a combination of four has this error.
+    // Heights are floats; this is the rounding error of a sum of four of them.
     const double highest = std::max(std::abs(terrain.lowest_m()), std::abs(terrain.highest_m()));
     flat_m_ = kFlat * terrain.spacing_m() + 2 * std::numeric_limits<float>::epsilon() * highest;
   }

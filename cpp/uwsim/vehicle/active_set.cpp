@@ -40,7 +40,7 @@ BlockingConstraint first_block(const Eigen::MatrixXd& normals, const Eigen::Vect
 Eigen::VectorXd minimise_in_polytope(double weight, const Eigen::VectorXd& gain, const Eigen::MatrixXd& normals,
                                      const Eigen::VectorXd& limits, Eigen::VectorXd x) {
   std::vector<Eigen::Index> active;
-  // far more than are needed; terminates degenerate cases
+  // far more than needed; terminates degenerate cases
   const Eigen::Index most_iterations = 50 * (normals.rows() + 1);
   for (Eigen::Index iteration = 0; iteration < most_iterations; ++iteration) {
     const Eigen::VectorXd descent = gain - weight * x;

@@ -13,8 +13,8 @@
 
 namespace uwsim {
 
-/// The actuators of a vehicle: thrusters and fins, or a direct wrench (forces and torques along the body axes, without
-/// actuators that produce them), as in the paper, and fins.
+/// The actuators of a vehicle: fins, and either thrusters or, as in the paper, a direct wrench (forces and torques
+/// along the body axes, without actuators that produce them).
 struct ActuatorsSpec {
   /// The direct wrench at full effort on all axes [N, N m]; it follows commands without delay.
   Vector6d full_wrench_body = Vector6d::Zero();

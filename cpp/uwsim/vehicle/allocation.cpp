@@ -63,8 +63,8 @@ Allocation::Allocation(Eigen::Matrix<double, 6, Eigen::Dynamic> columns, const E
   idle_ = q.rightCols(n - rank);
 }
 
-/// The largest multiple of a wrench within the limits, or within what remains of them, and the mutually cancelling
-/// thrusts that it requires.
+/// The largest multiple of a wrench that the limits, or the remaining part of the limits, allow, together with the
+/// mutually cancelling thrusts that it requires.
 struct Allocation::Limit {
   double multiple = 0;
   Eigen::VectorXd idle;

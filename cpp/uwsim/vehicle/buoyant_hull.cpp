@@ -25,7 +25,7 @@ struct BuoyantHull::Placed {
   const Eigen::Matrix3d& world_from_body;
   Eigen::Vector3d up_body;
   double middle_z_m;
-  double half_height_m;  // conservative bound on the hull's extent above and below its middle
+  double half_height_m;  // conservative bound on how far the hull extends above and below its middle
 
   Placed(const BuoyantHull& hull, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation)
       : position_world_m(position),

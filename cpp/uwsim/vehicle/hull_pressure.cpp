@@ -119,7 +119,7 @@ struct Scratch {
   }
 };
 
-/// Not inlined, so that the loops do not look up its thread-local address repeatedly.
+/// Not inlined, so that loops do not look up the thread-local address repeatedly.
 [[gnu::noinline]] Scratch& scratch() {
   static thread_local Scratch kept;
   return kept;

@@ -32,7 +32,7 @@ class HullPressure {
             double time_s) const;
 
  private:
-  /// A group of triangles that are examined individually only if the surface cuts the group.
+  /// A group of triangles, which are examined one by one only if the water's surface cuts the group.
   struct Patch {
     std::size_t first_triangle, end_triangle, first_vertex, vertex_count;
   };

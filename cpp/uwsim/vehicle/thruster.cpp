@@ -11,8 +11,8 @@ namespace uwsim {
 
 namespace {
 
-// Within this distance, the thrust is set to its target. An exponential never reaches its target: after 54 s at a lag
-// of 75 ms, the difference is a subnormal number, which makes operations several times slower.
+// When the thrust is this close to its target, it is set to the target. An exponential never reaches its target: after
+// 54 s at a lag of 75 ms, the difference is a subnormal number, which makes operations several times slower.
 constexpr double kReachedN = 1e-30;
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace uwsim {
 namespace {
 
 constexpr std::size_t kClusterSize = 8;
-// Size of a cell of planes: the pitch of each component of `up`, and of the level as a fraction of the mesh's radius.
-// Small cells list few triangles; large cells stay valid for more steps of a moving body.
+// Size of a cell of planes: the spacing of each component of `up`, and that of the level as a fraction of the mesh's
+// radius. Small cells list few triangles; large cells stay valid for more steps of a moving body.
 constexpr double kTiltPitch = 1.0 / 256;
 constexpr double kLevelPitch = 1.0 / 128;
 constexpr double kRounding = 1e-9;  // relative; exceeds the error of heights
@@ -106,8 +106,8 @@ struct CutVolume::PlaneCell {
   }
 };
 
-/// The triangles of a cell: the sum over those below all of its planes, and a list of those that some of its planes may
-/// cut.
+/// The triangles that matter to a cell of planes: the sum over those below all of the cell's planes, and a list of
+/// those that some of its planes may cut.
 struct CutVolume::Near {
   PlaneCell cell;
   VolumeMoments below;

@@ -20,8 +20,8 @@ struct VolumeMoments {
 
 /// Computes moments of the part of a closed mesh below a plane.
 ///
-/// They are the sum over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the cut
-/// face, which is a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are
+/// The moments are summed over signed tetrahedra from the origin to the triangles, each cut at the plane, and to the
+/// cut face, which is a fan of triangles from the foot of the origin on the plane to the edges of the cut. Planes are
 /// sorted into cells of nearly equal tilt and level. For each cell, the sum over the triangles below all of its planes
 /// and the list of triangles that some of its planes cut are computed once; only the listed triangles are summed for
 /// each plane. Each thread caches the cells that it used most recently. Cached data depend only on the cell, so the
