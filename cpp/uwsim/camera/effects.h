@@ -12,7 +12,7 @@ enum class Effect : std::uint8_t {
   kAttenuation,  ///< beam attenuation between scene and camera, and between lamps and scene
   kBackscatter,  ///< light from sky, sun and lamps that water scatters into the camera (veiling light)
   kSunlight,     ///< daylight attenuated with depth (Kd) and refracted at the surface
-  kSurface,      ///< the water's surface as seen by the camera: refraction, reflection
+  kSurface,      ///< refraction and reflection at the water's surface, as seen by the camera
   kShadows,
   kLamps,
   kCaustics,   ///< sunlight on surfaces, focused by ripples

@@ -55,7 +55,8 @@ void release_buffer(void* memory, std::size_t bytes) noexcept {
         to.blocks.erase(to.blocks.begin());
       }
       return;
-    } catch (const std::exception&) {  // no memory for the list, or locked during a fork: free the block itself
+    } catch (const std::exception&) {
+      // There is no memory for the list, or the list was locked at a fork: free the block instead of keeping it
     }
   }
   ::operator delete (memory, std::align_val_t{64});

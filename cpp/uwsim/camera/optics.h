@@ -15,7 +15,7 @@ struct Optics {
   double particles_per_m3 = 60;  ///< large enough to be visible individually; assumed
   double turbulence_k = 2;       ///< standard deviation of temperature in turbulent eddies; assumed, strong mixing
 
-  /// Throws InvalidValue naming the field. The sun and the wind are checked where they are used.
+  /// Throws InvalidValue naming the field. The sun and the wind are not checked here, but where they are used.
   void check() const;
 };
 

@@ -12,7 +12,7 @@ constexpr double kParticleCell_m = 0.25;
 constexpr double kReach_m = 2.5, kNearest_m = 0.15;
 constexpr double kAlbedo = 0.5;
 constexpr double kAperture_rad_m = 0.0015;  // defocus of near objects, in radians times metres
-constexpr double kGeneration_s = 4;         // particles are visible for two of these, brightest halfway
+constexpr double kGeneration_s = 4;         // each particle is visible for two of these intervals and brightest halfway
 
 std::uint64_t mixed(std::uint64_t x) {  // SplitMix64 (Steele, Lea and Flood 2014)
   x += 0x9e3779b97f4a7c15ull;

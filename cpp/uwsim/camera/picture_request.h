@@ -20,7 +20,7 @@ struct PictureRequest {
   std::uint64_t tick = 0;  ///< keys the noise
   Effects effects = Effects::all();
   std::vector<SpotLamp> lamps;                ///< lamps that are switched on
-  std::vector<Pose> world_from_vehicles;      ///< of all CameraScene::vehicles, or empty
+  std::vector<Pose> world_from_vehicles;      ///< poses of all CameraScene::vehicles, or empty
   std::optional<std::size_t> hidden_vehicle;  ///< the vehicle that carries the camera and is not visible to it
   bool geometry_only = false, keep_radiance = false;
   bool measure = false;                      ///< fill RenderCost::seconds

@@ -13,7 +13,7 @@ constexpr double kTextureRepeat_m = 256;  // an integer number of ripple tiles: 
 // Fraction of scattering that removes light from the sun's beam; the rest is scattered forward within about 15 degrees
 // and still casts shadows. Assumed; of the order of Petzold's 1972 measurements.
 constexpr double kScatteredAway = 0.2;
-constexpr double kSunlight_lx = 1e5;  // irradiance 1 in daylight.h
+constexpr double kSunlight_lx = 1e5;  // illuminance that corresponds to irradiance 1 in daylight.h
 
 void assign(float (&to)[3], const Eigen::Vector3d& from) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from(k));

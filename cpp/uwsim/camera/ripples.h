@@ -11,8 +11,8 @@ namespace uwsim {
 /// repeats every kTile_m, drawn from a seed; each wave propagates by omega^2 = g k + (0.074 N/m / rho) k^3. Slope
 /// variance is equal in each octave of wave number (the saturated range, Phillips 1958), with cos^2 spreading about the
 /// wind and lengths from kTile_m down to 0.32 m. The slopes' variance is half of 0.003 + 0.00512 U (Cox and Munk 1954,
-/// J. Opt. Soc. Am. 44:838, for a wind of U m/s at 12.5 m, up to 14 m/s): half, because shorter waves are omitted
-/// (assumed).
+/// J. Opt. Soc. Am. 44:838, for a wind of U m/s at 12.5 m, up to 14 m/s): half, because shorter waves are omitted (this
+/// factor is assumed).
 class Ripples {
  public:
   static constexpr int kCells = camera::kRippleCells;

@@ -14,7 +14,7 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr int kSamples = 8;
-constexpr int kShare = 2;  // 2 x 2 values share shadow rays and the ray's end
+constexpr int kShare = 2;  // groups of 2 x 2 values share shadow rays and the end of the ray
 constexpr int kGroup = kShare * kBlockSide;
 
 class ShaftCaster {

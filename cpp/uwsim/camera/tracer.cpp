@@ -112,8 +112,9 @@ void Tracer::occluded(const Block& block, BlockMask& blocked, RayOrder order) co
   RayPacket rays = packet_of(block.point, block.to_light, block.needs_shadow_ray);
   rays.near_m.fill(kShadowStart_m);
   copy(rays.far_m, block.light_distance);
-  // Start off the surface, on the eye's side. Inactive lanes, whose distance may be infinite, must be finite as well:
-  // without AVX-512, Embree splits packets of sixteen, and Debian's build aborts the process if they are not.
+  // Shadow rays start slightly off the surface, on the eye's side. The origins of inactive lanes, whose distance may be
+  // infinite, must also be finite: without AVX-512, Embree splits packets of sixteen, and Debian's build aborts the
+  // process if an origin is not finite.
   for (std::size_t k = 0; k < kPacketRays; ++k) {
     const float lift = 1e-3f + 2e-5f * std::min(block.distance.at[k], kFarthest_m);
     rays.origin_x[k] += lift * block.normal.x.at[k];

@@ -40,7 +40,7 @@ struct Block {
   BlockVectors throughput;       ///< fraction of the light from beyond that reaches the eye
   BlockVectors radiance;         ///< light gathered so far
   BlockVectors sun_backscatter;  ///< the sun beam's part of the backscatter, which shafts modulate
-  // The light under test, which a shadow ray may block:
+  // The light under test, which is added only if the path's shadow ray is not blocked:
   BlockVectors unshadowed;  ///< radiance that it adds unless blocked
   BlockVectors to_light;
   BlockFloats light_distance;

@@ -14,9 +14,9 @@ UWSIM_LANES Vector reflected_per_irradiance(const Block& block) {
   return load(block.albedo) * load(block.throughput) * splat(1 / kPi);
 }
 
-/// Daylight on surfaces: the sky's light is added immediately; the sun's becomes the light to be tested by a shadow
-/// ray. Level ground receives beam and sky by Kd; slopes receive light by the cosine of their angle to the sun and by
-/// how much sky and upwelling light they face.
+/// Shades surfaces by daylight: the sky's light is added immediately; the sun's light is added later, if a shadow ray
+/// is not blocked. Level ground receives beam and sky by Kd; slopes receive light by the cosine of their angle to the
+/// sun and by how much sky and upwelling light they face.
 void shade_daylight(const View& view, Block& block) {
   apply_material(view, block);
   const Vector point = load(block.point), normal = load(block.normal);

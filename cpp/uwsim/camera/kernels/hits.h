@@ -24,7 +24,8 @@ UWSIM_LANES TerrainPlanes terrain_planes(const View& view, const std::uint32_t* 
   const Int triangle = bits_as<std::int32_t>(number) & on_terrain;
   const Int upper = triangle & 1, cell = triangle >> 1, is_upper = upper == 1;
   const int row = view.terrain_nx - 1;
-  Int j = to_int(to_float(cell) * (1 / static_cast<float>(row)));  // may be off by one, which is corrected below
+  // May be too large or too small by one, which is corrected below
+  Int j = to_int(to_float(cell) * (1 / static_cast<float>(row)));
   j += (j * row > cell);
   j -= ((j + 1) * row <= cell);
   const Int i = cell - j * row, corner = j * view.terrain_nx + i;

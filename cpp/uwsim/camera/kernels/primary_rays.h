@@ -50,7 +50,8 @@ void primary_rays(const View& view, int left, int top, Block& block) {
   if (!is_whole_block(view, left, top)) return rays_through_pixels(view, left, top, 1, block);
   const std::size_t columns = static_cast<std::size_t>(view.width) / kBlockSide;
   const std::size_t at = kBlockPixels * (static_cast<std::size_t>(top) / kBlockSide * columns + left / kBlockSide);
-  // Ray traversal in between makes the hardware prefetcher lose track of the tables: prefetch the next block now.
+  // Between two blocks, ray traversal makes the hardware prefetcher lose track of the tables, so prefetch the next
+  // block now.
   __builtin_prefetch(view.block_ray_x + at + kBlockPixels);
   __builtin_prefetch(view.block_ray_y + at + kBlockPixels);
   store(block.active.at, Int(-1));

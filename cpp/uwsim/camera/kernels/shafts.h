@@ -19,7 +19,7 @@ void shaft_sample_point(const View& view, float share, Block& block) {
   store(block.needs_shadow_ray.at, load(block.active.at) & load(block.in_water.at));
 }
 
-/// The weight of the light at that point, and the caustics there.
+/// Computes the weight of the light at the sample point, and the caustics there.
 void shaft_sample_light(const View& view, const Block& block, BlockFloats& weight, BlockFloats& caustic) {
   const Float t = load(block.distance.at);
   store(weight.at, exponential(t * (-view.c[1] + view.kb[1] * load(block.direction.z.at))));
