@@ -8,8 +8,8 @@
 /// draw: mean x (1 - 1/(9 L) + z / (3 sqrt L))^3. Intensities are relative to the mean noise.
 namespace uwsim {
 
-/// The number of looks that the detector averages: all looks of the echo, but at most 100 (assumed; without this limit,
-/// the coverage exceeds the manufacturer's table for the EM 2040 below 600 kHz, see `uwsim validate sonar`).
+/// The number of looks that the detector averages: all looks of the echo, but at most 100. The limit is assumed;
+/// without it, the EM 2040's coverage below 600 kHz would exceed the manufacturer's table (see `uwsim validate sonar`).
 double averaged_looks(double extent_m, double cell_m);
 
 /// Draws the speckle of an echo: its intensity relative to its mean.

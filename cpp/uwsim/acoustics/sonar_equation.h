@@ -3,8 +3,8 @@
 /// Textbook relations are cited from memory; chapters and pages were not checked against the books.
 namespace uwsim {
 
-/// The parameters of an active sonar: transmitter, receiver and detector. Levels in dB: source re 1 uPa at 1 m, noise
-/// re 1 uPa within the receiver's band.
+/// The parameters of an active sonar: transmitter, receiver and detector. Levels are in dB: the source level re 1 uPa
+/// at 1 m, the noise level re 1 uPa within the receiver's band.
 struct SonarFigures {
   double frequency_hz = 400e3;
   double beam_width_along_rad = 0.007;  ///< -3 dB, one way: width of the transmitted beam, across the fan's plane
@@ -62,8 +62,9 @@ double echo_extent_m(const SonarFigures& sonar, const BottomMaterial& bottom, co
 double echo_area_m2(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                     double sound_speed_m_s);
 
-/// Signal-to-noise ratio of a plane bottom [dB] from the active sonar equation (Urick 1983, "Principles of Underwater
-/// Sound", ch. 2 and 8) with Lambert's law: SL + PG + DI - NL + BS + 20 log cos i + 10 log A - 40 log R - 2 alpha R.
+/// Signal-to-noise ratio of a plane bottom's echo [dB] from the active sonar equation (Urick 1983, "Principles of
+/// Underwater Sound", ch. 2 and 8) with Lambert's law: SL + PG + DI - NL + BS + 20 log cos i + 10 log A - 40 log R - 2
+/// alpha R.
 double echo_snr_db(const SonarFigures& sonar, const BottomMaterial& bottom, const BottomPlace& place,
                    double sound_speed_m_s, double absorption_db_m);
 

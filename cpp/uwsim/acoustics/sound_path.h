@@ -43,7 +43,7 @@ class SoundPath {
   bool advance(const Step& step);
   /// The point `length_m` ahead on this layer's arc.
   SoundState ahead(double length_m) const;
-  /// The length along this layer's arc that sound covers in `time_s`.
+  /// The distance along this layer's arc that sound travels in `time_s`.
   double length_after(double time_s) const;
 
  private:

@@ -60,7 +60,8 @@ class CameraScene {
   const Texture* texture_of(std::uint32_t label) const { return textures_[label].get(); }
   bool has_textures() const { return has_textures_; }
 
-  /// The ripples of a wind at one time. The last result is cached, since several cameras need the same time.
+  /// The ripples that a wind causes, at one time. The last result is cached, since several cameras render the same
+  /// time.
   std::shared_ptr<const Ripples::Snapshot> ripples(double wind_m_s, double wind_towards_rad, double time_s,
                                                    double index, int threads) const;
 

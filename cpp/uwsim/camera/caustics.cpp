@@ -108,7 +108,7 @@ Grid caustic_level(const RaySlopes& rays, double depth_m, double bend) {
       }
     }
   }
-  // A disc of radius r has variance r^2 / 4 along each axis; a pass has 2 w cells^2.
+  // A disc of radius r has the variance r^2 / 4 along each axis; one pass of the filter adds 2 w cells^2.
   const double sigma = 0.5 * kSunRadius_rad * depth_m / kCell_m;
   double variance = std::max(sigma * sigma, 0.15);  // the minimum smooths away the lattice of rays
   for (; variance > 0; variance -= 0.5) blur(light, static_cast<float>(0.5 * std::min(variance, 0.5)));

@@ -16,7 +16,7 @@ namespace uwsim {
 double exposure_gain(const ImageSensor& sensor, const Effects& effects, const std::vector<double>& root_luminance,
                      std::size_t pixels);
 
-/// The parameters of develop_row at that gain: amplification, vignetting and noise.
+/// The parameters of develop_row for a given gain: amplification, vignetting and noise.
 camera::Development development_of(const Camera& camera, const PictureRequest& request, std::uint64_t seed,
                                    double gain);
 

@@ -32,8 +32,8 @@ Ripples::Ripples(double wind_m_s, double wind_towards_rad, std::uint64_t seed) {
       const double k = kTau / kTile_m * std::sqrt(square);
       const double along = std::cos(std::atan2(j, i) - wind_towards_rad);
       const auto index = static_cast<std::uint32_t>(i * 64 + j + 32);
-      // The slope variance of a wave is proportional to 1 / k^2 in the plane of wave vectors, which is equal variance
-      // in each octave. Some waves run against the wind.
+      // The slope variance of a wave is proportional to 1 / k^2 in the plane of wave vectors, so that each octave has
+      // the same variance. Some waves run against the wind.
       const double slope =
           std::sqrt((along * along + 0.05) / square) * std::sqrt(-2 * std::log(random.uniform(0, index)));
       const double omega = std::sqrt(kGravity_m_s2 * k + kTension_m3_s2 * k * k * k);

@@ -30,7 +30,7 @@ WaveTrain wave_train(const WaveComponent& wave, const Water& water, double spaci
   return train;
 }
 
-/// Heights and slopes of the row at y_m, from west_m on: [node][height, slope x, slope y].
+/// Computes heights and slopes along the row at y_m, starting at west_m: [node][height, slope x, slope y].
 void sum_row(const std::vector<WaveTrain>& trains, double west_m, double y_m, double time_s, float* values) {
   Row height{}, slope_x{}, slope_y{};
   for (const WaveTrain& train : trains) {

@@ -28,11 +28,11 @@ struct Guidance {
 /// near the path is exponential with the rate U/D.
 class PathFollower {
  public:
-  /// points_m: (n >= 2) vertices of the path. Throws InvalidValue.
+  /// points_m: the vertices of the path, at least two. Throws InvalidValue.
   PathFollower(std::vector<Eigen::Vector3d> points_m, double lookahead_m, double integral_m_s, double period_s);
 
-  /// Computes guidance for one control period. A segment ends when the vehicle passes the plane through its end that is
-  /// normal to it.
+  /// Computes guidance for one control period. A segment is completed when the vehicle passes the plane through the
+  /// segment's end that is perpendicular to it.
   Guidance guide(const Eigen::Vector3d& position_world_m);
 
   std::size_t segment = 0;  ///< index of the present segment

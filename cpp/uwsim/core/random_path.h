@@ -15,9 +15,9 @@ namespace uwsim {
 /// again from 0.
 class RandomPath {
  public:
-  /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), correlation
-  /// exp(-|j-k| / correlation_steps). The midpoint of an interval with ends a, b and half length h has the mean
-  /// (a + b) / (2 cosh u) and the variance std^2 tanh u, where u = h / correlation_steps.
+  /// Stationary first-order Gauss-Markov (Ornstein-Uhlenbeck) process: x(k) ~ N(0, std^2), with the correlation
+  /// exp(-|j-k| / correlation_steps) between x(j) and x(k). The midpoint of an interval with ends a, b and half length
+  /// h has the mean (a + b) / (2 cosh u) and the variance std^2 tanh u, where u = h / correlation_steps.
   static RandomPath gauss_markov(const RandomStream& stream, std::uint32_t index, double std, double correlation_steps);
 
   /// Random walk from x(0) = 0 with increments N(0, std_step^2). In the notation above, a midpoint has the mean (a + b)

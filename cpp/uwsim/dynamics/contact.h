@@ -18,9 +18,9 @@ struct Contact {
   double friction = 0;
   double restitution = 0;
 
-  /// The minimum velocity along the normal that the contact requires: none, the velocity from Newton's restitution
-  /// above a threshold speed, or the velocity that closes the gap in this step. `start_m_s` and `end_m_s` are the
-  /// velocities at the start of the step and at its end without contacts.
+  /// The minimum velocity along the normal that the contact requires: zero, the rebound velocity by Newton's
+  /// restitution if the impact is faster than a threshold, or the (negative) velocity that just closes the gap in this
+  /// step. `start_m_s` and `end_m_s` are the velocities at the start of the step and at its end without contacts.
   double least_speed_m_s(double start_m_s, double end_m_s, double step_s) const;
   /// The push velocity along the normal for this step. It removes a fraction of the present overlap and all of the
   /// overlap that this step would add: impulses act throughout the step, so a body that is stopped still moves along

@@ -33,7 +33,7 @@ class GroundContactSolver {
     double friction;
     bool has_tangents = false;  ///< set once the contact presses
     Eigen::Vector3d impulse;
-    /// In an iteration, the impulse changes by `shift` - `slope` (change of velocity).
+    /// In an iteration, the impulse changes by `shift` minus `slope` times the change of the velocity.
     Eigen::Vector3d shift;
     Eigen::Matrix3d slope;
   };

@@ -27,10 +27,10 @@ BodySpec checked(BodySpec spec) {
   return spec;
 }
 
-/// The mean nu' over a step, from the change of both velocities along the world axes. The plain difference of nu is
-/// taken along rotating axes and thus belongs to the middle of the step. Added to w x v at the step's end, it would
-/// yield a spurious acceleration, dt/2 w x (w x v) for a body that turns while moving straight, and integrating that
-/// would yield motion.
+/// The mean nu' over a step, computed from the changes of the linear and the angular velocity along the world axes. The
+/// plain difference of nu is taken along rotating axes and thus belongs to the middle of the step. Added to w x v at
+/// the step's end, it would yield a spurious acceleration, dt/2 w x (w x v) for a body that turns while moving
+/// straight, and integrating that would yield motion.
 Vector6d mean_rate(const BodyState& before, const BodyState& now, double step_s) {
   const Eigen::Quaterniond now_from_before =
       now.world_from_body.orientation.conjugate() * before.world_from_body.orientation;

@@ -48,7 +48,7 @@ class RigidBodyWorld {
 
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
-  /// A held body neither moves nor collides, like a docked vehicle.
+  /// A held body, such as a docked vehicle, neither moves nor collides.
   void hold(std::size_t body, bool held) { bodies_.at(body).held = held; }
   bool held(std::size_t body) const { return bodies_.at(body).held; }
   /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].

@@ -38,7 +38,8 @@ struct Tree {
   }
 };
 
-/// Visits the solids whose boxes overlap the search box, and the triangles of each whose boxes overlap it.
+/// Visits the solids whose bounding boxes overlap the search box and, in each solid, the triangles whose bounding boxes
+/// do.
 struct Search final : btDbvt::ICollide, btTriangleCallback {
   btVector3 low, high;
   const MeshEdges* edges = nullptr;

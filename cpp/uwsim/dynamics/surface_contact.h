@@ -11,7 +11,7 @@
 
 namespace uwsim {
 
-/// A convex piece at its pose, for SurfaceContact.
+/// A convex piece of a body, placed at the body's pose, as input to SurfaceContact.
 struct PlacedShape {
   const ConvexShape& shape;
   const Pose& world_from_body;

@@ -20,7 +20,7 @@ inline constexpr double kGate = 5;
 inline constexpr std::uint64_t kReadingsBeforeDoubt = 5;
 inline constexpr int kMaxReading = 8;
 
-/// An instrument that corrects the filter. Lever arms are from the IMU, body axes.
+/// An instrument that corrects the filter. Lever arms are measured from the IMU, along the body axes.
 class Aid {
  public:
   virtual ~Aid() = default;

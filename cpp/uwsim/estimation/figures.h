@@ -22,7 +22,7 @@ inline void exchange_any(StateArchive& archive, double& value) {
   value = std::bit_cast<double>(bits);
 }
 
-/// Saves or restores a standard deviation, a variance or a time.
+/// Saves or restores a value that must not be negative: a standard deviation, a variance or a time.
 inline void exchange_not_negative(StateArchive& archive, double& value) {
   archive(value);
   require(value >= 0, "state.figure", value, "must not be negative");

@@ -16,7 +16,8 @@ struct ImuErrors {
   /// A sample's specific force is the mean over this time before the sample; 0 if it is an instantaneous value
   double averaging_s = 0;
   BiasModel rate_bias, force_bias;
-  /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample that reaches it hides a shock.
+  /// The largest magnitude that an axis can measure [rad/s], [m/s2]; a sample at this limit does not show the whole of
+  /// a shock.
   double rate_limit = std::numeric_limits<double>::infinity();
   double force_limit = std::numeric_limits<double>::infinity();
 };

@@ -23,7 +23,7 @@ class CallbackRays {
         rays_(rays),
         n_(n) {}
 
-  /// The distance along the exact ray at which the float ray starts.
+  /// Returns the distance along the exact ray at which the float ray starts.
   double start_m(unsigned k) const {
     const bool starts_later = exact_ != nullptr && detail_.starts_m != nullptr;
     return (starts_later ? detail_.starts_m[RTCRayN_id(rays_, n_, k)] : 0) - detail_.setback_m;

@@ -15,8 +15,8 @@ namespace uwsim {
 /// them.
 void attach_terrain(RTCDeviceTy* device, RTCSceneTy* tree, const TileSurfaces& surfaces, std::uint32_t geometry);
 
-/// The surface number of the primitive that Embree reports. A quad is two triangles, so the number depends on where the
-/// quad is hit.
+/// Returns the surface number of the primitive that Embree reports. A quad consists of two triangles, so the number
+/// depends on where the quad was hit.
 inline std::uint32_t member_number(std::uint32_t geometry, std::uint32_t primitive, float u, float v) {
   return TileSurfaces::is_terrain(geometry) ? 2 * primitive + static_cast<std::uint32_t>(u + v > 1) : primitive;
 }

@@ -10,7 +10,7 @@ namespace uwsim {
 /// The result of a walk along a ray from cell to cell of a tile's terrain, in double.
 struct TerrainWalk {
   std::optional<TileHit> hit;  ///< where the ray hits the terrain
-  /// Without a hit, the ray does not hit the terrain before this distance
+  /// If there is no hit: a distance before which the ray certainly does not hit the terrain
   double clear_to_m = std::numeric_limits<double>::infinity();
   bool began_low = false;    ///< whether the first point was not clearly above the terrain
   bool near_solids = false;  ///< whether the walk passed through a cell with a solid nearby

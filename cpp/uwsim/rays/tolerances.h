@@ -103,8 +103,9 @@ struct Tolerances {
   double picture_edge_m(double sine) const { return hit_error_m * (1 + 0.05 / sine); }
 };
 
-/// The tolerances of a tile, from the diagonal of its surfaces' bounding box, 1 / cosine of the terrain's steepest
-/// slope (1 without terrain), and whether rays can hit triangles of solids in it.
+/// Computes the tolerances of a tile. diagonal_m: the diagonal of its surfaces' bounding box. steepest: 1 / cosine of
+/// the terrain's steepest slope (1 without terrain). has_solid_triangles: whether rays can hit triangles of solids in
+/// the tile.
 Tolerances tolerances_of(double diagonal_m, double steepest, bool has_solid_triangles);
 
 }  // namespace uwsim

@@ -32,7 +32,7 @@ class SightLines {
     if (++count_ == kPacketRays) cast();
   }
 
-  /// Casts what has been added, and marks the groups that are visible.
+  /// Casts the collected rays, and marks the groups that are visible.
   void cast() {
     if (count_ == 0) return;
     for (std::size_t k = count_; k < kPacketRays; ++k) {

@@ -3,7 +3,8 @@
 namespace uwsim {
 namespace {
 
-/// Distance along the sensor's x axis to the nearest surface, or the maximum range if there is none, as in the paper.
+/// Measures the distance along the sensor's x axis to the nearest surface. As in the paper, the reading is the maximum
+/// range if there is none.
 class Proximity final : public MountedSensor {
  public:
   explicit Proximity(const SensorSpec& spec)

@@ -6,7 +6,7 @@
 
 namespace uwsim {
 
-/// The built-in kinds, each defined in its own file in this folder.
+/// The built-in kinds of sensor, each defined in its own file in this folder.
 std::span<const SensorKind* const> sensor_kinds();
 
 /// Returns the kind with this name. Throws InvalidValue listing the known names; `path`: the key named in the message.

@@ -73,7 +73,7 @@ class Batch {
   /// without changing any member.
   void set_efforts(std::size_t vehicle, std::span<const double> efforts);
   void step(std::uint64_t count);
-  /// Advances each member by its own number of steps, (n,).
+  /// Advances each member by its own number of steps; counts: (n,).
   void step_each(std::span<const std::uint64_t> counts);
 
   void motion(std::size_t vehicle, const MotionRows& rows) const;

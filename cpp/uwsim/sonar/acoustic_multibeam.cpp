@@ -147,7 +147,7 @@ void AcousticMultibeam::cast_straight(const Transmission& sent, const FanRays& r
       const Eigen::Vector3f direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
       const Eigen::Vector3f normal(met.normal_x[lane], met.normal_y[lane], met.normal_z[lane]);
       const float cosine = std::abs(normal.dot(direction)) / normal.norm();
-      // From the head out to the bottom and back to the head's new position.
+      // Half the path from the head to the bottom and back to the head's new position, relative to the path out.
       const float half = moves ? 0.5f * (1 + (direction - 2 * sent.mach).norm()) : 1;
       echo = ray_echo(sent, rays.beam(first + lane), length_m, half * length_m, cosine, -z,
                       static_cast<Label>(met.label[lane]));
@@ -221,7 +221,7 @@ void AcousticMultibeam::ping_beams(const Transmission& sent, std::size_t first, 
   }
 }
 
-/// The directions at reception: by then, a rotating fan has turned further, by an angle that depends on each beam's
+/// The directions of the rays at reception. A rotating fan has turned by then, by an angle that depends on each beam's
 /// travel time.
 Eigen::Matrix3Xf AcousticMultibeam::ray_directions_world(const Transmission& sent, std::size_t first,
                                                          std::size_t last) const {

@@ -22,7 +22,7 @@ class BeamFootprint {
   /// number of rays is 1 (the axis alone) or in [4, 64].
   static std::vector<Eigen::Vector2d> offsets(int rays);
 
-  /// Widths are at -3 dB, one way, of an unsteered beam.
+  /// The widths are those of an unsteered beam, one way, at -3 dB.
   BeamFootprint(const MultibeamModel& fan, double width_across_rad, double width_along_rad, int rays);
 
   int rays() const { return rays_; }

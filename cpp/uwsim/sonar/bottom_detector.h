@@ -19,8 +19,8 @@ struct BottomDetection {
   double deviation_m = 0;  ///< standard deviation of the range, estimated by the detector; 0 for noise
 };
 
-/// The random draws for one beam's errors, each standard normal: the bottom's speckle, which is the same for pings from
-/// the same place, and the receiver's noise.
+/// The random draws for one beam's errors, each standard normal: one for the bottom's speckle, which is the same for
+/// pings from the same place, and one for the receiver's noise.
 struct BeamDraws {
   double speckle, speckle_range, noise, noise_range;
 };

@@ -27,7 +27,7 @@ float quantised(double depth_m, const DepthCamera& camera) {
   return static_cast<float>(std::round(depth_m / camera.range_max_m * steps) / steps * camera.range_max_m);
 }
 
-/// The single range for a column; `tangent`: the tangent of the column's angle.
+/// Reduces a column to a single range. `tangent`: the tangent of the column's angle.
 double column_range(const DepthImage& image, int column, RowReduction reduction, double tangent) {
   const DepthCamera& camera = image.camera;
   const auto depth = [&](int row) {

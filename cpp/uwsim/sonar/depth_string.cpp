@@ -21,8 +21,9 @@ constexpr int kDigits = 7;
 constexpr double kMinPlain = 1e-4, kMaxPlain = 1e6;
 constexpr std::array<double, kDigits + 4> kTens = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10};
 
-/// Like append_any_g7, for values in [kMinPlain, kMaxPlain). A float32 has 24 bits and 10^10 = 2^10 5^10 another 24, so
-/// the product, and its sum with the half that is added for rounding, are exact in a double. Four times as fast.
+/// Like append_any_g7, for values in [kMinPlain, kMaxPlain). Four times as fast. A float32 has 24 significant bits, and
+/// 10^10 = 2^10 5^10 has another 24. Their product is therefore exact in a double, and so is the sum after one half has
+/// been added for rounding.
 void append_plain_g7(std::string& out, float value) {
   int exponent = -4;  // of the first digit
   while (value >= (exponent < -1 ? 1 / kTens[static_cast<std::size_t>(-exponent - 1)]
@@ -77,7 +78,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 float parse_range(std::string_view text, std::size_t beam) {
   float value = 0;
-  // from_chars also accepts "inf", ".5", "5." and "-1".
+  // Check for digits at both ends, because from_chars also accepts "inf", ".5", "5." and "-1".
   const bool plain = !text.empty() && is_digit(text.front()) && is_digit(text.back());
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (!plain || error == std::errc::invalid_argument || end != text.data() + text.size()) {

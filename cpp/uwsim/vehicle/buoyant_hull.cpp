@@ -124,8 +124,9 @@ Buoyancy BuoyantHull::in_still_water(const Placed& at, const WaterField& water, 
   return wet;
 }
 
-/// The buoyancy of a hull in several density layers: the top layer's density for the whole wet volume plus, for each
-/// layer below, the density difference to the layer above it for the volume below their boundary.
+/// The buoyancy of a hull in several density layers. The whole wet volume contributes with the top layer's density; for
+/// each further layer, the volume below its upper boundary contributes with the density difference from the layer
+/// above.
 Buoyancy BuoyantHull::in_layers(const Placed& at, const WaterField& water, double surface_m,
                                 const VolumeMoments& wet) const {
   if (wet.volume_m3 <= 0) return {};

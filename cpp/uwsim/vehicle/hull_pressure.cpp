@@ -91,7 +91,7 @@ struct Integrals {
 /// The integrals over the wet part of a triangle of unit area with one or two wet corners, minus those over the whole
 /// triangle with zero pressure at dry corners. `odd` is the corner that differs from the other two.
 Integrals change_by_cut(const Corner& odd, const Corner& second, const Corner& third) {
-  // The points on the edges from the odd corner where the pressure vanishes, as fractions of the edge lengths.
+  // The points where the pressure vanishes on the two edges from the odd corner, as fractions of the edges' lengths.
   const double s = odd.head_m / (odd.head_m - second.head_m), t = odd.head_m / (odd.head_m - third.head_m);
   const Eigen::Vector3d p = odd.arm_m + s * (second.arm_m - odd.arm_m), q = odd.arm_m + t * (third.arm_m - odd.arm_m);
   Integrals sum;

@@ -164,7 +164,8 @@ const CutVolume::Near& CutVolume::near(const PlaneCell& cell) const {
 void CutVolume::find_near(const PlaneCell& cell, Near& near) const {
   near.clear();
   near.cell = cell;
-  // The largest difference between heights over any of the cell's planes and heights over its central plane.
+  // The largest amount by which a point's height over any of the cell's planes differs from its height over the central
+  // plane.
   const double margin_m =
       0.5 * (std::sqrt(3.0) * kTiltPitch + kLevelPitch) * radius_m_ * (1 + kRounding) + kRounding * radius_m_;
   for (const Cluster& cluster : clusters_) {

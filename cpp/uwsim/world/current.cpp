@@ -118,7 +118,7 @@ class GustyCurrent : public Current {
 
   static constexpr double kIntervals = 1 << kLevels;  // between the knots of a block
 
-  /// Unit-variance processes at both ends of an interval between two knots.
+  /// Values of the unit-variance processes at both ends of an interval between two knots.
   struct Ends {
     std::int64_t index = std::numeric_limits<std::int64_t>::min();
     Eigen::Vector3d left = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();

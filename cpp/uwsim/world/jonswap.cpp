@@ -28,8 +28,8 @@ double spectrum(double x, double peak_enhancement) {
   return std::pow(x, -5) * std::exp(-1.25 * std::pow(x, -4)) * std::pow(peak_enhancement, b);
 }
 
-/// A density over an interval, and its quantiles. The integral is tabulated by the trapezoidal rule and interpolated
-/// linearly.
+/// A probability density over an interval, for computing quantiles. The density's integral is tabulated by the
+/// trapezoidal rule and interpolated linearly.
 class Distribution {
  public:
   template <typename Density>

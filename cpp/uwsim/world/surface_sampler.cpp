@@ -18,7 +18,7 @@ Eigen::AlignedBox3d box_around(const Corners& corners) {
   return box.extend(corners[1]).extend(corners[2]);
 }
 
-/// The terrain cells near a box along an axis: the first, and one past the last.
+/// The range of terrain cells near a box along an axis: the first cell, and one past the last.
 std::pair<std::size_t, std::size_t> cells_near(const Heightfield& terrain, const Eigen::AlignedBox3d& box_m, int axis,
                                                std::size_t cells) {
   const auto cell = [&](double x, int more) {

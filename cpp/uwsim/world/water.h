@@ -52,7 +52,8 @@ class Water : public EvenWater {
   /// (best_sound_speed_equation). Throws InvalidValue if this water exceeds the range of the named equation, or if its
   /// profile specifies the speed of sound.
   void select_sound_speed_equation(std::string_view name);
-  /// Extremes from the surface down to the deeper of bottom_depth_m and the profile's last level.
+  /// Extremes of temperature, salinity and depth between the surface and bottom_depth_m, or the profile's last level if
+  /// that is deeper.
   WaterRange range() const;
 
   bool calm_and_even() const override { return !waves && (!profile || profile->even()); }

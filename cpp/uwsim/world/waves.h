@@ -112,7 +112,8 @@ class Waves {
   struct Crest {
     double cosine, sine;  // amplitude times cosine and sine of the phase
   };
-  /// Where linear theory is evaluated for a point, and how that changes with the heights of the point and the surface.
+  /// The height at which linear theory is evaluated for a point, and its derivatives with respect to the heights of the
+  /// point and the surface.
   struct Stretched {
     double z_m, by_point, by_surface;
   };

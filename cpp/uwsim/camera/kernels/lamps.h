@@ -67,7 +67,7 @@ UWSIM_LANES Vector lamp_scattering(const View& view, const SpotLight& lamp, Floa
                                    Float nearest, Float apart) {
   constexpr float g = kLampAsymmetry;
   const Float spot = smoothstep((ahead * c + along * s - lamp.cos_outer) * (1 / (lamp.cos_inner - lamp.cos_outer)));
-  // henyey_greenstein_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c, computed with a
+  // Computes henyey_greenstein_phase(-s, g) = (1 - g^2) / (4 pi) / cube and path = nearest + apart (1 + s) / c with a
   // single division.
   const Float side = 1 + g * g + 2 * g * s, cube = side * square_root(side), per = 1 / (cube * c);
   const Float path = nearest + apart * ((1 + s) * (cube * per));

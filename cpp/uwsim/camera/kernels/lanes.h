@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-/// Arithmetic on sixteen pixels at once, in the compiler's vector types of the CPU's own width: one source, compiled
-/// for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused multiply-add,
-/// so that all builds produce the same bits. For use in those files only: everything here is local to the file that
-/// includes it.
+/// Arithmetic on sixteen pixels at once. It uses the compiler's vector types in the width of the CPU; the same source
+/// is compiled for each instruction set (kernels_*.cpp). Each operation is one IEEE operation per lane, without fused
+/// multiply-add, so that all builds produce the same bits. For use in those files only: everything here is local to the
+/// file that includes it.
 namespace uwsim::camera {
 namespace {
 
@@ -215,7 +215,7 @@ UWSIM_LANES bool any(Int mask) {
   for (int k = 0; k < kLanes; ++k) found |= mask[k];
   return found != 0;
 }
-/// a < b ? a : b and a > b ? a : b, as one instruction of the CPU.
+/// min is a < b ? a : b, and max is a > b ? a : b; each is a single CPU instruction.
 UWSIM_LANES Float min(Float a, Float b) {
   constexpr int kParts = Float::kParts;
 #if defined(__AVX512F__)

@@ -45,8 +45,8 @@ UWSIM_LANES MaterialLanes material_lanes(const Material* materials, Int index) {
   return all;
 }
 
-/// Sets the albedo and tilts the normal: patches of two sizes, grain, sand ripples. Each fades out as it becomes
-/// smaller than a pixel.
+/// Sets the albedo and tilts the normal, with patches of two sizes, grain and sand ripples. Each of these fades out as
+/// its features become smaller than a pixel.
 void apply_material(const View& view, Block& block) {
   const Vector point = load(block.point), direction = load(block.direction);
   Vector normal = load(block.normal);

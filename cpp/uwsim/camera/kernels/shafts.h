@@ -6,8 +6,8 @@
 namespace uwsim::camera {
 namespace {
 
-/// A sample point on each ray, at a given fraction of the length worth sampling, and a shadow ray from it to the sun.
-/// The fraction is the same for all rays, so that light focused by the surface is visible as shafts.
+/// Places a sample point on each ray, at a given fraction of the length worth sampling, and a shadow ray from that
+/// point to the sun. The fraction is the same for all rays, so that light focused by the surface is visible as shafts.
 void shaft_sample_point(const View& view, float share, Block& block) {
   const Float t = min(load(block.reach.at), splat(3 / view.c[1])) * share;
   const Vector point = load(block.origin) + load(block.direction) * t;

@@ -35,7 +35,7 @@ struct ImagingAcoustics {
   double absorption_db_m(const Water& water, double head_z_m) const;
 };
 
-/// The parameters above, by name, except strengths_db.
+/// The parameters of ImagingAcoustics by name, except strengths_db.
 std::span<const Parameter> imaging_acoustics_parameters();
 /// Creates the acoustics from a complete set of parameters. Throws InvalidValue for strengths out of range.
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});

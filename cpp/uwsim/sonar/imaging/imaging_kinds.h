@@ -4,7 +4,7 @@
 
 namespace uwsim {
 
-/// The built-in kinds, each defined in its own file in this folder.
+/// The built-in kinds of imaging sonar, each defined in its own file in this folder.
 std::span<const ImagingKind* const> imaging_kinds();
 
 /// Returns the kind with this name. Throws InvalidValue listing the known names.

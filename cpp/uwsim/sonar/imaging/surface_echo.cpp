@@ -9,8 +9,8 @@ namespace {
 constexpr double kMinRange_m = 0.05;  // closer than this, there is no far field, and 1 / R^2 diverges
 constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
 
-/// The range of the tangent plane in another direction, relative to the range of the hit, from the dot products of the
-/// normal with both directions.
+/// The range at which a ray in another direction meets the tangent plane, relative to the range of the hit. The
+/// arguments are the dot products of the normal with the two directions.
 double range_ratio(double along, double other) {
   const double ratio = along / other;
   return ratio > 0 ? std::clamp(ratio, 1 / kStretch, kStretch) : kStretch;

@@ -95,7 +95,7 @@ struct TraceEntry {
   std::uint8_t hit_words;
 };
 
-/// One chunk's part of the tables: 512 bricks of 8 words. Collecting also zeroes this part.
+/// The part of the tables that belongs to one chunk: 512 bricks of 8 words. Collecting also zeroes this part.
 struct CollectInput {
   std::uint64_t* missed;  ///< voxels that rays passed through
   std::uint64_t* hit;     ///< voxels that hold points

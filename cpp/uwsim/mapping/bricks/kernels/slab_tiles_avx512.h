@@ -3,7 +3,8 @@
 #include "uwsim/mapping/bricks/kernels/mark_buffer_avx512.h"
 #include "uwsim/mapping/bricks/kernels/voxel_address_avx512.h"
 
-/// Marks of the slab walk. Only the files named scan_kernels_*avx512.cpp may include this file, after <immintrin.h>.
+/// Collects the marks of the slab walk and writes them to the table. Only the files named scan_kernels_*avx512.cpp may
+/// include this file, after <immintrin.h>.
 namespace uwsim::bricks {
 namespace {
 
