@@ -12,7 +12,7 @@
 namespace uwsim {
 
 /// The errors of one sensor's channels; see NoiseSpec. The errors of sample k depend only on the seed, the sensor and
-/// k, not on which samples are read, how often, or on other sensors.
+/// k. They do not depend on which samples are read, on how often they are read, or on other sensors.
 class Noise {
  public:
   /// `stream`: identifies the sensor, such as "rov/imu". `sample_period_s` converts a density to a standard deviation.

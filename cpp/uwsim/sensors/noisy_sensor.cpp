@@ -18,7 +18,8 @@ bool has_history(const SensorSpec& spec, const Sensor& sensor, const SampleClock
   return !clock.every_step() || spec.latency_s > 0 || spec.drop_out > 0 || sensor.longest_travel_time_s() > 0;
 }
 
-/// Samples that may be in transit, plus the one that has arrived, plus one more to allow for rounding.
+/// The number of samples that may be in transit, plus one for the sample that has arrived and one to allow for
+/// rounding.
 std::size_t held_samples(const SensorSpec& spec, const Sensor& sensor, const SampleClock& clock) {
   const double held = (spec.latency_s + sensor.longest_travel_time_s()) / clock.period_s() + 3;
   require(held <= kMaxHeldSamples, "sensors." + spec.name + ".latency_s", spec.latency_s,
@@ -64,7 +65,7 @@ SensorInput NoisySensor::input(const VehicleSnapshot& snapshot, const Surroundin
 
 bool NoisySensor::arrived(const VehicleSnapshot& measured, const VehicleSnapshot& now,
                           const Surroundings& around) const {
-  if (uses_link_) return true;  // a sample that has not arrived is not in the history yet
+  if (uses_link_) return true;  // a sample that has not arrived is not yet in the history
   const double delay_s = spec_.latency_s + sensor_->travel_time_s(input(measured, around));
   return clock_.time_ns(measured.tick) + static_cast<std::uint64_t>(std::llround(delay_s * 1e9)) <=
          clock_.time_ns(now.tick);
@@ -156,7 +157,7 @@ void NoisySensor::collect(const VehicleSnapshot& now, const Surroundings& around
     watch_->add(sample_.stamp_ns, clock_.time_ns(now.tick), sample_.values, measured_valid_);
   }
   if (uses_link_) {
-    watch_->next_tick = kNever;  // until an answer arrives
+    watch_->next_tick = kNever;  // nothing to collect until an answer arrives
     return;
   }
   const std::uint64_t newest = clock_.sample_at(now.tick), measured = clock_.tick_of(newest);

@@ -57,7 +57,7 @@ class NoisySensor {
   /// Returns the present value without errors, rate, latency or drop-outs.
   const Sample& read_true(const VehicleSnapshot& now, const Surroundings& around);
 
-  /// Starts collecting samples measured at or after `from_ns`; nullopt stops collecting.
+  /// Starts collecting the samples that are measured at or after `from_ns`; nullopt stops collecting.
   void watch(std::optional<std::uint64_t> from_ns);
   /// The tick at whose start `collect` is due; kNever for a sensor that is not watched.
   std::uint64_t next_collection() const { return watch_ ? watch_->next_tick : kNever; }

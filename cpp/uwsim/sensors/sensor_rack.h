@@ -10,7 +10,7 @@
 
 namespace uwsim {
 
-/// The sensors of one vehicle, and the time when the next sample is due.
+/// The sensors of one vehicle, and the tick at which the next sample is due.
 class SensorRack {
  public:
   SensorRack() = default;

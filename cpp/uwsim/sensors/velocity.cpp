@@ -3,7 +3,8 @@
 namespace uwsim {
 namespace {
 
-/// The sensor's velocity over ground and its angular velocity, in sensor axes: ideal odometry with errors.
+/// The sensor's velocity over ground and its angular velocity, in sensor axes: ideal odometry plus the configured
+/// errors.
 class Velocity final : public MountedSensor {
  public:
   explicit Velocity(const SensorSpec& spec) : MountedSensor(spec) {}

@@ -18,8 +18,9 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr double kMinTurn_rad = 1e-5;  // of the fan during a ping; less is below a hundredth of a beam width
-constexpr float kMinRange_m = 0.01f;   // echoes from closer than this get no louder
+// Rotation of the fan during a ping; less than this is below a hundredth of a beam width
+constexpr double kMinTurn_rad = 1e-5;
+constexpr float kMinRange_m = 0.01f;  // echoes from shorter ranges are no louder than at this range
 
 float ratio(double level_db) { return static_cast<float>(std::pow(10, level_db / 10)); }
 
@@ -54,7 +55,7 @@ struct AcousticMultibeam::Transmission {
   Eigen::Matrix3f rotation;
   Eigen::Vector3f mach;         // velocity divided by the speed of sound, world frame
   double turn_rad_s;            // rate of the fan about its normal
-  double depth_m, absorbed_db;  // of the head; absorption from the surface down to it
+  double depth_m, absorbed_db;  // depth of the head; absorption from the surface down to the head
   double sound_speed_m_s;       // at the head
   float cell_m;
   double false_alarm;  // probability that noise exceeds the threshold somewhere in a beam

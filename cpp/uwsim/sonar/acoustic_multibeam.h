@@ -38,8 +38,9 @@ struct HeadMotion {
   Eigen::Vector3d rate_world_rad_s = Eigen::Vector3d::Zero();
 };
 
-/// One ping in physics mode, with one value per beam. Fields that MultibeamPing also has mean the same as there. For a
-/// beam without a detection, each array contains infinity, NaN, -infinity or 0, as stated.
+/// One ping in physics mode, with one value per beam. Fields that also exist in MultibeamPing have the same meaning.
+/// For a beam without a detection, each array contains the value stated at the end of its comment: infinity, NaN,
+/// -infinity or 0.
 struct AcousticPing {
   std::vector<float> ranges_m;        ///< sound speed at the head x half the travel time; infinity
   std::vector<float> points_sonar_m;  ///< beams x 3: the range along the beam's axis at transmission; NaN
@@ -62,14 +63,15 @@ struct AcousticPing {
 
 /// A multibeam in physics mode: its maximum range, range errors and gaps result from its acoustic parameters.
 ///
-/// Each beam is sampled by several rays (BeamFootprint). A ray returns the fraction Omega/n S cos(i) / R^2 10^(-2 alpha
-/// R / 10) of the source's intensity. The factors are spherical spreading out and back (40 log R), the area of bottom
-/// covered by the ray's share Omega/n of the beam (R^2 / cos i), Lambert's law S cos^2 i, and Francois-Garrison
-/// absorption averaged along the path. The rays' echoes are summed over range to an envelope (echo.h). The resulting
-/// spreading is 20 log R if one range cell contains the footprint, 30 log R if slope or relief spreads the footprint
-/// over several cells, and 40 log R for a small target. Speckle comes from scatterers that are fixed in the world
-/// (SpeckleField), so overlapping beams and pings from the same place share it. The detector (BottomDetector) adds the
-/// receiver's noise, which differs from ping to ping, and applies its threshold; it may also detect noise as an echo.
+/// Each beam is sampled by several rays (BeamFootprint). Each of a beam's n rays returns the fraction Omega/n S cos(i)
+/// / R^2 10^(-2 alpha R / 10) of the source's intensity. The factors are spherical spreading out and back (40 log R),
+/// the area of bottom covered by the ray's share Omega/n of the beam (R^2 / cos i), Lambert's law S cos^2 i, and
+/// Francois-Garrison absorption averaged along the path. The rays' echoes are summed over range to an envelope
+/// (echo.h). The resulting spreading is 20 log R if one range cell contains the footprint, 30 log R if slope or relief
+/// spreads the footprint over several cells, and 40 log R for a small target. Speckle comes from scatterers that are
+/// fixed in the world (SpeckleField), so overlapping beams and pings from the same place share it. The detector
+/// (BottomDetector) adds the receiver's noise, which differs from ping to ping, and applies its threshold; it may also
+/// detect noise as an echo.
 ///
 /// Motion: a ping is transmitted from one pose and received at another. The range is half of the path from the head to
 /// the bottom and back to the head's new position. The fan rotates about its normal in between, so a beam receives from
@@ -119,7 +121,7 @@ class AcousticMultibeam {
   SpeckleField speckle_;
   float share_sr_;   ///< solid angle of one ray of an unsteered beam
   float width_rad_;  ///< of an unsteered beam: the geometric mean of both widths
-  /// By label, as ratios of intensity; the last one applies to all further labels
+  /// By label, as ratios of intensity; the last entry applies to all further labels
   std::vector<float> strengths_, reliefs_;
 };
 

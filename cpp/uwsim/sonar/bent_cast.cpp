@@ -13,7 +13,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kSag_m = 0.9e-3;  // largest distance between a chord and its arc
-// Chords are cast slightly beyond their ends, so that no surface slips through between two of them.
+// Chords are cast slightly beyond their ends, so that no surface is missed between two of them.
 constexpr double kOverlap_m = 1e-3;
 constexpr int kChordsMax = 100'000;
 
@@ -84,7 +84,7 @@ std::size_t cast_packet(const RayScene& scene, const SoundSpeedProfile& profile,
     const Eigen::Vector3d& direction = directions_world[k];
     const double dip = std::atan2(-direction.z(), std::hypot(direction.x(), direction.y()));
     rays[k] = BentRay{level(direction), SoundPath(profile, -origin_world_m.z(), dip), {}};
-    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // at the surface, and not heading down
+    rays[k]->done = origin_world_m.z() >= 0 && dip <= 0;  // the ray starts at the surface and does not head down
     hits[k] = {kInfinity, kInfinity, origin_world_m, Eigen::Vector3f::Zero(), direction, kNothing};
   }
   RayPacket packet{};

@@ -27,8 +27,9 @@ struct BeamDraws {
 
 /// Determines each beam's range. The detector averages the looks of an echo and compares the result with a threshold
 /// (detection_theory.h). An echo with at least four looks is detected by phase, at the range of the beam's axis, with
-/// the echo's strength and extent there (assumed: a phase ramp needs several looks; phase then has the smaller error at
-/// any signal-to-noise ratio). Any other echo is detected by amplitude, at the centroid of its energy, with its peak.
+/// the echo's strength and extent at that range (assumed: a phase ramp needs several looks; with them, phase detection
+/// has the smaller error at any signal-to-noise ratio). Any other echo is detected by amplitude, at the centroid of its
+/// energy, with its peak.
 class BottomDetector {
  public:
   BottomDetector(const SonarFigures& figures, bool range_noise);

@@ -27,7 +27,7 @@ struct DepthImage {
 };
 
 enum class RowReduction {
-  kMiddle,   ///< the row in the level plane; with two middle rows, the upper one
+  kMiddle,   ///< the row in the level plane; if there are two middle rows, the upper one
   kNearest,  ///< the nearest pixel in the column: the first echo within the vertical field of view
 };
 

@@ -12,7 +12,8 @@ namespace uwsim {
 /// The echo of one ray of a beam.
 struct RayEcho {
   float range_m = 0;  ///< slant range: half of the two-way path
-  float energy = 0;   ///< intensity at the receiver over the source's at 1 m, as if it all fell into one range cell
+  /// Ratio of the intensity at the receiver to the source's at 1 m, as if the whole echo fell into one range cell
+  float energy = 0;
   float width_m = 0;  ///< extent in range, including the range cell
   float cosine = 0;   ///< cosine of the incidence
   Label label = kNothing;
@@ -22,7 +23,7 @@ struct RayEcho {
 
 /// The echo of a beam: the sum of its rays' echoes over range, each spread over its width.
 struct BeamEcho {
-  float peak = 0;                 ///< largest intensity over the source's; 0 without an echo
+  float peak = 0;                 ///< largest intensity, relative to the source's; 0 without an echo
   float energy = 0;               ///< of the echo that contains the peak, in the units of RayEcho::energy
   float centre_range_m = 0;       ///< centroid of that echo's energy
   float cosine = 0;               ///< cosine of the incidence of its strongest ray
@@ -54,15 +55,15 @@ struct BeamRays {
 /// The range at which the beam's axis hits the echo's surface, where the phase difference between the two halves of the
 /// array is zero; NaN if the axis is not among the rays.
 ///
-/// Over a plane, the inverse of range along the axis is linear in the offsets, so a line fitted to it over the rays is
-/// exact there at any incidence. A mean of ranges is not, since the far side of a footprint is longer and its echo is
-/// weaker.
+/// Over a plane, the inverse of the range projected on the axis is linear in the rays' offsets, so fitting a line to it
+/// yields the exact range on the axis at any incidence. A mean of the rays' ranges would not be exact, since the far
+/// side of a footprint is longer and its echo weaker.
 double axis_range_m(std::span<const RayEcho> echo, const BeamRays& beam);
 
 /// The echo as received along the beam's axis.
 struct AxisEcho {
   double level;     ///< in the units of BeamEcho::peak
-  double extent_m;  ///< of a rectangle with that level and the echo's energy
+  double extent_m;  ///< extent of a rectangle with that level and the echo's energy
 };
 
 /// The echo at the range `axis_m` of the axis.

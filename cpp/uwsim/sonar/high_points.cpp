@@ -5,11 +5,11 @@
 namespace uwsim {
 namespace {
 
-constexpr double kRounding_m = 1e-6;  // exceeds the difference between `nearly` and `exact` within 1000 km
+constexpr double kRounding_m = 1e-6;  // larger than any difference between `nearly` and `exact` within 1000 km
 
-/// A rigid transform of points. `exact` uses std::fma, which gives the same result on every platform, in the order that
-/// BLAS uses, so a mission that does the same with NumPy flies a bitwise identical track. `nearly` differs only by
-/// rounding and is much faster; it selects the relevant points.
+/// A rigid transform of points. `exact` uses std::fma, which returns the same result on every platform, in the order of
+/// operations used by BLAS. A mission that transforms the points with NumPy therefore flies a bitwise identical track.
+/// `nearly` differs only by rounding and is much faster; it is used to select the points that need `exact`.
 class Placing {
  public:
   explicit Placing(const Eigen::Matrix4d& world_from_points)

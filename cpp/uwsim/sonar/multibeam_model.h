@@ -18,7 +18,8 @@ struct MultibeamModel {
   double range_limit_m = 0;  ///< the published LaserScan's range_max: a decoded range above this counts as no echo
   double frequency_hz = 0;
   bool dual_swath = false;
-  double ping_rate_max_hz = 50;        ///< limit of the electronics (assumed); travel time may limit the rate further
+  /// Limit set by the electronics (assumed); travel time may limit the rate further
+  double ping_rate_max_hz = 50;
   double tilt_rate_rad_s = 0.0872665;  ///< of the head: 0.1 degree per frame in the paper, at 50 frames/s (assumed)
   /// Angle of each of two receivers from straight ahead to its side; 0 for a single receiver
   double receiver_tilt_rad = 0;

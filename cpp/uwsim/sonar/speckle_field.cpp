@@ -42,12 +42,13 @@ struct CoveredCells {
   float squares = 0;  // the sum of the squared weights
 
   /// A linear B-spline on cells of size c has a correlation of about exp(-1.5 d^2 / c^2). Mixing the two sizes in the
-  /// proportion `by_curvature` would match the curvature of a Gaussian footprint at d = 0; with kMidway, they agree
-  /// best up to a d of two deviations. `stride`: odd; keys are its multiples, starting at a value that depends on the
-  /// level.
+  /// proportion `by_curvature` would match the curvature of a Gaussian footprint's correlation at d = 0; kMidway is
+  /// chosen for the best agreement up to a d of two deviations. `stride`: odd; keys are its multiples, starting at a
+  /// value that depends on the level.
   CoveredCells(double at_m, float deviation_m, std::uint32_t stride, const SpeckleField::LevelKeys& keys) {
     const auto bits = std::bit_cast<std::uint64_t>(kCellPerDeviation * std::max<double>(deviation_m, kLeast_m));
-    const int level = static_cast<int>(bits >> 52) - 1023;  // the largest cells that are fine enough: 2^level
+    // The size of the largest cells that are fine enough is 2^level
+    const int level = static_cast<int>(bits >> 52) - 1023;
     const auto ratio = std::bit_cast<double>((bits & kMantissa) | kOne);
     // Square of the ratio of the finer size to the footprint's: in (1/4, 1]
     const auto square = static_cast<float>(1 / (ratio * ratio));

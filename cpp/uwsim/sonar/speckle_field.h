@@ -30,7 +30,7 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
 /// that round to the same value; from other headings, the scatterers appear with independent random phases, as in real
 /// water.
 ///
-/// Not modelled: how speckle changes with the direction from which the same footprint is seen.
+/// Not modelled: the change of speckle with the direction from which the same footprint is seen.
 class SpeckleField {
  public:
   /// One key per cell size 2^level, at index level modulo 64.

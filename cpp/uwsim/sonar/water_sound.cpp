@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kDeepest_m = 12000;  // deeper than any ocean
 
-/// An interval over which the speed of sound is assumed linear is halved until its midpoint is this accurate, or the
-/// interval is this short.
+/// An interval in which the speed of sound is assumed linear is halved until the speed at its midpoint is this
+/// accurate, or until the interval is this short.
 constexpr double kWithin_m_s = 0.05, kShortest_m = 0.01;
 /// Initial interval sizes, which suffice in most water: the second derivative is at most 0.116 (m/s)/K^2 with respect
 /// to temperature and 5e-7 (m/s)/m^2 with respect to depth; with respect to salinity, it grows with S^1.5.

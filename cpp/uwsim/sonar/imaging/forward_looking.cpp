@@ -13,9 +13,9 @@
 namespace uwsim {
 namespace {
 
-constexpr double kFloor = 1e-4;  // -40 dB of leakage into a transducer from all directions; assumed
+constexpr double kFloor = 1e-4;  // -40 dB: leakage into a transducer from all directions; assumed
 constexpr double kVerticalTaper = 0.46;
-// Multiple of the width, to either side; beyond this, a Hamming pattern is below -30 dB.
+// Half the span of the columns' rays, as a multiple of the width; beyond it, a Hamming pattern is below -30 dB.
 constexpr double kVerticalSpan = 1.25;
 constexpr double kAcrossSpan = 6;  // multiple of the beam's width, to either side: main lobe and some side lobes
 constexpr double kMaxDraws = 4e9;  // random draws of a ping are numbered by 32 bits

@@ -16,18 +16,18 @@ struct ImagingAcoustics {
   double frequency_hz = 0;
   double source_level_db = 0;  ///< at 1 m on the axis
   double noise_level_db = 0;   ///< in the receiver's band, after beamforming
-  /// Lambert's strength per square metre at normal incidence, of the terrain and of solids. Finite entries of
-  /// `strengths_db`, which is indexed by label, take precedence; NaN entries do not.
+  /// The Lambert scattering strength per square metre at normal incidence, for the terrain and for solids.
+  /// `strengths_db`, which is indexed by label, takes precedence where it has an entry; NaN entries are ignored.
   double bottom_strength_db = 0;
   double solid_strength_db = 0;
   std::vector<double> strengths_db;
   double range_max_m = 0;
   int range_bins = 0;            ///< each one range resolution wide: range_max_m / range_bins
-  bool time_varied_gain = true;  ///< a log10 R + 2 alpha R; when off, levels are as received
+  bool time_varied_gain = true;  ///< whether a log10 R + 2 alpha R is added; if not, levels are as received
   double gain_db_decade = 0;     ///< a
   int looks = 1;                 ///< independent looks averaged in a cell: 1 for full speckle, 0 for none
 
-  /// Lambert's mu, as a linear ratio.
+  /// The Lambert coefficient mu of a surface, as a linear ratio.
   double strength(Label label) const;
   double bin_m() const { return range_max_m / range_bins; }
   double bin_centre_m(int bin) const { return (bin + 0.5) * bin_m(); }
@@ -45,7 +45,7 @@ ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::ve
 /// Many scatterers with random phases in a cell produce a complex Gaussian pressure (Goodman 1975, "Statistical
 /// properties of laser speckle patterns"), so amplitude is Rayleigh-distributed and power exponential: its standard
 /// deviation equals its mean. The mean of n looks is a gamma variate of shape n, with std = mean / sqrt(n). Noise adds
-/// as power, before the draw. A cell's draw is a function of (stream, ping, cell) only.
+/// as power, before the draw. A cell's random draw depends only on (stream, ping, cell).
 class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);

@@ -19,8 +19,9 @@ namespace uwsim {
 struct ImagingRequest {
   const RayScene& scene;
   const Water& water;
-  std::span<const Pose> world_from_sonar;  ///< by default one ping from each; x ahead, y to port, z up
-  std::span<const double> angles_rad;      ///< angles of a steered beam, about the sonar's +z; empty for other kinds
+  /// Poses of the head, by default with one ping from each; x ahead, y to port, z up
+  std::span<const Pose> world_from_sonar;
+  std::span<const double> angles_rad;  ///< angles of a steered beam, about the sonar's +z; empty for other kinds
   const RandomStream& random;
   std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its speckle as first_ping + k
   int threads = 1;

@@ -54,8 +54,8 @@ double detect(std::span<const double> received, double threshold) {
 ///
 /// The range is the centroid of the power around the echo's peak, out to where a running mean over five bins has fallen
 /// to a tenth of the peak. Near nadir, this is the bottom straight below; at oblique angles, it is the middle of the
-/// beam. 1 / R^2, Lambert's law and absorption pull the centroid inwards, on a flat bottom below 45 degrees by less
-/// than the square of the beam width.
+/// beam. 1 / R^2, Lambert's law and absorption shift the centroid towards shorter ranges; on a flat bottom below 45
+/// degrees, the relative shift is less than the square of the beam width.
 class SingleBeam final : public ImagingSonar {
  public:
   SingleBeam(const ImagingAcoustics& acoustics, const ParameterValues& figures)

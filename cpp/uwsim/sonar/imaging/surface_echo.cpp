@@ -6,7 +6,7 @@
 namespace uwsim {
 namespace {
 
-constexpr double kMinRange_m = 0.05;  // closer than this, there is no far field, and 1 / R^2 diverges
+constexpr double kMinRange_m = 0.05;  // at shorter ranges there is no far field, and 1 / R^2 would diverge
 constexpr double kStretch = 1.5;      // limits the extent of a patch, as a multiple of its range
 
 /// The range at which a ray in another direction meets the tangent plane, relative to the range of the hit. The
@@ -96,7 +96,7 @@ void SurfaceEchoes::add(const RayArc& arc, std::span<const ArcRay> rays, std::sp
   std::vector<Ray> cast(rays.size());
   std::vector<RayHit> hits(rays.size());
   for (std::size_t k = 0; k < rays.size(); ++k) cast[k] = {head_world_m_, arc.direction(rays[k].angle_rad)};
-  // A patch hit just beyond the last bin may begin within it.
+  // The patch of a ray that hits just beyond the last bin may begin within that bin.
   scene_->cast(cast, range_max_m_ * kStretch, hits);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     if (hits[k].label != kNothing) add_patch(arc, rays[k], cast[k], hits[k], profile, by_label);

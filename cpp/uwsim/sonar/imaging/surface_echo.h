@@ -9,8 +9,8 @@
 
 namespace uwsim {
 
-/// A fan of rays from a head in one plane, or on the cone at the angle `aside_rad` to it:
-/// direction(angle) = cos(aside) (cos(angle) ahead + sin(angle) up) + sin(aside) aside.
+/// A fan of rays from a head. The rays lie in a plane or, if `aside_rad` is not 0, on a cone at that angle to the
+/// plane: direction(angle) = cos(aside) (cos(angle) ahead + sin(angle) up) + sin(aside) aside.
 struct RayArc {
   Eigen::Vector3d ahead_world;
   Eigen::Vector3d up_world;
@@ -48,7 +48,7 @@ class EchoesByLabel {
     std::vector<double> profile;
   };
   std::size_t bins_;
-  std::vector<Surface> surfaces_;  // few: those that the rays of one arc or beam hit
+  std::vector<Surface> surfaces_;  // few: only the surfaces that the rays of one arc or beam hit
 };
 
 /// Echoes of surfaces along rays from a head, as mean power by range.
@@ -77,8 +77,8 @@ class SurfaceEchoes {
   Eigen::Vector3d head_world_m_;
   double range_max_m_, bin_m_;
   double absorption_db_m_;
-  double solid_;                   // Lambert's mu for labels that strengths_ does not cover
-  std::vector<double> strengths_;  // Lambert's mu by label
+  double solid_;                   // the Lambert coefficient mu for labels that strengths_ does not cover
+  std::vector<double> strengths_;  // the Lambert coefficient mu by label
 };
 
 }  // namespace uwsim
