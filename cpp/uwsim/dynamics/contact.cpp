@@ -6,6 +6,8 @@ namespace uwsim {
 namespace {
 
 constexpr double kBounceThreshold_m_s = 0.05;  // slower impacts do not bounce, so that bodies come to rest
+// A smaller gap is closed: a body at rest does not fall into what a step's rounding leaves.
+constexpr double kClosed_m = 1e-6;
 constexpr double kSlop_m = 1e-3;
 constexpr double kOverlapShare = 0.2;     // fraction of the overlap beyond the slop removed in one step
 constexpr double kPushMax_m_s = 2;        // limits the push out of deep overlaps
@@ -14,7 +16,7 @@ constexpr double kLeastPush_m_s = 1e-12;  // rounding error in a body at rest
 }  // namespace
 
 double Contact::least_speed_m_s(double start_m_s, double end_m_s, double step_s) const {
-  const double open_m = std::max(0.0, gap_m);
+  const double open_m = gap_m > kClosed_m ? gap_m : 0;
   const bool arrives = end_m_s * step_s + open_m < 0;
   // Use the speed before the step: the speed that gravity adds within the step must not cause a bounce.
   const bool bounces = arrives && start_m_s < -kBounceThreshold_m_s;

@@ -39,9 +39,10 @@ struct ContactBody {
   Vector6d impulse_body = Vector6d::Zero();
   /// Output: a velocity that changes only this step's pose, to separate overlaps without adding energy (split impulse).
   Vector6d push_body = Vector6d::Zero();
-  /// Output: the smallest fraction of Coulomb's limit that friction has in reserve at any pressing contact. It is 0 if
-  /// a contact slides or hardly presses, and -1 if the body touches anything but the fixed world.
+  /// Out: the least share of Coulomb's limit that friction has left at any contact of its island that presses; 0 where
+  /// one slides or hardly presses, -1 if the impulses are not exact.
   double grip = -1;
+  bool slides = false;  ///< Out: whether a contact of its island that presses does
 };
 
 }  // namespace uwsim

@@ -213,6 +213,10 @@ void ContactFinder::set_body(std::size_t body, std::span<const ConvexPiece> piec
 
 double ContactFinder::radius_m(std::size_t body) const { return impl_->bodies.at(body)->radius_m; }
 
+double ContactFinder::thickness_m(std::size_t body) const {
+  return 2 * impl_->bodies.at(body)->box.half_size_body_m.minCoeff();
+}
+
 void ContactFinder::find(std::span<const MovingBody> bodies, std::vector<Contact>& contacts) {
   impl_->find(bodies, contacts);
 }

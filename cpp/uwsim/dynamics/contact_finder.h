@@ -39,6 +39,8 @@ class ContactFinder {
 
   /// Radius of a sphere about the body's origin that encloses all its pieces [m].
   double radius_m(std::size_t body) const;
+  /// The least size of a box around it along its axes [m].
+  double thickness_m(std::size_t body) const;
 
   /// Replaces `contacts`. They are ordered by body; for each body, contacts with terrain and solids come first, then
   /// those with bodies of lower index. The caller sets friction and restitution. Throws ContactBudgetExceeded

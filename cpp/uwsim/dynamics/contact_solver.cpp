@@ -69,43 +69,44 @@ ContactSolver::Four ContactSolver::velocity(std::span<const ContactBody> bodies,
 }
 
 void ContactSolver::reserve(std::size_t bodies, std::size_t contacts) {
+  islands_.reserve(bodies);
+  island_.reserve(contacts);
   rows_.reserve(contacts);
   normal_impulses_.reserve(contacts);
-  meets_body_.reserve(bodies);
-  ground_.reserve(contacts);
+  newton_.reserve(bodies, contacts);
 }
 
 void ContactSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
-  rows_.clear();
   normal_impulses_.assign(contacts.size(), 0);
-  solve_on_ground(bodies, contacts, step_s);
-  if (rows_.empty()) return;
-  for (Rows& rows : rows_) {
-    const Contact& contact = contacts[rows.contact];
-    make_rows(bodies, contact, rows);
-    rows.target = contact.least_speed_m_s(velocity(bodies, rows, &ContactBody::start_velocity_body)[0],
-                                          velocity(bodies, rows, &ContactBody::velocity_body)[0], step_s);
+  islands_.separate(bodies.size());
+  for (const Contact& contact : contacts) {
+    if (contact.b != kFixedBody)
+      islands_.join(static_cast<std::size_t>(contact.a), static_cast<std::size_t>(contact.b));
+  }
+  const auto island_of = [&](const Contact& contact) { return islands_.of(static_cast<std::size_t>(contact.a)); };
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    if (islands_.of(body) != body) continue;
+    island_.clear();
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (island_of(contacts[k]) == body) island_.push_back(static_cast<std::uint32_t>(k));
+    }
+    if (!island_.empty()) solve_island(bodies, contacts, step_s);
+  }
+}
+
+void ContactSolver::solve_island(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
+  if (newton_.solve(bodies, contacts, island_, step_s, normal_impulses_)) return;
+  rows_.clear();
+  for (const std::uint32_t k : island_) {
+    Rows& rows = rows_.emplace_back();
+    rows.contact = k;
+    make_rows(bodies, contacts[k], rows);
+    rows.target = contacts[k].least_speed_m_s(velocity(bodies, rows, &ContactBody::start_velocity_body)[0],
+                                              velocity(bodies, rows, &ContactBody::velocity_body)[0], step_s);
   }
   solve_velocities(bodies);
   for (const Rows& rows : rows_) normal_impulses_[rows.contact] = rows.impulse[0];
   solve_overlaps(bodies, contacts, step_s);
-}
-
-/// Solves the bodies that touch only the fixed world, and sets up rows for the other contacts.
-void ContactSolver::solve_on_ground(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s) {
-  meets_body_.assign(bodies.size(), 0);
-  for (const Contact& contact : contacts) {
-    if (contact.b == kFixedBody) continue;
-    meets_body_[static_cast<std::size_t>(contact.a)] = meets_body_[static_cast<std::size_t>(contact.b)] = 1;
-  }
-  for (std::size_t first = 0, last = 0; first < contacts.size(); first = last) {
-    while (last < contacts.size() && contacts[last].a == contacts[first].a) ++last;
-    const auto body = static_cast<std::size_t>(contacts[first].a);
-    const std::span impulses(&normal_impulses_[first], last - first);
-    if (meets_body_[body] == 0 && ground_.solve(bodies[body], contacts.subspan(first, last - first), step_s, impulses))
-      continue;
-    for (std::size_t k = first; k < last; ++k) rows_.emplace_back().contact = k;
-  }
 }
 
 /// The impulse after one Gauss-Seidel step, limited: the normal impulse never pulls, and the tangential impulses stay

@@ -7,17 +7,18 @@
 #include <vector>
 
 #include "uwsim/core/body_state.h"
+#include "uwsim/dynamics/body_groups.h"
 #include "uwsim/dynamics/contact.h"
-#include "uwsim/dynamics/ground_contact_solver.h"
+#include "uwsim/dynamics/island_solver.h"
 
 namespace uwsim {
 
 /// Solves contacts with each body's full inverse mass: no penetration (Signorini), Newton's restitution above a
 /// threshold speed, Coulomb friction. Overlaps beyond a slop are relaxed through `push_body`.
 ///
-/// A body that touches only the fixed world is solved by GroundContactSolver. Bodies that touch each other, and those
-/// for which GroundContactSolver does not converge, are solved by projected Gauss-Seidel on the impulses, one tangent
-/// at a time (Catto 2005; Erleben 2007). Contacts must be ordered by body.
+/// Bodies that touch each other, directly or through others, are an island, which IslandSolver solves. Islands for
+/// which it does not converge are solved by projected Gauss-Seidel on impulses, the two tangents in turn (Catto 2005;
+/// Erleben 2007).
 class ContactSolver {
  public:
   /// Allocates in advance, so that solve() allocates nothing for this many contacts.
@@ -53,17 +54,18 @@ class ContactSolver {
   static void make_end(std::span<const ContactBody> bodies, int body, const Contact& contact, double sign, End& end);
   static void make_rows(std::span<const ContactBody> bodies, const Contact& contact, Rows& rows);
   static Four velocity(std::span<const ContactBody> bodies, const Rows& rows, Vector6d ContactBody::*of);
-  void solve_on_ground(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
+  void solve_island(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
   static Eigen::Array3d limited_impulse(std::span<const ContactBody> bodies, const Rows& rows);
   static bool solve_contact(std::span<ContactBody> bodies, Rows& rows);
   void solve_velocities(std::span<ContactBody> bodies);
   void solve_overlaps(std::span<ContactBody> bodies, std::span<const Contact> contacts, double step_s);
 
   // Kept so that a step does not allocate.
-  std::vector<Rows> rows_;  // of the contacts solved by Gauss-Seidel
+  BodyGroups islands_;
+  std::vector<std::uint32_t> island_;  // indices of the contacts of the one being solved
+  std::vector<Rows> rows_;             // of the contacts solved by Gauss-Seidel
   std::vector<double> normal_impulses_;
-  std::vector<std::uint8_t> meets_body_;
-  GroundContactSolver ground_;
+  IslandSolver newton_;
 };
 
 }  // namespace uwsim

@@ -5,28 +5,42 @@
 
 namespace uwsim {
 
-/// Brings a body that is held by its contacts to rest: its velocity is set to zero and its pose stays bitwise
-/// identical.
+/// Rest: the velocity is zero and the pose stays the same to the last bit.
 ///
-/// Without this, integrating a constant contact force over a Runge-Kutta step leaves a residual velocity of about 1e-5
-/// m/s, which would let a vehicle creep across the bed by millimetres per hour. A body rests as long as terrain and
-/// solids allow no motion. Consequently, a body on a slope that would start to slide or roll at less than 2e-4 m/s^2
-/// stays where it is.
-///
-/// While a body rests and the loads on it stay the same, its contacts stay the same too and need not be recomputed.
-/// This is only a cache and changes no result: a body that has just been restored continues in the same way.
+/// Without it, the residual of a contact's constant force over a Runge-Kutta step, some 1e-5 m/s, lets a vehicle creep
+/// over the bed by millimetres per hour, and a light one rocks on two corners for a minute. So bodies that press on
+/// each other and on the fixed world, and no point of which is faster than kSlow_m_s, stop if they would stay were they
+/// stopped: if their contacts leave none of them an acceleration above 2e-4 m/s^2 plus a share of what they take from
+/// it. Where a contact slides, the share is 0.01, since friction at rest exceeds that of sliding (Rabinowicz 1951, J.
+/// Appl. Phys. 22:1373, by more than that). Where none does, it is 0.1, rolling resistance: the coefficient of a tyre
+/// is 0.1 to 0.2 on sand (Carvill 1993, "Mechanical Engineer's Data Handbook"). Overlaps are still pushed apart.
+inline constexpr double kSlow_m_s = 0.01;
+
+/// The largest speed of any point within `radius_m` of a body's origin.
+double fastest_m_s(const Vector6d& velocity_body, double radius_m);
+
+/// How firmly the contacts that gave `solved` hold it, a body that was at rest at the start of the step. Without
+/// contacts it would move at `free_velocity_body`.
+struct Hold {
+  bool holds;
+  bool is_firm;  ///< also under loads that differ by rounding
+  bool pushes;   ///< whether overlaps are still being pushed apart
+
+  Hold(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m, double step_s);
+};
+
+/// Remembers a body at rest. While its loads and the bodies near it stay the same, so do its contacts, and they need
+/// not be found again. This is only a cache and changes no result: a body that has just been restored continues in the
+/// same way.
 class Resting {
  public:
-  /// Returns whether the contacts that produced `solved` hold the body, and stores the result. `radius_m` is the body's
-  /// radius.
-  bool begins(const ContactBody& solved, const Vector6d& free_velocity_body, double radius_m);
-  /// Whether a body is known to be held by the fixed world, given its state and the velocity that it would have without
-  /// contacts.
+  void begin(const Pose& world_from_body, const Vector6d& free_velocity_body, bool is_firm);
+  /// Returns true if the body is known to stay in this state; without contacts it would move at this velocity.
   bool lasts(const BodyState& state, const Vector6d& free_velocity_body) const;
   void forget() { is_known_ = false; }
 
  private:
-  bool is_known_ = false;
+  bool is_known_ = false, is_firm_ = false;
   Pose world_from_body_ = {};
   Vector6d free_velocity_body_ = Vector6d::Zero();
 };

@@ -6,18 +6,16 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
-#include "uwsim/dynamics/contact_budget.h"
-#include "uwsim/dynamics/integrator.h"
 
 namespace uwsim {
 namespace {
 
-constexpr double kDiverged = 1e7;  // m, m/s and rad/s; only a diverging body reaches this
-// A gap smaller than this counts as touching, as does every contact with an impulse.
-constexpr double kTouch_m = 1e-3;
-constexpr double kReachPerMotion = 1.5;        // search distance for contacts, as a multiple of the motion in a step
-constexpr double kLeastReach_m = 0.0015;       // must exceed kTouch_m
-constexpr std::size_t kContactsPerBody = 128;  // a step that needs more allocates
+constexpr double kDiverged = 1e7;              // m, m/s and rad/s: only a diverging body gets this far
+constexpr std::size_t kContactsPerBody = 128;  // beyond it, a step allocates
+// A part of a step turns a body that is near a contact by at most this, and moves it by at most this share of its
+// thickness.
+constexpr double kMostTurn_rad = 0.2, kMostTravel = 0.25;
+constexpr double kMostParts = 100;
 
 /// Returns the spec with its collision pieces filled in. Throws InvalidValue.
 BodySpec checked(BodySpec spec) {
@@ -55,13 +53,18 @@ std::size_t RigidBodyWorld::add_body(BodySpec spec, const BodyState& state) {
   spec = checked(std::move(spec));
   finder_.add_body(spec.collision_pieces_body_m);
   bodies_.push_back({.spec = std::move(spec), .state = state});
-  next_states_.resize(bodies_.size());
-  rests_.resize(bodies_.size());
-  moving_.resize(bodies_.size());
-  contact_bodies_.resize(bodies_.size());
-  contacts_.reserve(kContactsPerBody * bodies_.size());
-  solver_.reserve(bodies_.size(), kContactsPerBody * bodies_.size());
-  return bodies_.size() - 1;
+  const std::size_t count = bodies_.size();
+  for (std::vector<BodyState>* states : {&states_, &next_states_}) states->resize(count);
+  for (std::vector<std::uint8_t>* flags : {&takes_part_, &rests_, &may_stop_}) flags->resize(count);
+  for (std::vector<ContactBody>* bodies : {&contact_bodies_, &stopped_bodies_}) bodies->resize(count);
+  for (std::vector<Contact>* contacts : {&contacts_, &stopped_contacts_}) contacts->reserve(kContactsPerBody * count);
+  free_velocities_body_.resize(count);
+  parts_.resize(count);
+  moving_.resize(count);
+  groups_.reserve(count);
+  solver_.reserve(count, kContactsPerBody * count);
+  forget_rests();
+  return count - 1;
 }
 
 void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
@@ -72,26 +75,38 @@ void RigidBodyWorld::change_bodies(std::vector<BodySpec> specs) {
       finder_.set_body(k, specs[k].collision_pieces_body_m);
     }
     bodies_[k].spec = std::move(specs[k]);
-    bodies_[k].resting.forget();
   }
+  forget_rests();
 }
 
 void RigidBodyWorld::set_state(std::size_t body, const BodyState& state) {
   bodies_.at(body).state = state;
   bodies_[body].acceleration_body.setZero();
   bodies_[body].in_contact = false;
+  forget_rests();
+}
+
+void RigidBodyWorld::hold(std::size_t body, bool held) {
+  bodies_.at(body).held = held;
+  forget_rests();
+}
+
+/// Another body may have held one up that is known to rest.
+void RigidBodyWorld::forget_rests() {
+  for (Body& body : bodies_) body.resting.forget();
 }
 
 void RigidBodyWorld::step(const WaterField& water, double time_s) {
+  const Interval whole{water, time_s, step_s_};
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Body& body = bodies_[k];
-    next_states_[k] =
-        body.held ? body.state : advance(*body.spec.craft, body.state, {.body = body.tau_body}, water, time_s, step_s_);
-    require_plausible(body, next_states_[k], time_s);  // checked before a diverging body can hit another
+    takes_part_[k] = bodies_[k].held ? 0 : 1;
+    begin_step(k);
   }
-  for (std::size_t k = 0; k < bodies_.size(); ++k) rests_[k] = stays_at_rest(k) ? 1 : 0;
-  find_contacts();
-  if (!contacts_.empty()) solve_contacts(water, time_s);
+  move(whole);
+  find_parts();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (parts_[k] > 1) repeat_in_parts(k, whole);
+  }
   for (std::size_t k = 0; k < bodies_.size(); ++k) require_plausible(bodies_[k], next_states_[k], time_s);
   // Either all bodies move, or, if the step fails, none.
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -101,88 +116,57 @@ void RigidBodyWorld::step(const WaterField& water, double time_s) {
   }
 }
 
-/// Whether a body is known to stay where it is: held by terrain and solids, with no other body nearby.
-bool RigidBodyWorld::stays_at_rest(std::size_t body) const {
-  const Body& it = bodies_[body];
-  if (it.held || !it.resting.lasts(it.state, next_states_[body].velocity_body)) return false;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    if (k == body || bodies_[k].held) continue;
-    const double near_m = finder_.radius_m(body) + finder_.radius_m(k) + reach_m(body) + reach_m(k);
-    const Eigen::Vector3d between = bodies_[k].state.world_from_body.position_m - it.state.world_from_body.position_m;
-    if (between.squaredNorm() < near_m * near_m) return false;
-  }
-  return true;
+void RigidBodyWorld::begin_step(std::size_t body) {
+  states_[body] = next_states_[body] = bodies_[body].state;
+  bodies_[body].in_contact = false;
 }
 
-/// Finds the contacts, at the present poses, whose gaps this step could close.
-void RigidBodyWorld::find_contacts() {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const bool rests = rests_[k] != 0;
-    bodies_[k].in_contact = rests;
-    if (rests) next_states_[k] = bodies_[k].state;
-    moving_[k] = {bodies_[k].state.world_from_body, reach_m(k), !bodies_[k].held && !rests};
-  }
-  try {
-    finder_.find(moving_, contacts_);
-  } catch (const ContactBudgetExceeded& error) {
-    throw InvalidValue("vehicle '" + bodies_[error.body].spec.name + "', " + error.what());
-  }
-  for (Contact& contact : contacts_) combine_materials(contact);
-}
-
-double RigidBodyWorld::reach_m(std::size_t body) const {
-  const auto speed = [&](const BodyState& state) {
-    return state.linear_body_m_s().norm() + finder_.radius_m(body) * state.angular_body_rad_s().norm();
-  };
-  const double fastest_m_s = std::max(speed(bodies_[body].state), speed(next_states_[body]));
-  // A diverged state is rejected later; its reach must not be infinite.
-  if (!std::isfinite(fastest_m_s)) return 0;
-  return std::max(kLeastReach_m, kReachPerMotion * fastest_m_s * step_s_);
-}
-
-void RigidBodyWorld::combine_materials(Contact& contact) const {
-  const BodySpec& a = bodies_[static_cast<std::size_t>(contact.a)].spec;
-  const BodySpec& b = contact.b == kFixedBody ? a : bodies_[static_cast<std::size_t>(contact.b)].spec;
-  contact.friction = std::sqrt(a.friction * b.friction);
-  contact.restitution = std::max(a.restitution, b.restitution);
-}
-
-/// Computes impulses for the velocities at the end of a step without contacts, then applies them as constant forces
-/// over the step. A body at rest thus stays at rest, the momentum of two bodies is conserved, and the work done equals
-/// that of the impulses.
-void RigidBodyWorld::solve_contacts(const WaterField& water, double time_s) {
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    contact_bodies_[k] = {.world_from_body = bodies_[k].state.world_from_body,
-                          .velocity_body = next_states_[k].velocity_body,
-                          .start_velocity_body = bodies_[k].state.velocity_body};
-  }
+/// Finds for each body into how many parts its contacts divide the step.
+void RigidBodyWorld::find_parts() {
+  std::ranges::fill(parts_, 1);
   for (const Contact& contact : contacts_) {
-    for (const int body : {contact.a, contact.b}) {
-      if (body == kFixedBody) continue;
-      ContactBody& touched = contact_bodies_[static_cast<std::size_t>(body)];
-      if (!touched.inverse_mass.isZero(0)) continue;
-      touched.inverse_mass =
-          bodies_[static_cast<std::size_t>(body)].spec.craft->inverse_mass(touched.world_from_body, water, time_s);
+    for (const int touched : {contact.a, contact.b}) {
+      if (touched == kFixedBody) continue;
+      const auto body = static_cast<std::size_t>(touched);
+      double turn_rad_s = 0, travel_m_s = 0;
+      for (const BodyState& state : {states_[body], next_states_[body]}) {
+        turn_rad_s = std::max(turn_rad_s, state.angular_body_rad_s().norm());
+        travel_m_s = std::max(travel_m_s, state.linear_body_m_s().norm());
+      }
+      const double parts =
+          step_s_ * std::max(turn_rad_s / kMostTurn_rad, travel_m_s / (kMostTravel * finder_.thickness_m(body)));
+      if (std::isfinite(parts)) parts_[body] = static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
     }
   }
-  solver_.solve(contact_bodies_, contacts_, step_s_);
+}
+
+/// Repeats the step of a body, and of all those that it could meet, directly or through others.
+void RigidBodyWorld::repeat_in_parts(std::size_t body, const Interval& whole) {
+  std::ranges::fill(takes_part_, 0);
+  takes_part_[body] = 1;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (std::size_t a = 0; a < bodies_.size(); ++a) {
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (takes_part_[a] == 0 || takes_part_[b] != 0 || bodies_[b].held || !are_near(a, b, whole.step_s)) continue;
+        takes_part_[b] = 1;
+        grows = true;
+      }
+    }
+  }
+  int parts = 1;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const ContactBody& solved = contact_bodies_[k];
-    if (solved.impulse_body.isZero(0) && solved.push_body.isZero(0)) continue;
-    if (bodies_[k].resting.begins(solved, next_states_[k].velocity_body, finder_.radius_m(k))) {
-      next_states_[k] = {bodies_[k].state.world_from_body, Vector6d::Zero()};
-      continue;
-    }
-    Loads loads{.body = bodies_[k].tau_body};
-    const Eigen::Quaterniond& q = solved.world_from_body.orientation;
-    loads.world << q * solved.impulse_body.head<3>() / step_s_, q * solved.impulse_body.tail<3>() / step_s_;
-    next_states_[k] = advance(*bodies_[k].spec.craft, bodies_[k].state, loads, water, time_s, step_s_);
-    next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, step_s_);
+    if (takes_part_[k] == 0) continue;
+    parts = std::max(parts, parts_[k]);
+    parts_[k] = 1;
+    begin_step(k);
   }
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    if (contacts_[k].gap_m > kTouch_m && solver_.normal_impulse(k) == 0) continue;
-    bodies_[static_cast<std::size_t>(contacts_[k].a)].in_contact = true;
-    if (contacts_[k].b != kFixedBody) bodies_[static_cast<std::size_t>(contacts_[k].b)].in_contact = true;
+  const double part_s = whole.step_s / parts;
+  for (int part = 0; part < parts; ++part) {
+    move({whole.water, whole.time_s + part * part_s, part_s});
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      if (takes_part_[k] != 0) states_[k] = next_states_[k];
+    }
   }
 }
 
@@ -196,6 +180,7 @@ void RigidBodyWorld::exchange_state(StateArchive& archive) {
     archive(body.in_contact);
     require_plausible(body, body.state, 0);
   }
+  if (archive.restoring()) forget_rests();
 }
 
 void RigidBodyWorld::require_plausible(const Body& body, const BodyState& next, double time_s) const {

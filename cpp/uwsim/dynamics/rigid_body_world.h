@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "uwsim/core/state_archive.h"
+#include "uwsim/dynamics/body_groups.h"
 #include "uwsim/dynamics/collision_shape.h"
 #include "uwsim/dynamics/contact_finder.h"
 #include "uwsim/dynamics/contact_solver.h"
@@ -36,6 +37,9 @@ struct BodySpec {
 /// 6x6 mass (Craft). ContactFinder finds where bodies come near surfaces; ContactSolver computes the impulses with the
 /// same mass. Physics engines' own integrators and solvers use a scalar mass for each body, which cannot represent
 /// added mass. Terrain and solids adopt the material of the body that touches them.
+///
+/// Contacts are linear: they follow their points along the velocity of a body. Bodies that turn or move too far for
+/// that near a contact make their step in parts.
 class RigidBodyWorld {
  public:
   RigidBodyWorld(const World& world, double step_s);
@@ -49,7 +53,7 @@ class RigidBodyWorld {
   const BodyState& state(std::size_t body) const { return bodies_.at(body).state; }
   void set_state(std::size_t body, const BodyState& state);
   /// A held body, such as a docked vehicle, neither moves nor collides.
-  void hold(std::size_t body, bool held) { bodies_.at(body).held = held; }
+  void hold(std::size_t body, bool held);
   bool held(std::size_t body) const { return bodies_.at(body).held; }
   /// Sets the actuators' wrench for the following steps, body frame, at the origin [N, N m].
   void set_wrench(std::size_t body, const Vector6d& tau_body) { bodies_.at(body).tau_body = tau_body; }
@@ -78,23 +82,43 @@ class RigidBodyWorld {
     Resting resting = {};
   };
 
-  bool stays_at_rest(std::size_t body) const;
-  void find_contacts();
-  double reach_m(std::size_t body) const;
+  /// A step or a part of one, of the bodies that take part in it.
+  struct Interval {
+    const WaterField& water;
+    double time_s, step_s;
+  };
+
+  void forget_rests();
+  void begin_step(std::size_t body);
+  void find_parts();
+  void repeat_in_parts(std::size_t body, const Interval& whole);
+  void move(const Interval& now);
+  BodyState moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world, const Interval& now) const;
+  void find_rests(const Interval& now);
+  void stop(std::size_t body);
+  bool are_near(std::size_t a, std::size_t b, double step_s) const;
+  double reach_m(std::size_t body, double step_s) const;
+  void find_contacts(const Interval& now);
   void combine_materials(Contact& contact) const;
-  void solve_contacts(const WaterField& water, double time_s);
+  void solve_contacts(const Interval& now);
+  void stop_groups(const Interval& now);
+  void stop_if_held(std::size_t group, const Interval& now);
+  void try_stopping(std::size_t group, const Interval& now);
   void require_plausible(const Body& body, const BodyState& next, double time_s) const;
 
   double step_s_;
   ContactFinder finder_;
   ContactSolver solver_;
   std::vector<Body> bodies_;
-  // Kept so that a step does not allocate.
-  std::vector<BodyState> next_states_;
-  std::vector<std::uint8_t> rests_;  // for each body, whether it is known to stay where it is
+  // Kept so that steps allocate nothing; by body, unless they are of contacts.
+  std::vector<BodyState> states_, next_states_;  // at the start and at the end of an interval
+  std::vector<Vector6d> free_velocities_body_;
+  std::vector<std::uint8_t> takes_part_, rests_, may_stop_;
+  std::vector<int> parts_;  // of the step
   std::vector<MovingBody> moving_;
-  std::vector<ContactBody> contact_bodies_;
-  std::vector<Contact> contacts_;
+  std::vector<ContactBody> contact_bodies_, stopped_bodies_;
+  std::vector<Contact> contacts_, stopped_contacts_;
+  BodyGroups groups_;  // of bodies that press on each other
 };
 
 }  // namespace uwsim

@@ -126,6 +126,46 @@ def test_a_vehicle_dropped_on_the_bed_comes_to_rest(tmp_path: Path) -> None:
     assert sim.rov.telemetry().collision_warning
 
 
+def test_a_light_vehicle_left_on_the_bed_is_at_rest_two_seconds_after_it_was_slow() -> None:
+    """A BlueROV2 Heavy weighs 1 N in fresh water: it rocks on two corners, with little friction to stop it."""
+    sim = Simulator(
+        Scenario.model_validate(
+            {
+                "name": "left",
+                "water": {"density_kg_m3": 1000},
+                "terrain": {
+                    "source": "noise",
+                    "seed": 3,
+                    "size_m": [60, 60],
+                    "spacing_m": 0.5,
+                    "bed_depth_m": 9,
+                    "hill_height_m": 1,
+                    "hill_wavelength_m": 20,
+                },
+                "station": {"position_m": [-20, 0, 0]},
+                "vehicles": [{"name": "rov", "model": "bluerov2_heavy", "start": {"position_m": [0, 0, -5]}}],
+            }
+        ),
+        threads=1,
+    )
+    for x, y in np.random.default_rng(4).uniform(-12, 12, (6, 2)):
+        sim.rov.place((x, y, -7.5))
+        moved_s = sim.time_s
+        while sim.time_s - moved_s < 30:
+            sim.advance(0.1)
+            linear, angular = sim.rov.velocity.linear_body_m_s, sim.rov.velocity.angular_body_rad_s
+            is_slow = np.linalg.norm(linear) + 0.4 * np.linalg.norm(angular) < 0.01
+            if not is_slow or not sim.rov.telemetry().collision_warning:
+                moved_s = sim.time_s
+            elif not np.any(linear) and not np.any(angular):
+                break
+        assert sim.time_s - moved_s < 2, f"dropped at {x:.1f}, {y:.1f}"
+        before = sim.rov.pose
+        sim.advance(20)
+        assert np.array_equal(sim.rov.pose.position_world_m, before.position_world_m)
+        assert np.array_equal(sim.rov.pose.orientation_xyzw, before.orientation_xyzw)
+
+
 def test_a_diverging_run_names_vehicle_step_and_last_state(tmp_path: Path) -> None:
     stiff = portal(tmp_path, "hull").model_copy(update={"linear_damping": (1e6,) * 6})  # too stiff for 5 ms steps
     sim = simulator(stiff)

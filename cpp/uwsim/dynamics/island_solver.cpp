@@ -1,0 +1,274 @@
+#include "uwsim/dynamics/island_solver.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace uwsim {
+namespace {
+
+constexpr int kMostSteps = 12;  // of Newton's method, for one body: more than 9 never helped
+constexpr int kStepsPerBody = 4;
+constexpr int kPushSweeps = 20;
+constexpr double kWeights[] = {1, 0.5};  // r; the second is tried if the first does not converge
+constexpr double kCompliance = 1e-5;     // of a contact, as a fraction of 1 / mass
+// Least impulse of a contact that helps to hold a body.
+constexpr double kPresses = 1e-5;   // relative to the largest
+constexpr double kRounding = 1e-9;  // relative, of an impulse
+// Largest error of an impulse relative to the largest impulse: the target, and the value that is good enough when a
+// step no longer gains a digit.
+constexpr double kAim = 1e-13, kGoodEnough = 1e-9;
+
+}  // namespace
+
+void IslandSolver::reserve(std::size_t bodies, std::size_t contacts) {
+  members_.reserve(std::min(bodies, kMostBodies + 1));
+  members_of_bodies_.resize(bodies);
+  points_.reserve(contacts);
+  if (bodies > 1 && !equations_) equations_ = std::make_unique<Equations>();
+}
+
+bool IslandSolver::solve(std::span<ContactBody> bodies, std::span<const Contact> contacts,
+                         std::span<const std::uint32_t> island, double step_s, std::span<double> normal_impulses) {
+  members_.clear();
+  points_.clear();
+  reserve(bodies.size(), island.size());
+  for (const std::uint32_t index : island) {
+    add_point(bodies, contacts[index], index, step_s);
+    if (members_.size() > kMostBodies) return false;
+  }
+  if (std::ranges::none_of(kWeights, [&](double weight) { return find_impulses(weight); })) return false;
+  for (const Point& point : points_) {  // what remains of an open contact's impulse is rounding
+    normal_impulses[point.index] = point.slope(0, 0) > 0 ? point.impulse[0] : 0;
+  }
+  for (Member& member : members_) {
+    member.body->velocity_body += member.factor * member.change;
+    member.body->impulse_body += member.factor.transpose().triangularView<Eigen::Upper>().solve(member.change);
+  }
+  find_grip();
+  separate_overlaps(step_s);
+  return true;
+}
+
+std::size_t IslandSolver::member_of(std::span<ContactBody> bodies, int body) {
+  const auto index = static_cast<std::size_t>(body);
+  const std::size_t known = members_of_bodies_[index];
+  if (known < members_.size() && members_[known].body == &bodies[index]) return known;
+  Member& member = members_.emplace_back();
+  member.body = &bodies[index];
+  member.body_from_world = bodies[index].world_from_body.rotation().transpose();
+  member.factor = bodies[index].inverse_mass.llt().matrixL();
+  members_of_bodies_[index] = static_cast<std::uint32_t>(members_.size() - 1);
+  return members_.size() - 1;
+}
+
+/// The row whose product with the body's velocity is the share of this end in the contact's velocity along a direction.
+Vector6d IslandSolver::row(const End& end, const Contact& contact, const Eigen::Vector3d& direction_world) const {
+  const Member& member = members_[end.member];
+  const Eigen::Vector3d direction = member.body_from_world * (end.sign * direction_world);
+  const Eigen::Vector3d arm =
+      member.body_from_world * (contact.point_world_m - member.body->world_from_body.position_m);
+  Vector6d row;
+  row << direction, arm.cross(direction);
+  return row;
+}
+
+void IslandSolver::add_point(std::span<ContactBody> bodies, const Contact& contact, std::size_t index, double step_s) {
+  Point& point = points_.emplace_back();
+  point.contact = &contact;
+  point.index = index;
+  point.end_count = contact.b == kFixedBody ? 1 : 2;
+  point.has_tangents = false;
+  point.start_m_s = 0;
+  double end_m_s = 0, response = 0;
+  for (std::size_t k = 0; k < point.end_count; ++k) {
+    End& end = point.ends[k];
+    end.member = member_of(bodies, k == 0 ? contact.a : contact.b);
+    end.sign = k == 0 ? 1 : -1;
+    const Member& member = members_[end.member];
+    const Vector6d normal = row(end, contact, contact.normal_world);
+    end.columns.col(0) = member.factor.transpose() * normal;
+    response += end.columns.col(0).squaredNorm();
+    end_m_s += normal.dot(member.body->velocity_body);
+    point.start_m_s += normal.dot(member.body->start_velocity_body);
+  }
+  point.mass_kg = 1 / response;
+  point.demanded_m_s = contact.least_speed_m_s(point.start_m_s, end_m_s, step_s);
+  point.free_m_s[0] = end_m_s - point.demanded_m_s;
+}
+
+void IslandSolver::add_tangents(Point& point) const {
+  const Eigen::Vector3d one = point.contact->normal_world.unitOrthogonal();
+  const Eigen::Vector3d two = point.contact->normal_world.cross(one);
+  point.free_m_s.tail<2>().setZero();
+  for (End& end : point.touched()) {
+    const Member& member = members_[end.member];
+    for (const Eigen::Index k : {1, 2}) {
+      const Vector6d tangent = row(end, *point.contact, k == 1 ? one : two);
+      end.columns.col(k) = member.factor.transpose() * tangent;
+      point.free_m_s[k] += tangent.dot(member.body->velocity_body);
+    }
+  }
+  point.has_tangents = true;
+}
+
+/// The velocity with the present impulses, along the normal in excess of the demanded one.
+double IslandSolver::excess_m_s(const Point& point, Eigen::Index direction) const {
+  double sum = point.free_m_s[direction];
+  for (const End& end : point.touched()) sum += end.columns.col(direction).dot(members_[end.member].change);
+  return sum;
+}
+
+/// Sets `shift` and `slope`, and returns by how much the impulse differs from its projection P. With r m v = `force`,
+/// the slope is (1 - P' + compliance P')^-1 r m P', where P' = 0 for a contact that opens, 1 for one that sticks, and
+/// (1, 0; friction d, c Q) for one that slides along d, with Q = 1 - d d^T.
+double IslandSolver::linearize(double weight, Point& point) const {
+  const double mass = weight * point.mass_kg;
+  const double normal_force = mass * excess_m_s(point, 0);
+  const double normal = point.impulse[0] - normal_force;
+  point.slope.setZero();
+  if (!(normal > 0)) {
+    point.shift = -point.impulse;
+    return point.impulse.cwiseAbs().maxCoeff();
+  }
+  if (!point.has_tangents) add_tangents(point);
+  const double friction = point.contact->friction;
+  const Eigen::Vector2d force = mass * Eigen::Vector2d(excess_m_s(point, 1), excess_m_s(point, 2));
+  const Eigen::Vector2d tangent = point.impulse.tail<2>() - force;
+  const double stiffness = mass / kCompliance, limit = friction * normal, size = tangent.norm();
+  point.shift[0] = -normal_force / kCompliance;
+  if (size <= limit) {
+    point.slope.diagonal().setConstant(stiffness);
+    point.shift.tail<2>() = -force / kCompliance;
+    return std::max(std::abs(normal_force), force.cwiseAbs().maxCoeff());
+  }
+  const Eigen::Vector2d along = tangent / size, error = point.impulse.tail<2>() - limit * along;
+  const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - along * along.transpose();
+  const double share = limit / size, rest = (1 - kCompliance) * share;
+  point.slope(0, 0) = stiffness;
+  point.slope.bottomLeftCorner<2, 1>() = stiffness * friction * along;
+  point.slope.bottomRightCorner<2, 2>() = mass * share / (1 - rest) * across;
+  point.shift.tail<2>() =
+      (1 - kCompliance) * friction * point.shift[0] * along - error - rest / (1 - rest) * (across * error);
+  return std::max(std::abs(normal_force), error.cwiseAbs().maxCoeff());
+}
+
+/// The equations of a step of Newton's method. Contacts that are open before and after it cost nothing.
+template <typename Matrix, typename Vector>
+void IslandSolver::assemble(Matrix& slope, Vector& shift) const {
+  slope.setIdentity();
+  shift.setZero();
+  for (const Point& point : points_) {
+    if (!point.has_tangents) continue;
+    for (const End& end : point.touched()) {
+      const auto at = static_cast<Eigen::Index>(6 * end.member);
+      shift.template segment<6>(at) += end.columns * point.shift;
+      if (point.slope(0, 0) == 0) continue;
+      const Eigen::Matrix<double, 3, 6> turned = point.slope * end.columns.transpose();
+      for (const End& other : point.touched()) {
+        slope.template block<6, 6>(static_cast<Eigen::Index>(6 * other.member), at).noalias() += other.columns * turned;
+      }
+    }
+  }
+}
+
+/// Changes the impulses by a step of Newton's method, the change of velocity of all members.
+template <typename Vector>
+void IslandSolver::apply(const Vector& step) {
+  for (Member& member : members_) member.change.setZero();
+  for (Point& point : points_) {
+    if (!point.has_tangents) continue;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    for (const End& end : point.touched()) {
+      velocity += end.columns.transpose() * step.template segment<6>(static_cast<Eigen::Index>(6 * end.member));
+    }
+    point.impulse += point.shift - point.slope * velocity;
+    for (const End& end : point.touched()) members_[end.member].change += end.columns * point.impulse;
+  }
+}
+
+void IslandSolver::improve() {
+  if (members_.size() == 1) {  // sizes known to the compiler
+    Matrix6d slope;
+    Vector6d shift;
+    assemble(slope, shift);
+    apply(slope.partialPivLu().solve(shift).eval());
+    return;
+  }
+  Equations& all = *equations_;
+  const auto rows = static_cast<Eigen::Index>(6 * members_.size());
+  all.slope.resize(rows, rows);
+  all.shift.resize(rows);
+  assemble(all.slope, all.shift);
+  all.step = all.lu.compute(all.slope).solve(all.shift);
+  apply(all.step);
+}
+
+bool IslandSolver::find_impulses(double weight) {
+  for (Member& member : members_) member.change.setZero();
+  for (Point& point : points_) point.impulse.setZero();
+  const int most_steps = kMostSteps + kStepsPerBody * (static_cast<int>(members_.size()) - 1);
+  double last = std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= most_steps; ++step) {
+    double error = 0, largest = 0;
+    for (Point& point : points_) {
+      error = std::max(error, linearize(weight, point));
+      largest = std::max(largest, point.impulse.cwiseAbs().maxCoeff());
+    }
+    const bool settled = error <= kGoodEnough * largest && error > 0.1 * last;
+    if (error <= kAim * largest || settled) return true;
+    last = error;
+    improve();
+  }
+  return false;
+}
+
+void IslandSolver::find_grip() {
+  double largest = 0, least = 1;
+  bool slides = false;
+  for (const Point& point : points_) largest = std::max(largest, point.impulse[0]);
+  for (const Point& point : points_) {
+    if (!(point.slope(0, 0) > 0)) continue;
+    const double limit = point.contact->friction * point.impulse[0], used = point.impulse.tail<2>().norm();
+    const bool hardly_presses = point.impulse[0] < kPresses * largest;
+    slides = slides || (!hardly_presses && used >= (1 - kRounding) * limit);
+    least = hardly_presses || !(limit > 0) ? 0 : std::min(least, 1 - used / limit);
+  }
+  for (Member& member : members_) {
+    member.body->grip = std::max(least, 0.0);
+    member.body->slides = slides;
+  }
+}
+
+void IslandSolver::separate_overlaps(double step_s) {
+  bool any = false;
+  for (Point& point : points_) {
+    const double end_m_s = point.demanded_m_s + excess_m_s(point, 0);
+    point.demanded_m_s = point.contact->push_m_s(point.start_m_s, end_m_s, step_s);
+    point.impulse[0] = 0;
+    any = any || point.demanded_m_s > 0;
+  }
+  if (!any) return;
+  for (Member& member : members_) member.change.setZero();  // from here on, by the pushes
+  for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
+    bool changes = false;
+    for (Point& point : points_) {
+      if (point.demanded_m_s <= 0) continue;
+      double speed_m_s = 0;
+      for (const End& end : point.touched()) speed_m_s += end.columns.col(0).dot(members_[end.member].change);
+      const double after = std::max(0.0, point.impulse[0] + (point.demanded_m_s - speed_m_s) * point.mass_kg);
+      const double change = after - point.impulse[0];
+      if (change == 0) continue;
+      changes = true;
+      point.impulse[0] = after;
+      for (const End& end : point.touched()) members_[end.member].change += change * end.columns.col(0);
+    }
+    if (!changes) break;
+  }
+  for (Member& member : members_) member.body->push_body += member.factor * member.change;
+}
+
+}  // namespace uwsim

@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+
+#include "uwsim/core/check.h"
+#include "uwsim/dynamics/contact_budget.h"
+#include "uwsim/dynamics/integrator.h"
+#include "uwsim/dynamics/resting.h"
+#include "uwsim/dynamics/rigid_body_world.h"
+
+// One interval of RigidBodyWorld: a step, or a part of one, of the bodies that take part in it.
+namespace uwsim {
+namespace {
+
+// a smaller gap counts as touching, and so does every contact with an impulse
+constexpr double kTouch_m = 1e-3;
+constexpr double kReachPerMotion = 1.5;   // contacts are searched this many times as far as an interval moves
+constexpr double kLeastReach_m = 0.0015;  // more than kTouch_m
+
+}  // namespace
+
+void RigidBodyWorld::move(const Interval& now) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (takes_part_[k] == 0) continue;
+    next_states_[k] = moved(k, states_[k], Vector6d::Zero(), now);
+    require_plausible(bodies_[k], next_states_[k], now.time_s);  // before it hits another body
+  }
+  find_rests(now);
+  find_contacts(now);
+  if (!contacts_.empty()) solve_contacts(now);
+}
+
+/// A body's state at the end of the interval under its own loads and `impulse_world` at its origin, spread over it.
+BodyState RigidBodyWorld::moved(std::size_t body, const BodyState& state, const Vector6d& impulse_world,
+                                const Interval& now) const {
+  const Loads loads{.body = bodies_[body].tau_body, .world = impulse_world / now.step_s};
+  return advance(*bodies_[body].spec.craft, state, loads, now.water, now.time_s, now.step_s);
+}
+
+/// Finds the bodies that are known to stay where they are. All others near them must stay, too.
+void RigidBodyWorld::find_rests(const Interval& now) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const bool lasts = takes_part_[k] != 0 && now.step_s == step_s_ &&
+                       bodies_[k].resting.lasts(states_[k], next_states_[k].velocity_body);
+    rests_[k] = lasts ? 1 : 0;
+  }
+  for (bool changes = true; changes;) {
+    changes = false;
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      for (std::size_t other = 0; rests_[k] != 0 && other < bodies_.size(); ++other) {
+        if (takes_part_[other] == 0 || rests_[other] != 0 || !are_near(k, other, now.step_s)) continue;
+        rests_[k] = 0;
+        changes = true;
+      }
+    }
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (takes_part_[k] == 0) continue;
+    if (rests_[k] != 0) {
+      stop(k);
+    } else {
+      bodies_[k].resting.forget();
+    }
+  }
+}
+
+void RigidBodyWorld::stop(std::size_t body) {
+  next_states_[body] = {states_[body].world_from_body, Vector6d::Zero()};
+  bodies_[body].in_contact = true;
+  rests_[body] = 1;
+}
+
+/// Returns true if two bodies could meet within the interval.
+bool RigidBodyWorld::are_near(std::size_t a, std::size_t b, double step_s) const {
+  const double near_m = finder_.radius_m(a) + finder_.radius_m(b) + reach_m(a, step_s) + reach_m(b, step_s);
+  const Eigen::Vector3d between = states_[a].world_from_body.position_m - states_[b].world_from_body.position_m;
+  return between.squaredNorm() < near_m * near_m;
+}
+
+double RigidBodyWorld::reach_m(std::size_t body, double step_s) const {
+  const double radius_m = finder_.radius_m(body);
+  const double fastest = std::max(fastest_m_s(states_[body].velocity_body, radius_m),
+                                  fastest_m_s(next_states_[body].velocity_body, radius_m));
+  // A diverged state is rejected later; its reach must not be infinite.
+  if (!std::isfinite(fastest)) return 0;
+  return std::max(kLeastReach_m, kReachPerMotion * fastest * step_s);
+}
+
+/// Finds the contacts at the present poses whose gaps this interval could close.
+void RigidBodyWorld::find_contacts(const Interval& now) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    moving_[k] = {states_[k].world_from_body, reach_m(k, now.step_s), takes_part_[k] != 0 && rests_[k] == 0};
+  }
+  try {
+    finder_.find(moving_, contacts_);
+  } catch (const ContactBudgetExceeded& error) {
+    throw InvalidValue("vehicle '" + bodies_[error.body].spec.name + "', " + error.what());
+  }
+  for (Contact& contact : contacts_) combine_materials(contact);
+}
+
+void RigidBodyWorld::combine_materials(Contact& contact) const {
+  const BodySpec& a = bodies_[static_cast<std::size_t>(contact.a)].spec;
+  const BodySpec& b = contact.b == kFixedBody ? a : bodies_[static_cast<std::size_t>(contact.b)].spec;
+  contact.friction = std::sqrt(a.friction * b.friction);
+  contact.restitution = std::max(a.restitution, b.restitution);
+}
+
+/// Impulses are found for the velocities at the end of an interval without contacts, and then act as constant forces
+/// over it. Thus the momentum of two bodies is conserved, and the work done equals that of the impulses.
+void RigidBodyWorld::solve_contacts(const Interval& now) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    contact_bodies_[k] = {.world_from_body = states_[k].world_from_body,
+                          .velocity_body = next_states_[k].velocity_body,
+                          .start_velocity_body = states_[k].velocity_body};
+  }
+  for (const Contact& contact : contacts_) {
+    for (const int body : {contact.a, contact.b}) {
+      if (body == kFixedBody) continue;
+      ContactBody& touched = contact_bodies_[static_cast<std::size_t>(body)];
+      if (!touched.inverse_mass.isZero(0)) continue;
+      touched.inverse_mass = bodies_[static_cast<std::size_t>(body)].spec.craft->inverse_mass(touched.world_from_body,
+                                                                                              now.water, now.time_s);
+    }
+  }
+  solver_.solve(contact_bodies_, contacts_, now.step_s);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (contacts_[k].gap_m > kTouch_m && solver_.normal_impulse(k) == 0) continue;
+    bodies_[static_cast<std::size_t>(contacts_[k].a)].in_contact = true;
+    if (contacts_[k].b != kFixedBody) bodies_[static_cast<std::size_t>(contacts_[k].b)].in_contact = true;
+  }
+  stop_groups(now);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const ContactBody& solved = contact_bodies_[k];
+    if (rests_[k] != 0 || (solved.impulse_body.isZero(0) && solved.push_body.isZero(0))) continue;
+    const Eigen::Quaterniond& q = solved.world_from_body.orientation;
+    Vector6d impulse_world;
+    impulse_world << q * solved.impulse_body.head<3>(), q * solved.impulse_body.tail<3>();
+    next_states_[k] = moved(k, states_[k], impulse_world, now);
+    next_states_[k].world_from_body = displaced(next_states_[k].world_from_body, solved.push_body, now.step_s);
+  }
+}
+
+/// Stops the bodies that press on each other and on the fixed world, are slow, and would stay (resting.h).
+void RigidBodyWorld::stop_groups(const Interval& now) {
+  groups_.separate(bodies_.size());
+  std::ranges::fill(may_stop_, 0);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    if (!(solver_.normal_impulse(k) > 0)) continue;
+    const auto a = static_cast<std::size_t>(contacts_[k].a);
+    if (contacts_[k].b == kFixedBody) {
+      may_stop_[a] = 1;
+    } else {
+      groups_.join(a, static_cast<std::size_t>(contacts_[k].b));
+    }
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (may_stop_[k] != 0) may_stop_[groups_.of(k)] = 1;
+  }
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (fastest_m_s(states_[k].velocity_body, finder_.radius_m(k)) > kSlow_m_s) may_stop_[groups_.of(k)] = 0;
+  }
+  for (std::size_t group = 0; group < bodies_.size(); ++group) {
+    if (groups_.of(group) == group && may_stop_[group] != 0) stop_if_held(group, now);
+  }
+}
+
+void RigidBodyWorld::stop_if_held(std::size_t group, const Interval& now) {
+  try_stopping(group, now);
+  bool holds = true, is_firm = true, pushes = false;
+  for (std::size_t k = group; k < bodies_.size(); ++k) {
+    if (groups_.of(k) != group) continue;
+    const Hold hold(stopped_bodies_[k], free_velocities_body_[k], finder_.radius_m(k), now.step_s);
+    holds = holds && hold.holds;
+    is_firm = is_firm && hold.is_firm;
+    pushes = pushes || hold.pushes;
+  }
+  for (std::size_t k = group; holds && k < bodies_.size(); ++k) {
+    if (groups_.of(k) != group) continue;
+    stop(k);
+    if (pushes) {
+      next_states_[k].world_from_body = displaced(states_[k].world_from_body, stopped_bodies_[k].push_body, now.step_s);
+    } else if (now.step_s == step_s_) {
+      bodies_[k].resting.begin(states_[k].world_from_body, free_velocities_body_[k], is_firm);
+    }
+  }
+}
+
+/// Sets `stopped_bodies_` as contacts would leave them were they stopped now, and `free_velocities_body_` without
+/// contacts.
+void RigidBodyWorld::try_stopping(std::size_t group, const Interval& now) {
+  const auto is_in_group = [&](int body) { return groups_.of(static_cast<std::size_t>(body)) == group; };
+  bool are_still = true;
+  for (std::size_t k = group; k < bodies_.size(); ++k) {
+    if (groups_.of(k) != group) continue;
+    are_still = are_still && states_[k].velocity_body.isZero(0);
+    stopped_bodies_[k] = contact_bodies_[k];
+    free_velocities_body_[k] = next_states_[k].velocity_body;
+  }
+  if (are_still) return;  // they have been solved as they are
+  for (std::size_t k = group; k < bodies_.size(); ++k) {
+    if (groups_.of(k) != group) continue;
+    const BodyState stopped{.world_from_body = states_[k].world_from_body};
+    free_velocities_body_[k] = moved(k, stopped, Vector6d::Zero(), now).velocity_body;
+    stopped_bodies_[k] = {.world_from_body = stopped.world_from_body,
+                          .velocity_body = free_velocities_body_[k],
+                          .inverse_mass = contact_bodies_[k].inverse_mass};
+  }
+  stopped_contacts_.clear();
+  for (const Contact& contact : contacts_) {
+    if (is_in_group(contact.a) && (contact.b == kFixedBody || is_in_group(contact.b)))
+      stopped_contacts_.push_back(contact);
+  }
+  solver_.solve(stopped_bodies_, stopped_contacts_, now.step_s);
+}
+
+}  // namespace uwsim

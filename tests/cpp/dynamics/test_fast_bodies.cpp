@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "dynamics/bodies.h"
+#include "meshes.h"
+#include "uwsim/dynamics/rigid_body_world.h"
+
+// Laws of contact for bodies that turn or move far within a step.
+namespace uwsim {
+namespace {
+
+constexpr double kPlate_m = 0.05;  // thickness
+
+std::shared_ptr<const Craft> cube(double side_m) {
+  const TriangleMesh mesh = testing::box(side_m, side_m, side_m);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 1000 * solid.volume_m3;
+  p.inertia_kg_m2 = 1000 * solid.inertia_per_density_m5;
+  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+}
+
+/// A plate whose front is the plane x = 0.
+World plate_world() {
+  TriangleMesh plate = testing::box(kPlate_m, 40, 40);
+  for (auto& v : plate.vertices_m) v += Eigen::Vector3d(kPlate_m / 2, 0, -30);
+  World world;
+  world.add_solid("plate", plate);
+  return world;
+}
+
+/// A cube of 4 cm thrown at the plate at 20 m/s, up to 45 degrees from its normal.
+BodyState thrown(std::mt19937_64& draws) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(-1, 1);
+  BodyState state = at(-0.3 + 0.1 * share(draws), 0, -30);
+  Eigen::Vector4d turn;
+  for (double& each : turn) each = normal(draws);
+  state.world_from_body.orientation = Eigen::Quaterniond(turn.normalized());
+  const Eigen::Vector3d velocity = 20 * Eigen::Vector3d(1, share(draws), share(draws)).normalized();
+  state.velocity_body.head<3>() = state.world_from_body.orientation.conjugate() * velocity;
+  return state;
+}
+
+TEST(FastBodies, ASmallCubeNeverGoesThroughAPlate) {
+  const World world = plate_world();
+  const auto craft = cube(0.04);
+  std::mt19937_64 draws(31);
+  for (int throw_number = 0; throw_number < 1000; ++throw_number) {
+    RigidBodyWorld bodies(world, kStep_s);
+    bodies.add_body({"cube", craft, CollisionShape::kHull, 0.5, 0.1}, thrown(draws));
+    bool touched = false;
+    for (int k = 0; k < 60; ++k) {
+      bodies.step(EvenWater{}, 0);
+      touched |= bodies.in_contact(0);
+      ASSERT_LT(bodies.state(0).world_from_body.position_m.x(), -0.018) << throw_number << " step " << k;
+    }
+    ASSERT_TRUE(touched) << throw_number;
+  }
+}
+
+TEST(FastBodies, ASlowBodyElsewhereTakesNoPartInThePartsOfAStep) {
+  const auto craft = cube(0.04);
+  std::mt19937_64 draws(31);
+  const BodyState fast = thrown(draws);
+  BodyState slow = at(-8, 3, -30);
+  slow.velocity_body << 0.5, 0.2, 0, 0.3, -0.4, 2;
+  const auto flown = [&](bool with_fast) {
+    RigidBodyWorld bodies(plate_world(), kStep_s);
+    bodies.add_body({"slow", craft, CollisionShape::kHull, 0.5, 0.1}, slow);
+    if (with_fast) bodies.add_body({"fast", craft, CollisionShape::kHull, 0.5, 0.1}, fast);
+    for (int k = 0; k < 60; ++k) bodies.step(EvenWater{}, 0);
+    return bodies.state(0);
+  };
+  const BodyState alone = flown(false), both = flown(true);
+  EXPECT_EQ(alone.world_from_body.position_m, both.world_from_body.position_m);
+  EXPECT_EQ(alone.velocity_body, both.velocity_body);
+}
+
+}  // namespace
+}  // namespace uwsim

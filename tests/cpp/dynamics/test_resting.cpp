@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "dynamics/bodies.h"
+#include "meshes.h"
+#include "uwsim/dynamics/rigid_body_world.h"
+
+// Laws of rest for bodies that lie on each other: friction holds them to the last bit, until something changes.
+namespace uwsim {
+namespace {
+
+constexpr double kFriction = 0.6, kHeight_m = 0.6, kBed_m = -10;
+constexpr std::size_t kMinute = 12'000;  // steps
+
+std::shared_ptr<const Craft> block() {
+  const TriangleMesh mesh = testing::box(1.2, 0.8, kHeight_m);
+  const SolidProperties solid = solid_properties(mesh);
+  CraftParameters p;
+  p.mass_kg = 2000 * solid.volume_m3;
+  p.inertia_kg_m2 = 2000 * solid.inertia_per_density_m5;
+  p.added_mass.diagonal() << 300, 500, 900, 30, 50, 40;
+  p.linear_damping.diagonal() << 50, 50, 50, 20, 20, 20;
+  return std::make_shared<const Craft>(p, BuoyantHull(mesh));
+}
+
+double weight_in_water_n() { return 1000 * 1.2 * 0.8 * kHeight_m * 9.80665; }
+
+World bed() {
+  World world;
+  world.set_terrain(Heightfield(std::vector<float>(41 * 41, kBed_m), 41, 41, 1.0, {-20, -20}));
+  return world;
+}
+
+/// Blocks on each other, a little out of line, dropped from a centimetre above each other.
+class Stack {
+ public:
+  explicit Stack(std::size_t count, double friction = kFriction) : friction_(friction), bodies_(bed(), kStep_s) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const double number = static_cast<double>(k);
+      BodyState state = at(0.05 * std::sin(7 * number), 0.03 * std::cos(5 * number),
+                           kBed_m + 0.01 + kHeight_m / 2 + (kHeight_m + 0.01) * number);
+      state.world_from_body.orientation = Eigen::AngleAxisd(0.1 * std::sin(3 * number), Eigen::Vector3d::UnitZ());
+      add(state);
+    }
+    step(1000);
+  }
+
+  void add(const BodyState& state) {
+    bodies_.add_body({"block", block(), CollisionShape::kHull, friction_, 0.1}, state);
+  }
+  void step(std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) bodies_.step(EvenWater{}, 0);
+  }
+  void pull(std::size_t body, double force_n) {
+    Vector6d tau = Vector6d::Zero();
+    tau[0] = force_n;
+    bodies_.set_wrench(body, tau);
+  }
+  Eigen::Vector3d place_m(std::size_t body) const { return bodies_.state(body).world_from_body.position_m; }
+  RigidBodyWorld& bodies() { return bodies_; }
+  /// Continues in a world that remembers nothing of the steps before.
+  void forget(std::size_t count) {
+    RigidBodyWorld fresh(bed(), kStep_s);
+    std::swap(fresh, bodies_);
+    for (std::size_t k = 0; k < count; ++k) add(fresh.state(k));
+  }
+
+ private:
+  double friction_;
+  RigidBodyWorld bodies_;
+};
+
+TEST(Resting, AStackOfFiveStaysForTenMinutes) {
+  Stack stack(5);
+  std::vector<BodyState> starts;
+  for (std::size_t k = 0; k < 5; ++k) starts.push_back(stack.bodies().state(k));
+  stack.step(10 * kMinute);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const Pose now = stack.bodies().state(k).world_from_body, start = starts[k].world_from_body;
+    EXPECT_LT((now.position_m - start.position_m).norm(), 1e-6) << k;
+    EXPECT_LT(now.orientation.angularDistance(start.orientation), 1e-6) << k;
+    EXPECT_NEAR(now.position_m.z(), kBed_m + kHeight_m * (0.5 + static_cast<double>(k)), 0.01) << k;
+    EXPECT_TRUE(stack.bodies().in_contact(k));
+  }
+}
+
+TEST(Resting, FrictionHoldsAStackUnderLoadsThatChangeAtEveryStep) {
+  Stack stack(3);
+  const Eigen::Vector3d starts[] = {stack.place_m(0), stack.place_m(1), stack.place_m(2)};
+  for (std::size_t k = 0; k < 2000; ++k) {
+    stack.pull(1, 0.9 * kFriction * weight_in_water_n() * std::sin(0.01 * static_cast<double>(k)));
+    stack.step(1);
+    for (std::size_t body = 0; body < 3; ++body) ASSERT_EQ(stack.place_m(body), starts[body]) << body << " at " << k;
+  }
+  stack.pull(2, 1.1 * kFriction * weight_in_water_n());  // the top one, on which nothing lies
+  stack.step(200);
+  EXPECT_GT(stack.place_m(2).x() - starts[2].x(), 0.05);
+  EXPECT_LT((stack.place_m(0) - starts[0]).norm(), 1e-6);
+}
+
+TEST(Resting, WhatIsRememberedOfAStackChangesNoBit) {
+  const auto pulled = [](bool forgets) {
+    Stack stack(3);
+    std::vector<double> places_m;
+    for (std::size_t k = 0; k < 300; ++k) {
+      if (forgets) stack.forget(3);
+      stack.pull(
+          1, 3 * kFriction * weight_in_water_n() * static_cast<double>(k / 4 * 4) / 300);  // the same for four steps
+      stack.step(1);
+      for (std::size_t body = 0; body < 3; ++body) places_m.push_back(stack.place_m(body).x());
+    }
+    return places_m;
+  };
+  const std::vector<double> places_m = pulled(false);
+  EXPECT_EQ(places_m, pulled(true));
+  EXPECT_GT(places_m.back() - places_m[2], 0.001);
+}
+
+TEST(Resting, ABodyFallsWhenWhatHoldsItUpIsTakenAway) {
+  for (const bool is_docked : {false, true}) {
+    Stack stack(3);
+    const double before_m = stack.place_m(2).z();
+    if (is_docked) {
+      stack.bodies().hold(1, true);
+    } else {
+      stack.bodies().set_state(1, at(15, 15, -5));
+    }
+    stack.step(400);
+    EXPECT_LT(stack.place_m(2).z(), before_m - 0.3) << is_docked;
+  }
+}
+
+TEST(Resting, ABlowMovesAStackAndItComesToRestAgain) {
+  Stack stack(3);
+  const Eigen::Vector3d before = stack.place_m(2);
+  BodyState coming = at(-2, 0, stack.place_m(2).z());
+  coming.velocity_body[0] = 2;
+  stack.add(coming);
+  stack.step(400);
+  EXPECT_GT(stack.place_m(2).x() - before.x(), 0.01);
+  stack.step(3 * kMinute);
+  const Eigen::Vector3d after = stack.place_m(2);
+  stack.step(kMinute);
+  EXPECT_EQ(stack.place_m(2), after);
+}
+
+}  // namespace
+}  // namespace uwsim
