@@ -16,6 +16,8 @@ __all__: list[str] = [
     "Autopilot",
     "AutopilotGains",
     "Batch",
+    "BatterySpec",
+    "BatteryState",
     "BiasModel",
     "BodyState",
     "BottomMaterial",
@@ -33,6 +35,7 @@ __all__: list[str] = [
     "FinParameters",
     "FixedWater",
     "FixedWorld",
+    "FlatPort",
     "Guidance",
     "ImagingKind",
     "ImagingSonar",
@@ -86,6 +89,8 @@ __all__: list[str] = [
     "Telemetry",
     "ThrustCurve",
     "ThrusterParameters",
+    "ThrusterSheet",
+    "ThrusterSheets",
     "TopicCounts",
     "VehicleSpec",
     "VoxelScene",
@@ -959,6 +964,89 @@ class ThrustCurve:
     @property
     def lowest_n(self) -> float: ...
 
+class ThrusterSheet:
+    """
+    A thruster's performance in still water at one supply voltage.
+    """
+    def __init__(
+        self,
+        voltage_v: typing.SupportsFloat | typing.SupportsIndex,
+        commands: typing.Any,
+        thrusts_n: typing.Any,
+        currents_a: typing.Any,
+        rpm: typing.Any,
+    ) -> None: ...
+    @property
+    def voltage_v(self) -> float: ...
+
+class ThrusterSheets:
+    """
+    Thrust, current and revolutions by command and supply voltage, linear in both.
+    """
+    def __init__(self, sheets: collections.abc.Sequence[ThrusterSheet], path: str = "sheets") -> None:
+        """
+        Raises ValueError unless voltages and commands rise, command 0 gives 0 N and no current is negative.
+        """
+    def at(
+        self,
+        command: typing.SupportsFloat | typing.SupportsIndex,
+        voltage_v: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> tuple[float, float, float]:
+        """
+        Thrust [N], current [A] and revolutions [1/min]. Raises ValueError beyond the sheets' voltages.
+        """
+    @property
+    def voltages_v(self) -> list[float]: ...
+
+class BatterySpec:
+    """
+    Cells with a voltage that falls with charge and load.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def capacity_ah(self) -> float: ...
+    @capacity_ah.setter
+    def capacity_ah(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def charges(self) -> list[float]:
+        """
+        fractions of the capacity, from 0 to 1
+        """
+    @charges.setter
+    def charges(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+    @property
+    def cutoff_v(self) -> float:
+        """
+        below this voltage it switches off
+        """
+    @cutoff_v.setter
+    def cutoff_v(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def hotel_w(self) -> float:
+        """
+        power of everything but the thrusters
+        """
+    @hotel_w.setter
+    def hotel_w(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def initial_charge(self) -> float:
+        """
+        fraction
+        """
+    @initial_charge.setter
+    def initial_charge(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def open_circuit_v(self) -> list[float]:
+        """
+        at each charge, at rest
+        """
+    @open_circuit_v.setter
+    def open_circuit_v(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None: ...
+    @property
+    def resistance_ohm(self) -> float: ...
+    @resistance_ohm.setter
+    def resistance_ohm(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
 class ThrusterParameters:
     """
     A propeller and its motor, body frame.
@@ -996,6 +1084,13 @@ class ThrusterParameters:
         """
         position of the hub (3,) [m]
         """
+    @property
+    def sheets(self) -> ThrusterSheets:
+        """
+        for a supply whose voltage varies
+        """
+    @sheets.setter
+    def sheets(self, arg0: ThrusterSheets) -> None: ...
     @property
     def spin(self) -> int:
         """
@@ -1407,7 +1502,7 @@ class SensorKind:
 class NoiseSpec:
     """
     Errors of one channel of a sensor, in its unit u: white noise (std per sample, density in u per root
-    hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum,
+    hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), instability (flicker noise), quantum,
     limits. 0 disables an error.
     """
     def __init__(
@@ -1419,6 +1514,7 @@ class NoiseSpec:
         bias_std: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         bias_time_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         walk: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        instability: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         quantum: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         limit_low: typing.SupportsFloat | typing.SupportsIndex = ...,
         limit_high: typing.SupportsFloat | typing.SupportsIndex = ...,
@@ -1429,6 +1525,16 @@ class NoiseSpec:
     def bias_time_s(self) -> float: ...
     @property
     def density(self) -> float: ...
+    @property
+    def flicker_std(self) -> float:
+        """
+        standard deviation of the flicker noise
+        """
+    @property
+    def instability(self) -> float:
+        """
+        the flat part of the Allan deviation
+        """
     @property
     def limit_high(self) -> float: ...
     @property
@@ -1950,6 +2056,7 @@ class Optics:
         wind_towards_rad: typing.SupportsFloat | typing.SupportsIndex,
         particles_per_m3: typing.SupportsFloat | typing.SupportsIndex,
         turbulence_k: typing.SupportsFloat | typing.SupportsIndex,
+        forward_scatter_rad: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
     def level_irradiance_below(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -1962,6 +2069,17 @@ class Optics:
     def to_sun_world(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]: ...
     @property
     def water(self) -> WaterOptics: ...
+
+class FlatPort:
+    """
+    A flat window between the lens, in air, and the water.
+    """
+    def __init__(
+        self,
+        distance_m: typing.SupportsFloat | typing.SupportsIndex,
+        thickness_m: typing.SupportsFloat | typing.SupportsIndex,
+        refractive_index: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
 
 class Lens:
     """
@@ -1978,6 +2096,7 @@ class Lens:
         distortion: typing.Annotated[
             collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(5)"
         ] = [0.0, 0.0, 0.0, 0.0, 0.0],
+        port: FlatPort | None = None,
     ) -> None:
         """
         distortion: k1, k2, p1, p2, k3
@@ -1996,8 +2115,14 @@ class Camera:
         read_noise: typing.SupportsFloat | typing.SupportsIndex = 6.0,
         vignetting: typing.SupportsFloat | typing.SupportsIndex = 0.5,
         wobble_rad: typing.SupportsFloat | typing.SupportsIndex | None = None,
+        shutter_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        readout_s: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
-    def ray_table(self, distort: bool = True) -> numpy.typing.NDArray[numpy.float32]:
+    def ray_offsets_m(self) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        (height, width, 2) float32: X and Y at which the lines of these rays in water meet Z = 0; 0 without a flat port.
+        """
+    def ray_table(self, distort: bool = True, in_water: bool = True) -> numpy.typing.NDArray[numpy.float32]:
         """
         Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)
         float32.
@@ -2102,11 +2227,12 @@ class CameraScene:
         keep_radiance: bool = False,
         measure: bool = False,
         record: bool = False,
+        velocity_camera: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[6, 1]"] = ...,
         threads: typing.SupportsInt | typing.SupportsIndex = 1,
     ) -> Picture:
         """
         Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.
-        vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. The bytes do
+        vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: (6,) of the camera, in its frame [m/s, rad/s]. The bytes do
         not depend on the number of threads. Releases the GIL. Raises ValueError.
         """
     def set_appearance(
@@ -2648,6 +2774,13 @@ class VehicleSpec:
         """
     def set_start(self, position_m: typing.Any, orientation_xyzw: typing.Any) -> None: ...
     @property
+    def battery(self) -> BatterySpec | None:
+        """
+        None: the simulation's mission time
+        """
+    @battery.setter
+    def battery(self, arg0: BatterySpec | None) -> None: ...
+    @property
     def friction(self) -> float: ...
     @friction.setter
     def friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
@@ -2663,70 +2796,6 @@ class VehicleSpec:
     def sonars(self) -> list[SonarSpec]: ...
     @sonars.setter
     def sonars(self, arg0: collections.abc.Sequence[SonarSpec]) -> None: ...
-
-class Telemetry:
-    """
-    A vehicle's instrument panel, as in the paper.
-    """
-    def __copy__(self) -> typing.Any: ...
-    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
-    def __getstate__(self) -> dict[str, typing.Any]: ...
-    def __repr__(self) -> str: ...
-    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
-    def to_dict(self) -> dict[str, typing.Any]:
-        """
-        Return the fields by name; arrays are not copied.
-        """
-    @property
-    def acceleration_m_s2(self) -> float: ...
-    @property
-    def angular_acceleration_body_rad_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        """
-        (3,)
-        """
-    @property
-    def angular_speed_rad_s(self) -> float: ...
-    @property
-    def battery_percent(self) -> float:
-        """
-        remaining fraction of the mission time
-        """
-    @property
-    def collision_warning(self) -> bool: ...
-    @property
-    def depth_m(self) -> float: ...
-    @property
-    def distance_to_seabed_m(self) -> float:
-        """
-        straight down; inf if there is no surface below
-        """
-    @property
-    def distance_to_station_m(self) -> float: ...
-    @property
-    def linear_acceleration_body_m_s2(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        """
-        (3,), without gravity
-        """
-    @property
-    def mission_time_s(self) -> float:
-        """
-        since the release
-        """
-    @property
-    def pressure_pa(self) -> float:
-        """
-        absolute
-        """
-    @property
-    def proximity_warning(self) -> bool: ...
-    @property
-    def range_warning(self) -> bool: ...
-    @property
-    def speed_m_s(self) -> float: ...
-    @property
-    def temperature_deg_c(self) -> float: ...
-    @property
-    def time_s(self) -> float: ...
 
 class Simulation:
     """
@@ -2755,6 +2824,7 @@ class Simulation:
         """
         Set the elevation to which the head turns over time; positive is up. Raises ValueError.
         """
+    def battery(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> BatteryState: ...
     def change(self, water: Water, spec: SimulationSpec, vehicles: collections.abc.Sequence[VehicleSpec]) -> None:
         """
         Replace all parameters; all state is kept. vehicles: one spec per vehicle, in order; their start
@@ -2769,6 +2839,10 @@ class Simulation:
     ) -> typing.Annotated[list[bool], "FixedSize(6)"]:
         """
         Return, for each axis, surge to yaw, whether an effort about it has an effect.
+        """
+    def currents_a(self, vehicle: typing.SupportsInt | typing.SupportsIndex) -> list[tuple[str, float]]:
+        """
+        (name, present current [A]) pairs; 0 without a battery that has cells.
         """
     def dock(
         self,
@@ -3021,6 +3095,98 @@ class Simulation:
         """
         A counter that changes whenever an observation may change: with time, a vehicle's pose or a sonar's
         elevation.
+        """
+
+class Telemetry:
+    """
+    The instrument panel of a vehicle, as in the paper.
+    """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __repr__(self) -> str: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Its fields by name; arrays are not copied.
+        """
+    @property
+    def acceleration_m_s2(self) -> float: ...
+    @property
+    def angular_speed_rad_s(self) -> float: ...
+    @property
+    def battery_percent(self) -> float:
+        """
+        what is left of the battery's charge or of the mission time
+        """
+    @property
+    def collision_warning(self) -> bool: ...
+    @property
+    def depth_m(self) -> float: ...
+    @property
+    def distance_to_seabed_m(self) -> float:
+        """
+        straight down; inf where there is nothing
+        """
+    @property
+    def distance_to_station_m(self) -> float: ...
+    @property
+    def mission_time_s(self) -> float:
+        """
+        since the release
+        """
+    @property
+    def pressure_pa(self) -> float:
+        """
+        absolute
+        """
+    @property
+    def proximity_warning(self) -> bool: ...
+    @property
+    def range_warning(self) -> bool: ...
+    @property
+    def speed_m_s(self) -> float: ...
+    @property
+    def temperature_deg_c(self) -> float: ...
+    @property
+    def time_s(self) -> float: ...
+
+class BatteryState:
+    """
+    The readings of a battery's monitor; NaN for quantities of a mission time.
+    """
+    def __copy__(self) -> typing.Any: ...
+    def __deepcopy__(self, memo: typing.Any) -> typing.Any: ...
+    def __getstate__(self) -> dict[str, typing.Any]: ...
+    def __setstate__(self, arg0: dict[str, typing.Any]) -> None: ...
+    def to_dict(self) -> dict[str, typing.Any]:
+        """
+        Its fields by name; arrays are not copied.
+        """
+    @property
+    def capacity_ah(self) -> float:
+        """
+        of a full battery
+        """
+    @property
+    def charge_ah(self) -> float:
+        """
+        what remains
+        """
+    @property
+    def current_a(self) -> float:
+        """
+        out of the terminals
+        """
+    @property
+    def percent(self) -> float:
+        """
+        what is left to use; 0 once it has switched off
+        """
+    @property
+    def voltage_v(self) -> float:
+        """
+        at the terminals
         """
 
 class Ping:

@@ -54,6 +54,7 @@ ROV = HULL | {
 PROPELLER = {
     "name": "propeller", "thrust_n": [[-1, -100], [0, 0], [1, 120]], "time_constant_s": 0.2, "diameter_m": 0.1,
     "zero_thrust_advance_ratio": 0.9, "torque_per_thrust_m": 0.05,
+    "sheets": str(Path(__file__).with_name("propeller.csv")),
 }  # fmt: skip
 MATRIX = np.diag(SIX) + 0.5
 AUV = HULL | {
@@ -69,6 +70,11 @@ AUV = HULL | {
         "aside": {"kind": "side_scan", "range_max_m": 8, "range_bins": 20, "planes": 4, "noise_level_db": 80},
         "below": {"kind": "single_beam", "yaw_pitch_roll_deg": [0, 90, 0], "range_max_m": 8, "range_bins": 20},
     },
+}  # fmt: skip
+BATTERY = {
+    "hotel_w": 50,
+    "model": {"name": "small", "capacity_ah": 0.05, "open_circuit_v": [[0, 12], [1, 16]], "resistance_ohm": 0.05,
+              "cutoff_v": 11},
 }  # fmt: skip
 MULTIBEAM = load_sonar("em2040-07")
 SONAR = {"frequency_khz": 400, "tilt_deg": 40, "range_m": 30}
@@ -102,7 +108,7 @@ WORLD: dict[str, Any] = {
     "warnings": {"range_m": 110, "proximity_m": 10},
     "vehicles": [
         {"name": "rov", "model": ROV, "start": {"position_m": [2, 0, -2]}, "sonar": SONAR},
-        {"name": "auv", "model": AUV, "start": {"position_m": [-2, 3, -3]}, "sonar": SONAR | {
+        {"name": "auv", "model": AUV, "start": {"position_m": [-2, 3, -3]}, "battery": BATTERY, "sonar": SONAR | {
             "mode": "physics", "bending": True, "rays_per_beam": 4,
             "noise": {"level_db": 150, "detection_threshold_db": 5}}},
     ],
@@ -150,6 +156,7 @@ def observed(sim: Simulator, *, pictures: bool, imaging: bool) -> dict[str, byte
             seen["panel"].append(_panel(vehicle.telemetry()))
             seen["sensors"] += [_sample(sensor.sample()) for sensor in vehicle.sensors.values()]
             seen["sensors"] += [thruster.thrust_n for thruster in vehicle.thrusters.values()]
+            seen["sensors"] += list(vehicle.battery.to_dict().values())
     for vehicle in (rov, auv):
         ping = vehicle.sonar.ping()
         seen["pings"] += [ping.ranges_m, ping.intensity_db, ping.angles_rad, vehicle.sonar.ping_rate_max_hz]

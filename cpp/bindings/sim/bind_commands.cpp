@@ -79,6 +79,10 @@ void bind_commands(py::class_<OwnedSimulation>& simulation) {
              return by_name(a.thrusters(), [](const Thruster& t) { return t.thrust_n(); });
            }),
            vehicle, "Return (name, present still-water thrust [N]) pairs.")
+      .def("currents_a", reading([](const Actuators& a) {
+             return by_name(a.thrusters(), [](const Thruster& t) { return t.current_a(); });
+           }),
+           vehicle, "(name, present current [A]) pairs; 0 without a battery that has cells.")
       .def("fin_angles_rad", reading([](const Actuators& a) {
              std::vector<Fin> movable;
              std::copy_if(a.fins().begin(), a.fins().end(), std::back_inserter(movable),

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +10,6 @@
 #include "bindings/binders.h"
 #include "bindings/core/arrays.h"
 #include "bindings/core/convert.h"
-#include "bindings/core/record.h"
 #include "bindings/sensors/sensor_reading.h"
 #include "bindings/sim/binders.h"
 #include "bindings/sim/owned_simulation.h"
@@ -109,48 +107,14 @@ void bind_specs(py::module_& m) {
           py::arg("position_m"), py::arg("orientation_xyzw"))
       .def_readwrite("docked", &VehicleSpec::docked)
       .def_readwrite("sensors", &VehicleSpec::sensors)
-      .def_readwrite("sonars", &VehicleSpec::sonars);
-}
-
-std::string describe(const Telemetry& t) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "Telemetry(t = %.3f s: depth %.2f m, speed %.2f m/s, %.2f m above the bed, %.1f m from the station, "
-                "%.1f deg C, %.0f Pa, battery %.1f %%%s%s%s)",
-                t.time_s, t.depth_m, t.speed_m_s, t.distance_to_seabed_m, t.distance_to_station_m, t.temperature_deg_c,
-                t.pressure_pa, t.battery_percent, t.range_warning ? ", RANGE" : "",
-                t.proximity_warning ? ", PROXIMITY" : "", t.collision_warning ? ", COLLISION" : "");
-  return text;
-}
-
-void bind_results(py::module_& m) {
-  Record<Telemetry>(m, "Telemetry", "A vehicle's instrument panel, as in the paper.")
-      .field("time_s", &Telemetry::time_s)
-      .field("speed_m_s", &Telemetry::speed_m_s)
-      .field("angular_speed_rad_s", &Telemetry::angular_speed_rad_s)
-      .field("acceleration_m_s2", &Telemetry::acceleration_m_s2)
-      .field("linear_acceleration_body_m_s2", &Telemetry::linear_acceleration_body_m_s2, "(3,), without gravity")
-      .field("angular_acceleration_body_rad_s2", &Telemetry::angular_acceleration_body_rad_s2, "(3,)")
-      .field("temperature_deg_c", &Telemetry::temperature_deg_c)
-      .field("pressure_pa", &Telemetry::pressure_pa, "absolute")
-      .field("depth_m", &Telemetry::depth_m)
-      .field("distance_to_station_m", &Telemetry::distance_to_station_m)
-      .field("distance_to_seabed_m", &Telemetry::distance_to_seabed_m,
-             "straight down; inf if there is no surface below")
-      .field("mission_time_s", &Telemetry::mission_time_s, "since the release")
-      .field("battery_percent", &Telemetry::battery_percent, "remaining fraction of the mission time")
-      .field("range_warning", &Telemetry::range_warning)
-      .field("proximity_warning", &Telemetry::proximity_warning)
-      .field("collision_warning", &Telemetry::collision_warning)
-      .described_by(&describe)
-      .done();
+      .def_readwrite("sonars", &VehicleSpec::sonars)
+      .def_readwrite("battery", &VehicleSpec::battery, "None: the simulation's mission time");
 }
 
 }  // namespace
 
 void bind_sim(py::module_& m) {
   bind_specs(m);
-  bind_results(m);
   m.def(
       "saved_notes",
       [](const py::bytes& state, const std::string& scenario, const std::string& build) {
@@ -163,6 +127,7 @@ void bind_sim(py::module_& m) {
       "Return the fingerprint of the build that saved a state. Raises ValueError for a damaged state.");
   py::class_<OwnedSimulation> simulation(
       m, "Simulation", "A world with vehicles, which are identified by index, advanced by fixed steps.");
+  bind_telemetry(m, simulation);
   bind_commands(simulation);
   bind_pings(m, simulation);
   bind_link(m, simulation);
@@ -238,12 +203,6 @@ void bind_sim(py::module_& m) {
             return o.with_briefly([&](Simulation& s) { return s.collisions(v); });
           },
           py::arg("vehicle"), "Return the number of times the vehicle has come into contact with anything.")
-      .def(
-          "telemetry",
-          [](OwnedSimulation& o, std::size_t v) {
-            return o.with_briefly([&](Simulation& s) { return s.telemetry(v); });
-          },
-          py::arg("vehicle"))
       .def(
           "scene_around",
           [](OwnedSimulation& o, std::optional<std::size_t> vehicle) {

@@ -5,6 +5,8 @@
 /// Methods of a simulation that are bound in separate files.
 namespace uwsim::bindings {
 
+/// The instrument panel and the battery's monitor.
+void bind_telemetry(py::module_& m, py::class_<OwnedSimulation>& simulation);
 /// Commands to a vehicle's actuators, and their state.
 void bind_commands(py::class_<OwnedSimulation>& simulation);
 /// Sonar heads and their pings in both modes.

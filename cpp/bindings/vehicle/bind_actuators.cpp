@@ -8,6 +8,7 @@
 #include "bindings/core/convert.h"
 #include "bindings/vehicle/binders.h"
 #include "uwsim/vehicle/actuators.h"
+#include "uwsim/vehicle/battery_cells.h"
 
 namespace uwsim::bindings {
 void bind_actuators(py::module_& m) {
@@ -24,6 +25,42 @@ void bind_actuators(py::module_& m) {
       .def_property_readonly("lowest_n", &ThrustCurve::lowest_n)
       .def_property_readonly("highest_n", &ThrustCurve::highest_n);
 
+  py::class_<ThrusterSheet>(m, "ThrusterSheet", "A thruster's performance in still water at one supply voltage.")
+      .def(py::init([](double voltage_v, const py::object& commands, const py::object& thrusts_n,
+                       const py::object& currents_a, const py::object& rpm) {
+             return ThrusterSheet{voltage_v, as_numbers(commands, "commands"), as_numbers(thrusts_n, "thrusts_n"),
+                                  as_numbers(currents_a, "currents_a"), as_numbers(rpm, "rpm")};
+           }),
+           py::arg("voltage_v"), py::arg("commands"), py::arg("thrusts_n"), py::arg("currents_a"), py::arg("rpm"))
+      .def_readonly("voltage_v", &ThrusterSheet::voltage_v);
+
+  py::class_<ThrusterSheets>(m, "ThrusterSheets",
+                             "Thrust, current and revolutions by command and supply voltage, linear in both.")
+      .def(py::init([](std::vector<ThrusterSheet> sheets, const std::string& path) {
+             return ThrusterSheets(std::move(sheets), path);
+           }),
+           py::arg("sheets"), py::arg("path") = "sheets",
+           "Raises ValueError unless voltages and commands rise, command 0 gives 0 N and no current is negative.")
+      .def_property_readonly("voltages_v", &ThrusterSheets::voltages_v)
+      .def(
+          "at",
+          [](const ThrusterSheets& sheets, double command, double voltage_v) {
+            const ThrusterSheets::Point p = sheets.at(command, voltage_v);
+            return py::make_tuple(p.thrust_n, p.current_a, p.rpm);
+          },
+          py::arg("command"), py::arg("voltage_v"),
+          "Thrust [N], current [A] and revolutions [1/min]. Raises ValueError beyond the sheets' voltages.");
+
+  py::class_<BatterySpec>(m, "BatterySpec", "Cells with a voltage that falls with charge and load.")
+      .def(py::init<>())
+      .def_readwrite("capacity_ah", &BatterySpec::capacity_ah)
+      .def_readwrite("charges", &BatterySpec::charges, "fractions of the capacity, from 0 to 1")
+      .def_readwrite("open_circuit_v", &BatterySpec::open_circuit_v, "at each charge, at rest")
+      .def_readwrite("resistance_ohm", &BatterySpec::resistance_ohm)
+      .def_readwrite("cutoff_v", &BatterySpec::cutoff_v, "below this voltage it switches off")
+      .def_readwrite("hotel_w", &BatterySpec::hotel_w, "power of everything but the thrusters")
+      .def_readwrite("initial_charge", &BatterySpec::initial_charge, "fraction");
+
   py::class_<ThrusterParameters>(m, "ThrusterParameters", "A propeller and its motor, body frame.")
       .def(py::init(
                [](std::string name, const py::object& position_body_m, const py::object& axis_body, ThrustCurve curve) {
@@ -39,6 +76,7 @@ void bind_actuators(py::module_& m) {
       .def_readonly("position_body_m", &ThrusterParameters::position_body_m, "position of the hub (3,) [m]")
       .def_readonly("axis_body", &ThrusterParameters::axis_body, "(3,) unit, direction of a positive thrust")
       .def_readonly("curve", &ThrusterParameters::curve)
+      .def_readwrite("sheets", &ThrusterParameters::sheets, "for a supply whose voltage varies")
       .def_readwrite("time_constant_s", &ThrusterParameters::time_constant_s, "of the thrust; 0 for no lag")
       .def_readwrite("diameter_m", &ThrusterParameters::diameter_m)
       .def_readwrite("bollard_coefficient", &ThrusterParameters::bollard_coefficient, "K_T at zero speed")

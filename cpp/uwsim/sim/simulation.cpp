@@ -78,7 +78,15 @@ Vehicle Simulation::equipped(const VehicleSpec& from, const SimulationSpec& spec
   for (const SonarSpec& sonar : from.sonars) {
     vehicle.sonars.emplace_back(sonar, water, RandomStream(spec.seed, stream_name(from.name, sonar.name)));
   }
-  vehicle.battery = Battery(spec.mission_time_s, step_ns_);
+  if (!from.battery) {
+    vehicle.battery = Battery(spec.mission_time_s, step_ns_);
+    return vehicle;
+  }
+  vehicle.battery = Battery(*from.battery, step_ns_);
+  const auto volts = vehicle.actuators.load(spec.step_s).voltages_v;
+  require(
+      !volts.empty() && volts.front() <= from.battery->cutoff_v && volts.back() >= from.battery->open_circuit_v.back(),
+      "battery", from.name, "its voltages must lie within those of the sheets of all thrusters");
   return vehicle;
 }
 
@@ -110,7 +118,7 @@ void Simulation::step_once() {
 }
 
 void Simulation::drive(Vehicle& vehicle) {
-  vehicle.actuators.advance(spec_.step_s, vehicle.battery.has_power(tick_));
+  vehicle.actuators.advance(spec_.step_s, vehicle.battery.supply(tick_, vehicle.actuators.load(spec_.step_s)));
   if (!vehicle.released()) return;  // a docked vehicle is held
   const BodyState& state = bodies_.state(vehicle.body);
   const Actuators& actuators = vehicle.actuators;

@@ -20,7 +20,7 @@ namespace uwsim {
 struct SimulationSpec {
   double step_s = 0.005;
   std::uint64_t seed = 0;
-  double mission_time_s = 3600;  ///< how long a battery lasts after a release
+  double mission_time_s = 3600;  ///< how long a battery without cells lasts after a release
   Eigen::Vector3d station_world_m = Eigen::Vector3d::Zero();
   double range_warning_m = 110;
   double proximity_warning_m = 10;
@@ -86,6 +86,7 @@ class Simulation {
   /// Throws std::out_of_range, as do all functions with an index.
   const Vehicle& vehicle(std::size_t index) const;
   Telemetry telemetry(std::size_t vehicle) const;
+  BatteryState battery(std::size_t vehicle) const;
   /// Reads a sensor. The reference is valid until the sensor is read again. With `with_noise` false, returns the
   /// present value without errors, rate, latency or drop-outs.
   const Sample& read_sensor(std::size_t vehicle, std::size_t sensor, bool with_noise = true);

@@ -32,4 +32,13 @@ Telemetry Simulation::telemetry(std::size_t index) const {
   return t;
 }
 
+BatteryState Simulation::battery(std::size_t index) const {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const Battery& battery = vehicle(index).battery;
+  const double percent = battery.charge_percent(tick_);
+  if (!battery.cells()) return {kUnknown, kUnknown, kUnknown, kUnknown, percent};
+  const BatteryCells& cells = *battery.cells();
+  return {cells.voltage_v(), cells.current_a(), cells.charge_ah(), cells.spec().capacity_ah, percent};
+}
+
 }  // namespace uwsim

@@ -18,10 +18,19 @@ struct Telemetry {
   double distance_to_station_m = 0;
   double distance_to_seabed_m = 0;  ///< straight down; infinity if there is no surface below
   double mission_time_s = 0;        ///< since the release
-  double battery_percent = 0;       ///< remaining fraction of the mission time
+  double battery_percent = 0;       ///< remaining fraction of the battery's charge or of the mission time
   bool range_warning = false;       ///< whether the vehicle is too far from the station
   bool proximity_warning = false;   ///< whether the vehicle is too near the seabed
   bool collision_warning = false;   ///< whether the vehicle is in contact with anything
+};
+
+/// The readings of a battery's monitor; for a battery that is a mission time, NaN but for the percentage.
+struct BatteryState {
+  double voltage_v = 0;    ///< at the terminals
+  double current_a = 0;    ///< out of the terminals
+  double charge_ah = 0;    ///< what remains
+  double capacity_ah = 0;  ///< of a full battery
+  double percent = 0;      ///< what is left to use; 0 once it has switched off
 };
 
 }  // namespace uwsim

@@ -56,6 +56,10 @@ void ActuatorsSpec::check() const {
   require(thrusters.empty() || full_wrench_body.isZero(0), "full_wrench_body", full_wrench_body.transpose(),
           "must be zero for a vehicle with thrusters");
   require_unique_names(thrusters, "thrusters");
+  for (const ThrusterParameters& thruster : thrusters) {
+    require(thruster.sheets.voltages_v() == thrusters.front().sheets.voltages_v(), "thrusters." + thruster.name,
+            "its sheets", "must be of the same voltages as the other thrusters'");
+  }
   require_unique_names(fins, "fins");
 }
 
@@ -76,6 +80,7 @@ Actuators::Actuators(const ActuatorsSpec& spec) {
     highest(k) = thruster.parameters().curve.highest_n();
     radius_m_ = std::max(radius_m_, thruster.parameters().position_body_m.norm() + thruster.parameters().diameter_m);
   }
+  if (!thrusters_.empty()) load_a_.resize(thrusters_.front().parameters().sheets.voltages_v().size());
   allocation_ = Allocation(columns, lowest, highest);
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     for (const int side : {0, 1}) {
@@ -203,10 +208,17 @@ void Actuators::set_fins(const Named& angles_rad) {
   for (std::size_t k = 0; k < fins_.size(); ++k) fins_[k].set_command(values[k]);
 }
 
-void Actuators::advance(double step_s, bool powered) {
-  powered_ = powered;
-  for (Thruster& thruster : thrusters_) thruster.advance(step_s, powered);
-  if (!powered) return;
+ElectricalLoad Actuators::load(double step_s) {
+  if (load_a_.empty()) return {};
+  std::fill(load_a_.begin(), load_a_.end(), 0.0);
+  for (Thruster& thruster : thrusters_) thruster.add_current(step_s, load_a_);
+  return {thrusters_.front().parameters().sheets.voltages_v(), load_a_};
+}
+
+void Actuators::advance(double step_s, const Supply& supply) {
+  powered_ = supply.on;
+  for (Thruster& thruster : thrusters_) thruster.advance(step_s, supply);
+  if (!powered_) return;
   for (Fin& fin : fins_) fin.advance(step_s);
 }
 

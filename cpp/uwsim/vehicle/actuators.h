@@ -9,6 +9,7 @@
 #include "uwsim/core/water_field.h"
 #include "uwsim/vehicle/allocation.h"
 #include "uwsim/vehicle/fin.h"
+#include "uwsim/vehicle/supply.h"
 #include "uwsim/vehicle/thruster.h"
 
 namespace uwsim {
@@ -69,8 +70,11 @@ class Actuators {
   /// and direct wrenches and fins are limited to their ranges.
   void renew_commands();
 
+  /// The current that the thrusters would draw at the end of the next step; empty unless all of them have sheets. Valid
+  /// until the next call.
+  ElectricalLoad load(double step_s);
   /// Advances the state by one step. Without power, thrusters spin down and fins stay in position.
-  void advance(double step_s, bool powered);
+  void advance(double step_s, const Supply& supply);
   /// Mean force and torque over the last step (body frame, at the origin). The flow and the surface height at the
   /// origin are used for the whole vehicle. `submerged`: the submerged fraction of the hull, which scales a direct
   /// wrench.
@@ -97,6 +101,7 @@ class Actuators {
   double radius_m_ = 0;  // of a sphere about the origin that encloses all thrusters and fins
   bool has_direct_wrench_ = false;
   bool powered_ = false;
+  std::vector<double> load_a_;  // by voltage of the thrusters' sheets
   Vector6d effort_ = Vector6d::Zero();
   Vector6d direct_wrench_ = Vector6d::Zero();
 };

@@ -1,26 +1,13 @@
 #include "uwsim/vehicle/thrust_curve.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/vehicle/polyline.h"
 
 namespace uwsim {
-namespace {
-
-/// Interpolates y at x on the polyline through (xs, ys), constant beyond its ends. The xs never decrease; of equal
-/// ones, the first is used.
-double interpolated(const std::vector<double>& xs, const std::vector<double>& ys, double x) {
-  const auto next = static_cast<std::size_t>(std::lower_bound(xs.begin(), xs.end(), x) - xs.begin());
-  if (next == 0) return ys.front();
-  if (next == xs.size()) return ys.back();
-  const double fraction = (x - xs[next - 1]) / (xs[next] - xs[next - 1]);
-  return ys[next - 1] + fraction * (ys[next] - ys[next - 1]);
-}
-
-}  // namespace
 
 ThrustCurve::ThrustCurve(std::vector<double> commands, std::vector<double> thrusts_n, std::string_view path)
     : commands_(std::move(commands)), thrusts_n_(std::move(thrusts_n)) {

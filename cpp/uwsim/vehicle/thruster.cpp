@@ -6,14 +6,21 @@
 #include <utility>
 
 #include "uwsim/core/check.h"
+#include "uwsim/vehicle/polyline.h"
 
 namespace uwsim {
 
 namespace {
 
-// When the thrust is this close to its target, it is set to the target. An exponential never reaches its target: after
-// 54 s at a lag of 75 ms, the difference is a subnormal number, which makes operations several times slower.
-constexpr double kReachedN = 1e-30;
+// From here on a thrust or a current is its target. An exponential never reaches it: after 54 s of a lag of 75 ms it is
+// a subnormal number, with which operations take many times as long.
+constexpr double kReached = 1e-30;
+
+/// The difference of a value from its target.
+double difference(double value, double target) {
+  const double left = value - target;
+  return std::abs(left) < kReached ? 0 : left;
+}
 
 }  // namespace
 
@@ -41,25 +48,48 @@ Thruster::Thruster(ThrusterParameters parameters) : parameters_(std::move(parame
   column_with_torque_ = column_;
   column_with_torque_.tail<3>() -= p.spin * p.torque_per_thrust_m * p.axis_body;
   loss_ = p.diameter_m * std::sqrt(p.bollard_coefficient) / p.zero_thrust_advance_ratio;
+  targets_n_.resize(p.sheets.voltages_v().size());
+  targets_a_.resize(targets_n_.size());
+  set_command(0);
 }
 
 void Thruster::set_command(double command) {
   command_ = command;
   target_n_ = parameters_.health * parameters_.curve.thrust_n(command);
+  for (std::size_t k = 0; k < targets_n_.size(); ++k) {
+    const ThrusterSheets::Point point = parameters_.sheets.on(k, command);
+    targets_n_[k] = parameters_.health * point.thrust_n;
+    targets_a_[k] = parameters_.health * point.current_a;
+  }
 }
 
-void Thruster::advance(double step_s, bool powered) {
-  if (step_s != step_s_) {
-    const double steps = step_s / parameters_.time_constant_s;  // infinite if there is no lag
-    step_s_ = step_s;
-    decay_ = std::exp(-steps);
-    mean_decay_ = -std::expm1(-steps) / steps;
+void Thruster::use_step(double step_s) {
+  if (step_s == step_s_) return;
+  const double steps = step_s / parameters_.time_constant_s;  // infinite if there is no lag
+  step_s_ = step_s;
+  decay_ = std::exp(-steps);
+  mean_decay_ = -std::expm1(-steps) / steps;
+}
+
+void Thruster::add_current(double step_s, std::span<double> currents_a) {
+  use_step(step_s);
+  for (std::size_t k = 0; k < targets_a_.size(); ++k) {
+    currents_a[k] += targets_a_[k] + difference(current_a_, targets_a_[k]) * decay_;
   }
-  const double target = powered ? target_n_ : 0;
-  double difference = thrust_n_ - target;
-  if (std::abs(difference) < kReachedN) difference = 0;
-  mean_thrust_n_ = target + difference * mean_decay_;
-  thrust_n_ = target + difference * decay_;
+}
+
+void Thruster::advance(double step_s, const Supply& supply) {
+  use_step(step_s);
+  double target_n = target_n_, target_a = 0;
+  if (supply.voltage_v && !targets_n_.empty()) {
+    target_n = interpolated(parameters_.sheets.voltages_v(), targets_n_, *supply.voltage_v);
+    target_a = interpolated(parameters_.sheets.voltages_v(), targets_a_, *supply.voltage_v);
+  }
+  if (!supply.on) target_n = target_a = current_a_ = 0;
+  const double left_n = difference(thrust_n_, target_n);
+  mean_thrust_n_ = target_n + left_n * mean_decay_;
+  thrust_n_ = target_n + left_n * decay_;
+  current_a_ = target_a + difference(current_a_, target_a) * decay_;
 }
 
 void Thruster::exchange_state(StateArchive& archive) {
@@ -67,6 +97,7 @@ void Thruster::exchange_state(StateArchive& archive) {
   set_command(command_);
   archive(thrust_n_);
   archive(mean_thrust_n_);
+  if (!parameters_.sheets.empty()) archive(current_a_);
 }
 
 void Thruster::add_wrench(const Vector6d& through_water, double density_kg_m3, double submerged,

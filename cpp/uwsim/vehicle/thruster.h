@@ -2,11 +2,15 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "uwsim/core/body_state.h"
 #include "uwsim/core/state_archive.h"
+#include "uwsim/vehicle/supply.h"
 #include "uwsim/vehicle/thrust_curve.h"
+#include "uwsim/vehicle/thruster_sheets.h"
 
 namespace uwsim {
 
@@ -15,7 +19,8 @@ struct ThrusterParameters {
   std::string name;
   Eigen::Vector3d position_body_m = Eigen::Vector3d::Zero();  ///< position of the hub
   Eigen::Vector3d axis_body = Eigen::Vector3d::UnitX();       ///< unit, direction of a positive thrust
-  ThrustCurve curve;                                          ///< in still water
+  ThrustCurve curve;                                          ///< in still water, at the voltage that it was made for
+  ThrusterSheets sheets;                                      ///< for a supply whose voltage varies; else none
   double time_constant_s = 0;                                 ///< of the thrust; 0 for no lag
   double diameter_m = 0.1;
   /// Thrust coefficient at zero speed (bollard pull), T / (rho n^2 D^4), from which the shaft speed is computed [-].
@@ -41,6 +46,9 @@ struct ThrusterParameters {
 /// where u_a is the hub's speed through the water along the axis, and the propeller's torque is k_q T, opposite to its
 /// spin. Valid for advance ratios from about -J_0 / 2 to J_0. Inflow across the axis and the jets of other thrusters
 /// are neglected.
+///
+/// With a supply voltage, the thrust that it approaches is that of its sheets, and so is the current that it draws,
+/// with the same lag; in inflow the current stays that of still water.
 class Thruster {
  public:
   /// Throws InvalidValue; see ThrusterParameters::check.
@@ -53,10 +61,14 @@ class Thruster {
   /// Sets the command, in [-1, 1], which stays in effect until the next one. The caller checks the range.
   void set_command(double command);
   double command() const { return command_; }
-  /// Advances the thrust by one step; without power, the thrust decays to 0.
-  void advance(double step_s, bool powered);
+  /// Adds the current that it would draw at the end of the next step, for each voltage of its sheets [A].
+  void add_current(double step_s, std::span<double> currents_a);
+  /// Advances the thrust by one step; without power, the thrust decays to 0, and no current flows.
+  void advance(double step_s, const Supply& supply);
   /// Present still-water thrust [N].
   double thrust_n() const { return thrust_n_; }
+  /// Current now; 0 without a supply voltage [A].
+  double current_a() const { return current_a_; }
 
   /// Adds mean force and torque over the last step (body frame, at the origin) for a vehicle that moves at
   /// `through_water` (6,) [m/s, rad/s] with the fraction `submerged` of the propeller's disc under water.
@@ -65,19 +77,23 @@ class Thruster {
   /// the axis.
   double submerged_fraction(double height_m, double axis_up) const;
 
-  /// Saves or restores command and thrust; the thrust's target follows from the command.
+  /// Saves or restores the command, the thrust and, with sheets, the current; their targets follow from the command.
   void exchange_state(StateArchive& archive);
 
  private:
+  void use_step(double step_s);
+
   ThrusterParameters parameters_;
   Vector6d column_;              // for 1 N of thrust
   Vector6d column_with_torque_;  // for 1 N of thrust and the associated torque
   double loss_ = 0;              // D sqrt(K_T0) / J_0 [m]
   double command_ = 0;
   double target_n_ = 0;
+  std::vector<double> targets_n_, targets_a_;  // by voltage of the sheets
   double thrust_n_ = 0;
   double mean_thrust_n_ = 0;  // over the last step
-  double step_s_ = 0;         // the step for which decay_ and mean_decay_ were computed
+  double current_a_ = 0;
+  double step_s_ = 0;  // the step for which decay_ and mean_decay_ were computed
   double decay_ = 0;
   double mean_decay_ = 0;  // mean over the step, relative to its start
 };

@@ -54,7 +54,8 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
     found = [
         Channel(
             source.topic("battery_state"), "sensor_msgs/msg/BatteryState", "out",
-            "what is left of the mission time; no other quantity is simulated", rate_hz=BATTERY_HZ, over_link=True,
+            "what is left; for a battery that is a mission time, only the percentage is known",
+            rate_hz=BATTERY_HZ, over_link=True,
             read=lambda sim: _battery(source, sim),
         )
     ]  # fmt: skip
@@ -92,14 +93,18 @@ def _is_out_of_reach(value: Any) -> bool:
 
 
 def _battery(source: Source, sim: Simulator) -> Any:
-    unknown = dict.fromkeys(("voltage", "temperature", "current", "charge", "capacity"), math.nan)
+    battery = source.of(sim).battery
     return build.message(
         "sensor_msgs/msg/BatteryState",
         header=build.header(sim.time_ns, source.frame("base_link")),
-        percentage=0.01 * source.of(sim).telemetry().battery_percent,
-        design_capacity=math.nan,
+        voltage=battery.voltage_v,
+        temperature=math.nan,
+        current=-battery.current_a,
+        charge=battery.charge_ah,
+        capacity=battery.capacity_ah,
+        design_capacity=battery.capacity_ah,
+        percentage=0.01 * battery.percent,
         present=True,
-        **unknown,
     )
 
 

@@ -16,7 +16,7 @@ from uwsim.cli.groups import show_help
 from uwsim.cli.options import SETTINGS, WithoutEffectError
 from uwsim.cli.values import scenarios, words
 
-KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem")
+KINDS = ("scenario", "vehicle", "thruster", "sonar", "sensors", "modem", "battery")
 
 
 class ScenarioCommands(TyperGroup):
@@ -88,7 +88,8 @@ def check(
     kind: Annotated[
         str,
         typer.Option(
-            help="Contents of the files: scenario, vehicle, thruster, sonar, sensors or modem.", **one_of(*KINDS)
+            help="Contents of the files: scenario, vehicle, thruster, sonar, sensors, modem or battery.",
+            **one_of(*KINDS),
         ),
     ] = "scenario",
 ) -> None:
@@ -133,7 +134,7 @@ def schema(
     part: Annotated[
         str,
         typer.Argument(
-            help="scenario, vehicle, thruster, sonar, sensors, modem; or sensor, camera, fault ...",
+            help="scenario, vehicle, thruster, sonar, sensors, modem, battery; or sensor, camera, fault ...",
             autocompletion=words(*KINDS),
         ),
     ] = "scenario",

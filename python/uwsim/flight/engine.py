@@ -179,9 +179,10 @@ class Flight:
     def _new_clock(self, show: Show | None) -> FlightClock:
         """Return the mission's clock, which ends the flight at its time limit."""
         sim, limit_s = self._sim, self._setup.time_limit_s
-        limit = BATTERY_EMPTY if limit_s is None else f"the time limit of {limit_s:g} s is over"
+        limit_is_battery = limit_s is None and any(entry.battery is None for entry in sim.scenario.vehicles)
         if limit_s is None:
             limit_s = sim.scenario.mission_time_s
+        limit = BATTERY_EMPTY if limit_is_battery else f"the time limit of {limit_s:g} s is over"
         end_tick = self._begun_tick + max(1, math.ceil(limit_s / sim.step_s - 1e-6))
         phase = self._restored.clock if self._restored else None
         physics = self._timer.measure(PHYSICS)

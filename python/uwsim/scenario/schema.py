@@ -15,6 +15,7 @@ from pydantic_core import core_schema
 from uwsim.base.did_you_mean import did_you_mean
 from uwsim.scenario.read.assets import assets_folder
 from uwsim.scenario.spec.actuator import ThrusterType
+from uwsim.scenario.spec.battery import BatteryType
 from uwsim.scenario.spec.camera import CameraMount
 from uwsim.scenario.spec.control import Control
 from uwsim.scenario.spec.failsafe import Failsafe
@@ -40,6 +41,7 @@ FILES: dict[str, Any] = {
     "sonar": SonarModel,
     "sensors": SensorSet,
     "modem": ModemModel,
+    "battery": BatteryType,
 }
 """The kinds of files, keyed by the name of their schema."""
 

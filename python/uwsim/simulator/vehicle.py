@@ -157,10 +157,11 @@ class Vehicle(CommandedVehicle):
     @property
     def thrusters(self) -> Named[Thruster]:
         """The state of each thruster, by name."""
-        both = zip(
-            self._simulation.thruster_commands(self._index), self._simulation.thrusts_n(self._index), strict=True
+        simulation, index = self._simulation, self._index
+        each = zip(
+            simulation.thruster_commands(index), simulation.thrusts_n(index), simulation.currents_a(index), strict=True
         )
-        states = {name: Thruster(value, thrust) for (name, value), (_, thrust) in both}
+        states = {name: Thruster(value, thrust, current) for (name, value), (_, thrust), (_, current) in each}
         return Named(states, f"{self.name}.thrusters", "set_thrusters()")
 
     @property
@@ -213,6 +214,11 @@ class Vehicle(CommandedVehicle):
     def collisions(self) -> int:
         """Number of times that the vehicle has come into contact with an object."""
         return self._simulation.collisions(self._index)
+
+    @property
+    def battery(self) -> _core.BatteryState:
+        """Voltage, current and charge of the battery; NaN, except for the percentage, if it is a mission time."""
+        return self._simulation.battery(self._index)
 
     def telemetry(self) -> _core.Telemetry:
         """The panel described in the seed paper: speed, depth, pressure, temperature, distances, battery, warnings."""

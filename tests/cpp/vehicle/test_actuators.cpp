@@ -38,7 +38,7 @@ BodyState ahead(double speed_m_s) {
 }
 
 Vector6d settled_wrench(Actuators& actuators, const BodyState& state = ahead(0), const EvenWater& water = {}) {
-  for (int k = 0; k < 2000; ++k) actuators.advance(0.005, true);
+  for (int k = 0; k < 2000; ++k) actuators.advance(0.005, {true, {}});
   return actuators.wrench_body(state, water, 0, 1);
 }
 
@@ -104,7 +104,7 @@ TEST(Actuators, InAirThereIsNoForce) {
   direct.full_wrench_body.setConstant(10);
   Actuators paper(direct);
   paper.set_effort(Vector6d::Ones());
-  paper.advance(0.005, true);
+  paper.advance(0.005, {true, {}});
   EXPECT_NEAR(paper.wrench_body(flying, EvenWater(), 0, 0.25)(2), 2.5, 1e-12);
 }
 

@@ -32,7 +32,7 @@ Thruster running(ThrusterParameters p) {
   p.time_constant_s = 0;
   Thruster thruster(p);
   thruster.set_command(1);
-  thruster.advance(0.005, true);
+  thruster.advance(0.005, {true, {}});
   return thruster;
 }
 
@@ -65,7 +65,7 @@ TEST(Thruster, ItFollowsWithItsTimeConstantWhateverTheStep) {
     thruster.set_command(1);
     double impulse = 0;
     for (int k = 0; k < steps; ++k) {
-      thruster.advance(0.2 / steps, true);
+      thruster.advance(0.2 / steps, {true, {}});
       impulse += wrench(thruster)(0) * 0.2 / steps;
     }
     EXPECT_NEAR(thruster.thrust_n(), 50 * (1 - std::exp(-1)), 1e-10);
@@ -76,10 +76,10 @@ TEST(Thruster, ItFollowsWithItsTimeConstantWhateverTheStep) {
 TEST(Thruster, AnIdleThrusterReachesZeroAndIsNeverSubnormal) {
   Thruster thruster(pusher());
   thruster.set_command(1);
-  for (int k = 0; k < 200; ++k) thruster.advance(0.005, true);
+  for (int k = 0; k < 200; ++k) thruster.advance(0.005, {true, {}});
   thruster.set_command(0);
   for (int k = 0; k < 60'000; ++k) {  // 5 min; the exponential would be subnormal after 143 s
-    thruster.advance(0.005, true);
+    thruster.advance(0.005, {true, {}});
     ASSERT_NE(std::fpclassify(thruster.thrust_n()), FP_SUBNORMAL) << "after " << k << " steps";
     ASSERT_NE(std::fpclassify(wrench(thruster)(0)), FP_SUBNORMAL) << "after " << k << " steps";
   }
@@ -88,7 +88,7 @@ TEST(Thruster, AnIdleThrusterReachesZeroAndIsNeverSubnormal) {
 
 TEST(Thruster, WithoutPowerItSpinsDown) {
   Thruster thruster = running(pusher());
-  thruster.advance(0.005, false);
+  thruster.advance(0.005, {});
   EXPECT_EQ(thruster.thrust_n(), 0);
 }
 
@@ -102,7 +102,7 @@ TEST(Thruster, ForceActsAtTheHubAndTorqueAgainstTheSpin) {
     expected << 50, 0, 0, -spin * 50 * 0.02, 0, -0.2 * 50;
     EXPECT_LT((wrench(thruster) - expected).norm(), 1e-12);
     thruster.set_command(-1);
-    thruster.advance(0.005, true);
+    thruster.advance(0.005, {true, {}});
     EXPECT_LT((wrench(thruster) + 0.8 * expected).norm(), 1e-12) << "astern the torque is reversed";
   }
 }

@@ -16,7 +16,7 @@ from uwsim.scenario.read.yaml_document import read_yaml
 from uwsim.scenario.schema import FILES, PARTS, schema, schema_file
 
 FOLDERS = {"scenario": "scenarios", "vehicle": "vehicles", "thruster": "thrusters", "sonar": "sonars",
-           "sensors": "sensors", "modem": "modems"}  # fmt: skip
+           "sensors": "sensors", "modem": "modems", "battery": "batteries"}  # fmt: skip
 
 
 @cache

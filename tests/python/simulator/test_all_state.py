@@ -38,7 +38,7 @@ vehicles:
     model: rov
     start: station
     failsafe: {silence_s: 0.5, then: hold, leak_then: surface}
-  - {name: scout, model: bluerov2_heavy, start: {position_m: [0, 0, -5], yaw_deg: 180}}
+  - {name: scout, model: bluerov2_heavy, start: {position_m: [0, 0, -5], yaw_deg: 180}, battery: bluerov2_18ah}
   - {name: torpedo, model: remus100, start: {position_m: [0, 10, -5]}}
 """
 BETWEEN_S = 0.1
@@ -230,7 +230,7 @@ def test_the_episode_sets_everything_going(sim: Simulator) -> None:
         "_events", "._faults.", "water_kg", "_distortion", ".is_driven", "_navigation._navigator", "observers",
         "_state", "_cause", "_steered.last", "_pilot", "_alarms", "._on", "_motion", "_parameters._changes", "optics",
         "link_waiting", "counts", "received", "released", "effort", "thruster_commands", "fin_angles_rad", "sonar",
-        "telemetry", "compass", "usbl", "dvl",
+        "telemetry", "compass", "usbl", "dvl", "battery(1)", "currents_a",
     ):  # fmt: skip
         assert part in changed, part
 

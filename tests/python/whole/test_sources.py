@@ -1,4 +1,4 @@
-"""Every value of a packaged vehicle, thruster, sensor and sonar names its source or is marked as assumed."""
+"""Every value of a packaged vehicle, thruster, battery, sensor and sonar names its source or is marked as assumed."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,7 @@ import pytest
 
 from uwsim.scenario.read.assets import assets_folder
 
-KINDS = ("vehicles", "thrusters", "sensors", "sonars")
+KINDS = ("vehicles", "thrusters", "batteries", "sensors", "sonars")
 FILES = sorted(p for kind in KINDS for p in (assets_folder() / kind).glob("*.yaml"))
 TAG = re.compile(r"\[([A-Za-z]+)\]")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])")
@@ -72,7 +72,7 @@ def test_each_figure_names_its_source_or_is_assumed(path: Path) -> None:
 def test_the_listed_sources_are_those_that_are_used(path: Path) -> None:
     text = path.read_text()
     used = set(TAG.findall(re.sub(r"^#   \[\w+\]", "", text, flags=re.MULTILINE)))
-    units = {"m", "kg", "s", "N"}
+    units = {"m", "kg", "s", "N", "Ah", "V", "ohm"}
     assert used - units == defined_tags(text)
 
 

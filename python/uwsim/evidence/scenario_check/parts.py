@@ -14,6 +14,7 @@ from uwsim.evidence.scenario_check.vehicle_figures import VehicleFigures, vehicl
 from uwsim.evidence.scenario_check.vehicle_surprises import FRESH_KG_M3, buoyancy_surprises, vehicle_surprises
 from uwsim.scenario import Scenario, ScenarioError
 from uwsim.scenario.build.actuator import thrust_curve
+from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.link import modem_spec
 from uwsim.scenario.build.multibeam import acoustic_spec, multibeam_model
 from uwsim.scenario.build.sensor import sensor_spec
@@ -21,6 +22,8 @@ from uwsim.scenario.read.assets import find_yaml, shown_name
 from uwsim.scenario.read.validated import validated, what_holds
 from uwsim.scenario.read.yaml_document import read_yaml
 from uwsim.scenario.schema import FILES
+from uwsim.scenario.spec.actuator import ThrusterType
+from uwsim.scenario.spec.battery import BatterySetup, BatteryType
 from uwsim.scenario.spec.modem import ModemModel
 from uwsim.scenario.spec.sensor import SensorSet
 from uwsim.scenario.spec.sonar import ACOUSTIC, SonarModel
@@ -103,9 +106,20 @@ def _build_modem(part: ModemModel) -> _core.ModemSpec | None:
     return None if part.kind == "none" else modem_spec(part)
 
 
+def _build_thruster(part: ThrusterType) -> None:
+    thrust_curve(part)
+    if part.sheets is not None:
+        part.performance()
+
+
+def _build_battery(part: BatteryType) -> None:
+    battery_spec(BatterySetup(model=part))
+
+
 BUILT: Mapping[str, Callable[[Any], object]] = {
-    "thruster": thrust_curve,
+    "thruster": _build_thruster,
     "sensors": _build_sensors,
     "sonar": _build_sonar,
     "modem": _build_modem,
+    "battery": _build_battery,
 }

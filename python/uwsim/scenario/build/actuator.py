@@ -11,12 +11,15 @@ from uwsim.scenario.spec.actuator import FinMount, ThrusterMount, ThrusterType
 from uwsim.scenario.spec.vehicle import VehicleModel
 
 
-def actuators_spec(model: VehicleModel) -> _core.ActuatorsSpec:
-    """Return a vehicle's actuators: thrusters and fins, and the maximum wrench of one without thrusters."""
+def actuators_spec(model: VehicleModel, *, by_voltage: bool = False) -> _core.ActuatorsSpec:
+    """Return a vehicle's actuators: thrusters and fins, and the maximum wrench of one without thrusters.
+
+    by_voltage: whether the thrusters need their sheets. Raises ScenarioError if they have none.
+    """
     spec = _core.ActuatorsSpec()
     if model.max_force_n is not None and model.max_torque_nm is not None:
         spec.full_wrench_body = np.array([*model.max_force_n, *model.max_torque_nm])
-    spec.thrusters = [_thruster_parameters(name, mount) for name, mount in model.thrusters.items()]
+    spec.thrusters = [_thruster_parameters(name, mount, by_voltage) for name, mount in model.thrusters.items()]
     spec.fins = [_fin_parameters(name, mount) for name, mount in model.fins.items()]
     return spec
 
@@ -27,9 +30,11 @@ def thrust_curve(thruster: ThrusterType, gain: float = 1.0) -> _core.ThrustCurve
     return _core.ThrustCurve(commands, [gain * thrust_n for thrust_n in thrusts_n])
 
 
-def _thruster_parameters(name: str, mount: ThrusterMount) -> _core.ThrusterParameters:
+def _thruster_parameters(name: str, mount: ThrusterMount, by_voltage: bool) -> _core.ThrusterParameters:
     thruster = mount.model
     parameters = _core.ThrusterParameters(name, mount.position_m, mount.axis, thrust_curve(thruster, mount.gain))
+    if by_voltage:
+        parameters.sheets = thruster.performance(mount.gain)
     parameters.health = mount.health
     parameters.time_constant_s = thruster.time_constant_s
     parameters.diameter_m = thruster.diameter_m

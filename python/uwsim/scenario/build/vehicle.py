@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uwsim import _core
 from uwsim.base.quaternions import about_z
 from uwsim.scenario.build.actuator import actuators_spec
+from uwsim.scenario.build.battery import battery_spec
 from uwsim.scenario.build.compressibility import buoyancy_share
 from uwsim.scenario.build.control import ControlSettings, built_settings
 from uwsim.scenario.build.craft import craft
@@ -35,7 +36,9 @@ def vehicle_spec(scenario: Scenario, vehicle: VehicleEntry) -> _core.VehicleSpec
     spec.name = vehicle.name
     squeeze = None if model.compressibility_1_pa is None else buoyancy_share(scenario, model.compressibility_1_pa)
     spec.craft = craft(model, surface_density_kg_m3(scenario.water), vehicle.trim or model.trim, squeeze)
-    spec.actuators = actuators_spec(model)
+    spec.actuators = actuators_spec(model, by_voltage=vehicle.battery is not None)
+    if vehicle.battery is not None:
+        spec.battery = battery_spec(vehicle.battery)
     if model.collision_pieces is not None:
         from uwsim.scenario.build.collision_pieces import (
             vehicle_pieces,

@@ -43,8 +43,9 @@ def find_yaml(source: str | Path, kind: str) -> Path:
         raise ScenarioError(f"{text}: not a regular file")
     if path.suffix.lower() in YAML_SUFFIXES or len(path.parts) > 1:
         raise ScenarioError(f"{text}: no such file")
+    singular = kind[:-3] + "y" if kind.endswith("ies") else kind.removesuffix("s")
     raise ScenarioError(
-        f"unknown {kind.removesuffix('s')} '{text}': expected one of {_listed(names)}, or the path of a YAML file"
+        f"unknown {singular} '{text}': expected one of {_listed(names)}, or the path of a YAML file"
         + did_you_mean(text, names)
     )
 

@@ -6,6 +6,8 @@ Body frame: x forward, y left, z up.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,8 +15,11 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
 from uwsim import _core
+from uwsim.scenario.read.assets import shown_name
+from uwsim.scenario.read.errors import ScenarioError
 from uwsim.scenario.read.spec_file import read_spec
-from uwsim.scenario.spec.fields import AssetName, InRange, Model, Name, Point3, broken
+from uwsim.scenario.read.thruster_sheets import read_sheet_rows
+from uwsim.scenario.spec.fields import AssetFile, AssetName, InRange, Model, Name, Point3, broken
 
 Newton = Annotated[float, InRange(-1e6, 1e6, "N")]
 Microseconds = Annotated[float, InRange(1, 10_000, "us")]
@@ -39,16 +44,18 @@ class ThrusterType(Model):
 
     pwm: the pulse widths, if thrust_n is tabulated by them. thrust_n: pairs of a command in [-1, 1], or a pulse width
     if `pwm` is given, and the still-water thrust on the vehicle; linear between pairs, constant beyond the ends.
-    time_constant_s: time constant of the thrust's first-order lag. diameter_m: diameter of the propeller.
-    bollard_coefficient: T / (rho n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes;
-    without it, inflow does not reduce thrust. torque_per_thrust_m: the propeller's torque per newton of thrust, k_q = D
-    K_Q / K_T.
+    sheets: a CSV file of thrust, current and revolutions measured at several supply voltages (columns voltage_v,
+    command, thrust_n, current_a, rpm; commands as in thrust_n), used by vehicles with a `battery`. time_constant_s:
+    time constant of the thrust's first-order lag. diameter_m: diameter of the propeller. bollard_coefficient: T / (rho
+    n^2 D^4) at rest. zero_thrust_advance_ratio: u_a / (n D) at which thrust vanishes; without it, inflow does not
+    reduce thrust. torque_per_thrust_m: the propeller's torque per newton of thrust, k_q = D K_Q / K_T.
     """
 
     name: Name
     description: str = ""
     pwm: Pwm | None = None
     thrust_n: Annotated[tuple[tuple[Component, Newton], ...], Field(min_length=2, max_length=1000)]
+    sheets: AssetFile | None = None
     time_constant_s: Annotated[float, InRange(0, 60, "s")]
     diameter_m: Annotated[float, InRange(0.001, 10, "m")]
     bollard_coefficient: Annotated[float, InRange(1e-3, 10)] = 0.45
@@ -66,9 +73,34 @@ class ThrusterType(Model):
     @property
     def curve_points(self) -> tuple[list[float], list[float]]:
         """Commands in [-1, 1] and their thrusts [N]."""
-        centre, span = (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
+        centre, span = self._scale
         commands = [(given - centre) / span for given, _ in self.thrust_n]
         return commands, [thrust_n for _, thrust_n in self.thrust_n]
+
+    def performance(self, gain: float = 1.0) -> _core.ThrusterSheets:
+        """Return the sheets. gain: a factor on the thrust. Raises ScenarioError if there are none, or invalid ones."""
+        if self.sheets is None:
+            raise ScenarioError(f"thruster '{self.name}' has no `sheets` of its performance by voltage")
+        centre, span = self._scale
+        return _performance(self.sheets, self.sheets.stat().st_mtime_ns, centre, span, gain)
+
+    @property
+    def _scale(self) -> tuple[float, float]:
+        """The tabulated values of command 0, and from there to command 1."""
+        return (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
+
+
+@lru_cache(maxsize=64)  # a vehicle's thrusters share a file, and its alarms ask for it twice a second
+def _performance(path: Path, _modified_ns: int, centre: float, span: float, gain: float) -> _core.ThrusterSheets:
+    sheets = []
+    for voltage_v, rows in groupby(read_sheet_rows(path), key=lambda row: row.voltage_v):
+        _, given, thrusts_n, currents_a, rpm = zip(*rows, strict=True)
+        commands = [(value - centre) / span for value in given]
+        sheets.append(_core.ThrusterSheet(voltage_v, commands, [gain * n for n in thrusts_n], currents_a, rpm))
+    try:
+        return _core.ThrusterSheets(sheets, shown_name(path))
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
 
 
 def load_thruster(source: str | Path, folder: Path | None = None) -> ThrusterType:

@@ -45,8 +45,9 @@ class Scenario(Model):
     simulation. water: its surface, currents and profile. optics: optical conditions for cameras. terrain: the bed.
     ground: its materials. obstacles: fixed obstacles in the water. station: the reference for distances; it has the
     dock. vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
-    mission_time_s: battery life after the vehicle's release. link: the link between station and vehicles; None:
-    messages are delivered immediately. faults: what fails, and when.
+    mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
+    flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
+    and when.
     """
 
     name: Name

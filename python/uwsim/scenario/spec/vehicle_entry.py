@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 from pydantic_core.core_schema import ValidationInfo
 
+from uwsim.scenario.read.errors import ScenarioError
+from uwsim.scenario.spec.battery import BatterySpec
 from uwsim.scenario.spec.failsafe import Failsafe
 from uwsim.scenario.spec.fields import AssetName, Degrees, InRange, Model, Name, Point3, broken
 from uwsim.scenario.spec.sonar_setup import SonarSetup
@@ -45,9 +47,10 @@ class VehicleEntry(Model):
 
     sonar: its multibeam, on the model's mount. model: the name of a packaged vehicle or the path of its YAML file,
     which is read into a VehicleModel. failsafe, trim: override the model's. start: `station` (docked there; None in
-    Python) or a free pose. command_timeout_s: the simulated time after which it stops if a publisher of steering
-    commands, such as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the
-    published topic `key` are held in any case.
+    Python) or a free pose. battery: a battery of cells, which the thrusters drain; by default the scenario's
+    mission_time_s. command_timeout_s: the simulated time after which it stops if a publisher of steering commands, such
+    as /cmd_vel, falls silent; 0: the last command is held. Commands by services, Python and the published topic `key`
+    are held in any case.
     """
 
     name: Name
@@ -59,3 +62,25 @@ class VehicleEntry(Model):
     failsafe: Failsafe | None = None
     trim: Trim | None = None
     command_timeout_s: Annotated[float, InRange(0, 1e6, "s")] = 0.5
+    battery: BatterySpec | None = None
+
+    @model_validator(mode="after")
+    def _has_thrusters_for_its_battery(self) -> VehicleEntry:
+        if self.battery is None:
+            return self
+        if not self.model.thrusters:
+            raise broken("the vehicle has no thrusters to supply: use mission_time_s", at=("battery",))
+        low_v, high_v = self.battery.model.cutoff_v, self.battery.model.open_circuit_v[-1][1]
+        first: list[float] | None = None
+        for name, mount in self.model.thrusters.items():
+            try:
+                volts = mount.model.performance().voltages_v
+            except ScenarioError as error:
+                raise broken(f"thruster '{name}': {error}", at=("battery",)) from None
+            if not volts[0] <= low_v < high_v <= volts[-1]:
+                rule = f"its voltages, {low_v:g} to {high_v:g} V, must lie within those of thruster '{name}', "
+                raise broken(f"{rule}{volts[0]:g} to {volts[-1]:g} V", at=("battery",))
+            if first is not None and volts != first:
+                raise broken("the sheets of all thrusters must be of the same voltages", at=("battery",))
+            first = volts
+        return self

@@ -36,6 +36,10 @@ class Watched(Protocol):
     def sensors(self) -> Mapping[str, Any]:
         """The sensors."""
 
+    @property
+    def battery(self) -> Any:
+        """The battery's monitor."""
+
     def telemetry(self) -> Any:
         """Read the vehicle's panel."""
 
@@ -69,15 +73,19 @@ class Alarms:
     def _weak_thrusters(self, vehicle: Watched) -> list[str]:
         """Compare each motor's thrust, derived from its revolutions, with the thrust expected from its command."""
         weak = []
+        voltage_v = vehicle.battery.voltage_v
         for name, state in vehicle.thrusters.items():
-            expected_n = abs(self._expected_n(name, state.command))
+            expected_n = abs(self._expected_n(name, state.command, voltage_v))
             fails = abs(state.command) >= WORKING and abs(state.thrust_n) < WEAK * expected_n
             if self._counted(f"thruster {name}", fails) >= SILENT_LOOKS:
                 weak.append(name)
         return weak
 
-    def _expected_n(self, name: str, command: float) -> float:
+    def _expected_n(self, name: str, command: float, voltage_v: float) -> float:
         mount = self.model.thrusters[name]
+        if not math.isnan(voltage_v):
+            sheets = mount.model.performance(mount.gain)
+            return sheets.at(command, min(max(voltage_v, sheets.voltages_v[0]), sheets.voltages_v[-1]))[0]
         commands, thrusts_n = mount.model.curve_points
         return float(mount.gain * np.interp(command, commands, thrusts_n))
 

@@ -6,6 +6,7 @@ from typing import get_args
 
 from uwsim.base.axes import AXES
 from uwsim.scenario.spec.actuator import FinMount, ThrusterMount, ThrusterType
+from uwsim.scenario.spec.battery import BatterySetup, BatteryType
 from uwsim.scenario.spec.camera import CameraMount, Lamps
 from uwsim.scenario.spec.fields import Model
 from uwsim.scenario.spec.imaging_sonar import ImagingMount
@@ -60,7 +61,9 @@ FIXED: dict[type[Model], frozenset[str]] = {
         ]
     ),
     ThrusterMount: frozenset({"position_m", "axis", "spin"}),
-    ThrusterType: frozenset({"name", "description", "pwm", "thrust_n"}),
+    ThrusterType: frozenset({"name", "description", "pwm", "thrust_n", "sheets"}),
+    BatterySetup: frozenset({"initial_charge"}),
+    BatteryType: frozenset({"name", "description", "open_circuit_v"}),
     FinMount: frozenset({"position_m", "span"}),
     SensorMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
     SonarSetup: frozenset({"tilt_deg"}),
@@ -77,6 +80,7 @@ NAMES: dict[tuple[type[Model], str], str] = {
     (Scenario, "vehicles"): "",
     (VehicleEntry, "model"): "",
     (ThrusterMount, "model"): "",
+    (BatterySetup, "model"): "",
     (VehicleModel, "linear_damping"): "drag.linear",
     (VehicleModel, "linear_damping_matrix"): "drag.linear",
     (VehicleModel, "quadratic_damping"): "drag.quadratic",

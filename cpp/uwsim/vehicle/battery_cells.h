@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "uwsim/core/state_archive.h"
+#include "uwsim/vehicle/supply.h"
+
+namespace uwsim {
+
+/// The parameters of a battery that stores charge.
+struct BatterySpec {
+  double capacity_ah = 1;
+  std::vector<double> charges;         ///< fractions of the capacity, rising from 0 to 1
+  std::vector<double> open_circuit_v;  ///< at each charge, at rest; never falling
+  double resistance_ohm = 0;
+  double cutoff_v = 0;        ///< below this voltage it switches off
+  double hotel_w = 0;         ///< power of everything but the thrusters
+  double initial_charge = 1;  ///< fraction
+
+  /// Throws InvalidValue that names the field.
+  void check() const;
+};
+
+/// Cells behind an internal resistance: the voltage at the terminals is V = E(s) - R I, with the open-circuit voltage E
+/// by charge s, as in the models of Shepherd 1965 and Tremblay et al. 2007, "A Generic Battery Model for the Dynamic
+/// Simulation of Hybrid Electric Vehicles", without their exponential transients. The current is that of the thrusters,
+/// which depends on V, and that of a constant power P: I = I_T(V) + P / V. It is solved for V in closed form between
+/// two voltages of the thrusters' sheets. Charge is the integral of current. Once the voltage falls below a limit, or
+/// the charge is used up, it stays off until it is charged.
+///
+/// Valid at one temperature, for discharges slower than its own relaxation (minutes), above some 10 % of charge: below,
+/// and in cold water, a real resistance rises.
+class BatteryCells {
+ public:
+  /// Throws InvalidValue: see BatterySpec::check.
+  explicit BatteryCells(const BatterySpec& spec);
+
+  const BatterySpec& spec() const { return spec_; }
+  /// Supplies a load for one step.
+  Supply supply(const ElectricalLoad& load, double step_s);
+  /// Supplies nothing.
+  Supply rest();
+  void charge_fully();
+
+  double charge_ah() const { return charge_ah_; }
+  bool empty() const { return empty_; }
+  double voltage_v() const { return voltage_v_; }  ///< at the terminals, in the last step
+  double current_a() const { return current_a_; }  ///< out of the terminals, in the last step
+  /// The usable charge in percent of the capacity; 0 once it has switched off.
+  double charge_percent() const { return empty_ ? 0 : 100 * charge_ah_ / spec_.capacity_ah; }
+
+  void exchange_state(StateArchive& archive);
+
+ private:
+  /// Voltage and current under a load; 0 V if the cells cannot hold their lowest voltage.
+  struct Solution {
+    double voltage_v = 0, current_a = 0;
+  };
+  Solution solve(const ElectricalLoad& load) const;
+  double open_circuit_v() const;
+
+  BatterySpec spec_;
+  double charge_ah_ = 0;
+  double voltage_v_ = 0;
+  double current_a_ = 0;
+  bool empty_ = false;
+};
+
+}  // namespace uwsim
