@@ -1941,11 +1941,10 @@ class ImagingSonar:
         with_labels: bool = False,
     ) -> dict[str, numpy.typing.NDArray[numpy.float32]]:
         """
-        Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar;
-        the kind determines how many poses there are. angles_rad (m,): of a steered beam. Ping k has the
-        number first_ping + k, which selects its speckle. with_labels: also return, for each cell, the label
-        of the surface with the strongest mean echo, 0 where none exceeds the noise. The result does not
-        depend on the number of threads. Raises ValueError. Releases the GIL.
+        The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the
+        kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its
+        noise. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where none
+        is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.
         """
 
 class DepthCamera:

@@ -68,15 +68,16 @@ void bind_imaging(py::module_& m) {
           [](const ImagingSonar& s, const Water& water, double z_m) {
             return s.acoustics().absorption_db_m(water, z_m);
           },
-          py::arg("water"), py::arg("head_z_m"), "Return the absorption in the water at the head [dB/m].")
-      .def("ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
-           py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
-           py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
-           "Return the kind's float32 arrays by name, for pings from poses (n, 3) and (n, 4), world from sonar;\n"
-           "the kind determines how many poses there are. angles_rad (m,): of a steered beam. Ping k has the\n"
-           "number first_ping + k, which selects its speckle. with_labels: also return, for each cell, the label\n"
-           "of the surface with the strongest mean echo, 0 where none exceeds the noise. The result does not\n"
-           "depend on the number of threads. Raises ValueError. Releases the GIL.");
+          py::arg("water"), py::arg("head_z_m"), "Absorption in the water at the head [dB/m].")
+      .def(
+          "ping", &ping, py::arg("scene"), py::arg("water"), py::arg("positions_m"), py::arg("orientations_xyzw"),
+          py::arg("seed"), py::arg("stream"), py::arg("first_ping"), py::arg("threads") = 1,
+          py::arg("angles_rad") = py::tuple(), py::arg("with_labels") = false,
+          "The kind's float32 arrays by name, of pings from poses (n, 3) and (n, 4), world from sonar, as many as the\n"
+          "kind takes; angles_rad (m,): of a steered beam. Ping k has the number first_ping + k, which selects its\n"
+          "noise. with_labels: also the label of the surface whose mean echo is the strongest in each cell, 0 where "
+          "none\n"
+          "is above the noise. The same result whatever the number of threads. Raises ValueError. Releases the GIL.");
 }
 
 }  // namespace uwsim::bindings

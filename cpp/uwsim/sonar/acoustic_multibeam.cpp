@@ -83,7 +83,7 @@ AcousticMultibeam::AcousticMultibeam(const MultibeamModel& fan, const AcousticSp
       absorption_(absorption_column(water, spec.figures.frequency_hz, spec.acidity_ph, bottom_m)),
       figure_db_(spec.figures.figure_db() - fan.gain_db),
       detector_(spec.figures, spec.range_noise),
-      speckle_(stream.key(), spec.figures.frequency_hz),
+      speckle_(stream.key(), spec.figures),
       share_sr_(static_cast<float>(spec.figures.beam_solid_angle_sr() / spec.rays_per_beam)),
       width_rad_(
           static_cast<float>(std::sqrt(spec.figures.beam_width_along_rad * spec.figures.beam_width_across_rad))) {

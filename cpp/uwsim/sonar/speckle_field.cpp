@@ -4,6 +4,9 @@
 #include <bit>
 #include <cmath>
 
+#include "uwsim/sonar/hashed_noise.h"
+#include "uwsim/sonar/moving_array.h"
+
 namespace uwsim {
 namespace {
 
@@ -18,18 +21,9 @@ constexpr double kLeast_m = 1e-4;
 // a key.
 constexpr std::uint32_t kStrideAcross = 0x9e3779b1U, kStrideWithin = 0x85ebca77U;
 
-/// Murmur3's finalizers (Appleby, public domain): every bit of the result depends on every bit of the input.
-std::uint64_t mixed(std::uint64_t h) {
-  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
-  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
-  return h ^ (h >> 33);
-}
-
-std::uint32_t mixed(std::uint32_t h) {
-  h = (h ^ (h >> 16)) * 0x85ebca6bU;
-  h = (h ^ (h >> 13)) * 0xc2b2ae35U;
-  return h ^ (h >> 16);
-}
+constexpr double kLineArray = 0.886;  // length in wave lengths times the beam's width at -3 dB
+/// A draw makes an intensity, whose correlation is the square of the amplitudes': (1 - d)^2 for a line array.
+constexpr double kIntensity = 0.7;
 
 /// A power of two [m]; `level` must be within the exponent range of a double.
 double power_of_two(int level) { return std::bit_cast<double>(static_cast<std::uint64_t>(level + 1023) << 52); }
@@ -77,9 +71,7 @@ struct CoveredCells {
   }
 };
 
-/// Sums the product of weights and noise over all pairs of cells, for two noises. Each noise is the sum of a hash's
-/// four bytes, with signs that make the two uncorrelated. No test in this project can distinguish the sum over several
-/// cells from a normal distribution.
+/// The sums over all pairs of cells of the product of their weights and of two noises.
 std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCells& columns, std::uint32_t key) {
   constexpr std::size_t kAll = kCells * kCells;
   alignas(32) std::uint32_t hash[kAll];
@@ -91,12 +83,9 @@ std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCell
     }
   }
   for (std::size_t k = 0; k < kAll; ++k) {
-    const std::uint32_t h = mixed(hash[k]);
-    const auto a = static_cast<std::int32_t>(h & 0xff), b = static_cast<std::int32_t>((h >> 8) & 0xff);
-    const auto c = static_cast<std::int32_t>((h >> 16) & 0xff), d = static_cast<std::int32_t>(h >> 24);
-    const std::int32_t even = a + c, odd = b + d;
-    one[k] = weight[k] * static_cast<float>(even + odd - 510);
-    two[k] = weight[k] * static_cast<float>(even - odd);
+    const auto [a, b] = byte_sums(mixed(hash[k]));
+    one[k] = weight[k] * a;
+    two[k] = weight[k] * b;
   }
   float first[kCells] = {}, second[kCells] = {};
   for (std::size_t i = 0; i < kCells; ++i) {
@@ -110,8 +99,7 @@ std::array<double, 2> weighted_noise(const CoveredCells& rows, const CoveredCell
     sums[0] += first[j];
     sums[1] += second[j];
   }
-  // A byte's variance is (256^2 - 1) / 12, that of four bytes four times as much.
-  const float scale = 1 / std::sqrt(65535.0f / 3 * rows.squares * columns.squares);
+  const float scale = 1 / std::sqrt(kByteSumVariance * rows.squares * columns.squares);
   return {sums[0] * scale, sums[1] * scale};
 }
 
@@ -130,12 +118,15 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
   return {base + mean.matrix(), (squares * share - mean.square()).max(0.0f).sqrt().matrix()};
 }
 
-SpeckleField::SpeckleField(std::uint64_t seed, double frequency_hz)
-    : key_(mixed(seed ^ mixed(std::bit_cast<std::uint64_t>(frequency_hz)))) {
+SpeckleField::SpeckleField(std::uint64_t seed, const SonarFigures& figures)
+    : key_(mixed(seed ^ mixed(std::bit_cast<std::uint64_t>(figures.frequency_hz)))) {
   for (std::size_t level = 0; level < across_.size(); ++level) {
     across_[level] = static_cast<std::uint32_t>(mixed(key_ + level));
     within_[level] = static_cast<std::uint32_t>(mixed(key_ + level) >> 32);
   }
+  const double within_m = half_array_m(kLineArray / figures.beam_width_across_rad, figures.frequency_hz);
+  const double across_m = half_array_m(kLineArray / figures.beam_width_along_rad, figures.frequency_hz);
+  nodes_m_ = kIntensity * Eigen::Vector3d(std::max(within_m, across_m), within_m, across_m);
 }
 
 SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
@@ -149,10 +140,11 @@ SpeckleField::View SpeckleField::view(const Pose& world_from_sonar) const {
     part = std::round(kRounding * part);
     key = mixed(key + static_cast<std::uint64_t>(static_cast<std::int64_t>(part)));
   }
-  view.key_ = static_cast<std::uint32_t>(key);
   const Eigen::Matrix3d lattice_from_world = Eigen::Quaterniond(rounded).normalized().toRotationMatrix().transpose();
   view.head_m_ = lattice_from_world * world_from_sonar.position_m;
   view.lattice_from_sonar_ = lattice_from_world * world_from_sonar.rotation();
+  const Eigen::Vector3d moved = view.head_m_.cwiseQuotient(nodes_m_);
+  view.nodes_ = simplex_nodes<3>({moved.x(), moved.y(), moved.z()}, static_cast<std::uint32_t>(key));
   return view;
 }
 
@@ -163,7 +155,13 @@ std::array<double, 2> SpeckleField::View::draws(const EchoFootprint& footprint) 
   const Eigen::Index along = deviation_m.y() >= deviation_m.x() ? 1 : 0;
   const CoveredCells within(at_m[along], deviation_m[along], kStrideWithin, field_->within_);
   const CoveredCells across(at_m.z(), deviation_m.z(), kStrideAcross, field_->across_);
-  return weighted_noise(across, within, key_ + static_cast<std::uint32_t>(along));
+  std::array<double, 2> sums = {0, 0};
+  for (std::size_t k = 0; k < nodes_.keys.size(); ++k) {
+    const auto [one, two] = weighted_noise(across, within, nodes_.keys[k] + static_cast<std::uint32_t>(along));
+    sums[0] += nodes_.weights[k] * one;
+    sums[1] += nodes_.weights[k] * two;
+  }
+  return sums;
 }
 
 }  // namespace uwsim

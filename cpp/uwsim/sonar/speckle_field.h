@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "uwsim/acoustics/sonar_equation.h"
 #include "uwsim/core/pose.h"
 #include "uwsim/sonar/echo.h"
+#include "uwsim/sonar/simplex_nodes.h"
 
 namespace uwsim {
 
@@ -24,20 +26,21 @@ EchoFootprint echo_footprint(std::span<const RayEcho> rays, const Eigen::Ref<con
 /// exp(-d^2 / (4 sigma^2)), the square of their amplitudes' overlap, as for real speckle (Goodman 2007, "Speckle
 /// Phenomena in Optics", ch. 3). Pings from the same place hit the same scatterers.
 ///
+/// The whole field changes as the head moves (moving_array.h): along the fan's plane by half the receiver's length,
+/// across it by half the transmitter's. Motion along the beams counts as motion by the longer of the two (assumed).
+///
 /// The noise is hashed by cells of square lattices whose sizes are powers of two. Each footprint is covered by linear
 /// B-splines on the two nearest sizes, along the fan's plane and across it, mixed so that the correlation has the
 /// footprint's extent. Lattices are aligned with the fan to within 4 degrees and are fixed in the world for headings
 /// that round to the same value; from other headings, the scatterers appear with independent random phases, as in real
 /// water.
-///
-/// Not modelled: the change of speckle with the direction from which the same footprint is seen.
 class SpeckleField {
  public:
   /// One key per cell size 2^level, at index level modulo 64.
   using LevelKeys = std::array<std::uint32_t, 64>;
 
   /// Different frequencies have different speckle.
-  SpeckleField(std::uint64_t seed, double frequency_hz);
+  SpeckleField(std::uint64_t seed, const SonarFigures& figures);
 
   /// The field as seen by one ping; valid during the lifetime of the field.
   class View {
@@ -48,7 +51,7 @@ class SpeckleField {
    private:
     friend SpeckleField;
     const SpeckleField* field_;
-    std::uint32_t key_;
+    SimplexNodes<3> nodes_;   // by the head's place
     Eigen::Vector3d head_m_;  // in the lattices' frame
     Eigen::Matrix3d lattice_from_sonar_;
   };
@@ -57,6 +60,7 @@ class SpeckleField {
  private:
   std::uint64_t key_;
   LevelKeys across_, within_;
+  Eigen::Vector3d nodes_m_;  // unit of the head's place, along the lattices' axes
 };
 
 }  // namespace uwsim

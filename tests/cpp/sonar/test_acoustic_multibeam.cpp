@@ -141,8 +141,13 @@ TEST(AcousticMultibeam, PingsFromOnePlaceRepeatTheirSpeckleAndNotTheirNoise) {
   };
   const auto apart_db = [](const std::vector<float>& a, const std::vector<float>& b) {
     double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += std::abs(a[k] - b[k]);
-    return sum / static_cast<double>(a.size());
+    int both = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      if (!std::isfinite(a[k] - b[k])) continue;  // no echo
+      sum += std::abs(a[k] - b[k]);
+      ++both;
+    }
+    return sum / both;
   };
   const AcousticMultibeam clear = sonar_of(fan_of(401, 60), spec);
   spec.figures.noise_level_db += 40;

@@ -4,11 +4,15 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace uwsim {
 namespace {
 
 constexpr int kPlaces = 20'000;
+
+/// At 400 kHz; half the receiver is 0.138 m long, half the transmitter 0.237 m.
+const SonarFigures kFigures{.frequency_hz = 400e3, .beam_width_along_rad = 0.007, .beam_width_across_rad = 0.012};
 
 Pose looking_down(double x_m, double y_m) {
   return {{x_m, y_m, -2}, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()))};
@@ -36,7 +40,7 @@ double correlation(const SpeckleField& field, float apart_y, float apart_z, floa
 }
 
 TEST(SpeckleField, DrawsAreStandardNormalAndTheTwoAreIndependent) {
-  const SpeckleField field(7, 400e3);
+  const SpeckleField field(7, kFigures);
   double sum = 0, squares = 0, fourth = 0, other = 0, product = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const auto [a, b] = field.view(looking_down(17.3 * k, 0.71 * k)).draws(footprint(1, 0, 0.37f, 0.2f));
@@ -54,7 +58,7 @@ TEST(SpeckleField, DrawsAreStandardNormalAndTheTwoAreIndependent) {
 }
 
 TEST(SpeckleField, BeamsCorrelateByTheOverlapOfTheirFootprints) {
-  const SpeckleField field(7, 400e3);
+  const SpeckleField field(7, kFigures);
   // 0.24 degrees apart with a beam of 1 degree: 0.57 standard deviations, exp(-0.57^2 / 4) = 0.92.
   const float close = 0.24f * 2.3548f;
   for (const float deviation_m : {0.05f, 0.26f, 0.4f, 3.1f}) {
@@ -70,21 +74,51 @@ TEST(SpeckleField, BeamsCorrelateByTheOverlapOfTheirFootprints) {
 }
 
 TEST(SpeckleField, ScatterersAreFixedInTheWorld) {
-  const SpeckleField field(7, 400e3);
-  const auto here = field.view(looking_down(100, 40)).draws(footprint(2, 1, 0.3f, 0.2f));
-  // The same footprint from another head with the same heading: 3 m along the fan's y axis, which is the world's, and 2
-  // m along its z axis.
-  const auto again = field.view(looking_down(98, 43)).draws(footprint(-1, -1, 0.3f, 0.2f));
-  const auto other_way = field.view(looking_down(102, 43)).draws(footprint(-1, -1, 0.3f, 0.2f));
-  const bool same = std::abs(here[0] - again[0]) < 1e-4, mirrored = std::abs(here[0] - other_way[0]) < 1e-4;
-  EXPECT_NE(same, mirrored) << "the fan's z looks along the world's x, forward or back";
-  const SpeckleField other(8, 400e3), higher(7, 700e3);
-  EXPECT_NE(other.view(looking_down(100, 40)).draws(footprint(2, 1, 0.3f, 0.2f)), here);
-  EXPECT_NE(higher.view(looking_down(100, 40)).draws(footprint(2, 1, 0.3f, 0.2f)), here);
+  const SpeckleField field(7, kFigures);
+  const double turn_rad = 0.01;
+  double same = 0, elsewhere = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    Pose pose = looking_down(17.3 * k, 0.71 * k);
+    const double here = field.view(pose).draws(footprint(1, 0, 0.3f, 0.2f))[0];
+    pose.orientation = pose.orientation * Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ());
+    const auto moved_m = static_cast<float>(60 * turn_rad);  // two standard deviations
+    same += here * field.view(pose).draws(footprint(1 - moved_m, 0, 0.3f, 0.2f))[0] / kPlaces;
+    elsewhere += here * field.view(pose).draws(footprint(1, 0, 0.3f, 0.2f))[0] / kPlaces;
+  }
+  EXPECT_GT(same, 0.97) << "a turned head finds them in other beams";
+  EXPECT_LT(elsewhere, 0.5);
+  const Pose pose = looking_down(100, 40);
+  const auto here = field.view(pose).draws(footprint(2, 1, 0.3f, 0.2f));
+  const SpeckleField other(8, kFigures);
+  SonarFigures higher = kFigures;
+  higher.frequency_hz = 700e3;
+  EXPECT_NE(other.view(pose).draws(footprint(2, 1, 0.3f, 0.2f)), here);
+  EXPECT_NE(SpeckleField(7, higher).view(pose).draws(footprint(2, 1, 0.3f, 0.2f)), here);
+}
+
+TEST(SpeckleField, DecorrelatesAsTheArrayMovesByHalfItsLength) {
+  const SpeckleField field(7, kFigures);
+  // Looking down, the fan's y axis is the world's, along which the receiver lies; its z axis is the world's x.
+  const auto after = [&](double x_m, double y_m) {
+    double sum = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double x = 17.3 * k, y = 0.71 * k;
+      const auto y_apart = static_cast<float>(-y_m), z_apart = static_cast<float>(-x_m);  // the same footprint
+      sum += field.view(looking_down(x, y)).draws(footprint(1, 0, 3, 3))[0] *
+             field.view(looking_down(x + x_m, y + y_m)).draws(footprint(1 + y_apart, z_apart, 3, 3))[0];
+    }
+    return sum / kPlaces;
+  };
+  for (const auto& [x_m, y_m] : {std::pair{0.237, 0.0}, std::pair{0.0, 0.138}}) {
+    EXPECT_GT(after(0.05 * x_m, 0.05 * y_m), 0.95);
+    EXPECT_NEAR(after(0.5 * x_m, 0.5 * y_m), 0.25, 0.1) << "an unshaded line array";
+    EXPECT_NEAR(after(x_m, y_m), 0, 0.03);
+    EXPECT_NEAR(after(2 * x_m, 2 * y_m), 0, 0.03);
+  }
 }
 
 TEST(SpeckleField, ASmallTurnKeepsTheLatticesAndBothSignsOfAQuaternionAreOne) {
-  const SpeckleField field(7, 400e3);
+  const SpeckleField field(7, kFigures);
   Pose pose = looking_down(100, 40);
   const auto before = field.view(pose).draws(footprint(0, 0, 0.3f, 0.2f));
   pose.orientation = pose.orientation * Eigen::AngleAxisd(1e-4, Eigen::Vector3d::UnitZ());

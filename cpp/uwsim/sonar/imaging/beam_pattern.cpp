@@ -29,9 +29,12 @@ BeamPattern::BeamPattern(double width_rad, double taper, double floor) : taper_(
 }
 
 double BeamPattern::power(double off_axis_rad) const {
-  const double sine = std::sin(std::min(std::abs(off_axis_rad), std::numbers::pi / 2));
-  const double h = amplitude(lengths_per_wave_ * sine);
+  const double h = amplitude_at(off_axis_rad);
   return std::max(h * h, floor_);
+}
+
+double BeamPattern::amplitude_at(double off_axis_rad) const {
+  return amplitude(lengths_per_wave_ * std::sin(std::min(std::abs(off_axis_rad), std::numbers::pi / 2)));
 }
 
 double BeamPattern::amplitude(double u) const {

@@ -18,6 +18,10 @@ class BeamPattern {
 
   /// Power relative to the axis, in [floor, 1]. Beyond +-pi/2, the value at pi/2 is used.
   double power(double off_axis_rad) const;
+  /// H at an angle, relative to the axis; side lobes alternate in sign, and there is no floor.
+  double amplitude_at(double off_axis_rad) const;
+  /// L / lambda.
+  double lengths_per_wave() const { return lengths_per_wave_; }
 
  private:
   double amplitude(double u) const;

@@ -7,6 +7,7 @@
 #include "uwsim/core/parallel.h"
 #include "uwsim/sonar/beam_angles.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/fan_speckle.h"
 #include "uwsim/sonar/imaging/imaging_sonar.h"
 #include "uwsim/sonar/imaging/surface_echo.h"
 
@@ -59,18 +60,22 @@ class ForwardLooking final : public ImagingSonar {
     std::vector<EchoesByLabel> by_label(request.with_labels ? columns() : 0, EchoesByLabel(bins_));
     const std::vector<double> profiles = column_profiles(request, pose, absorption, by_label);
     const ImagingReceiver receiver(acoustics(), absorption, request.random);
+    const FanSpeckle speckle({across_, vertical_width_rad_}, acoustics(), request.random, pose, bearing_rad(0),
+                             bearing_rad(beams_ - 1), request.threads);
     const std::vector<double> weights = column_weights();
     std::vector<float> levels(bins_ * beams_);
     parallel_ranges(
         beams_, request.threads,
         [&](std::size_t first, std::size_t last) {
           std::vector<double> echo(bins_);
+          std::vector<FanSpeckle::Amplitude> row;
           for (std::size_t beam = first; beam < last; ++beam) {
             sum_columns(profiles, weights, beam, echo);
+            const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(bearing_rad(beam), row);
             for (std::size_t bin = 0; bin < bins_; ++bin) {
               const std::size_t cell = bin * beams_ + beam;
               levels[cell] = receiver.displayed_db(
-                  receiver.received(echo[bin], request.first_ping, static_cast<std::uint32_t>(cell)),
+                  receiver.received(echo[bin], scattered, bin, request.first_ping, static_cast<std::uint32_t>(cell)),
                   acoustics().bin_centre_m(static_cast<int>(bin)));
             }
           }
@@ -86,6 +91,10 @@ class ForwardLooking final : public ImagingSonar {
   }
 
  private:
+  double bearing_rad(std::size_t beam) const {
+    return first_bearing_rad_ + static_cast<double>(beam * columns_per_beam_) * spacing_rad_;
+  }
+
   std::size_t columns() const { return (beams_ - 1) * columns_per_beam_ + 1 + 2 * reach_; }
 
   /// Mean echo power by range, one row per column of rays; also by label, unless the output for labels is empty.

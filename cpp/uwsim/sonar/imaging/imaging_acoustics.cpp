@@ -10,7 +10,7 @@
 namespace uwsim {
 namespace {
 
-constexpr int kMaxLooks = 16;  // a product of more uniform draws might underflow
+constexpr int kMaxLooks = 16;
 constexpr int kMaxBins = 20000;
 constexpr double kLoudest_db = 300;  // far louder than any transducer; keeps powers within the range of a double
 
@@ -70,15 +70,18 @@ ImagingReceiver::ImagingReceiver(const ImagingAcoustics& acoustics, double absor
       source_(power_of(acoustics.source_level_db)),
       noise_(power_of(acoustics.noise_level_db)) {}
 
-double ImagingReceiver::received(double echo, std::uint64_t ping, std::uint32_t cell) const {
-  const double mean = source_ * echo + noise_;
-  const int looks = acoustics_.looks;
-  if (looks == 0) return mean;
-  double product = 1;
-  for (int look = 0; look < looks; ++look) {
-    product *= random_.uniform(ping, cell * static_cast<std::uint32_t>(looks) + static_cast<std::uint32_t>(look));
+double ImagingReceiver::received(double echo, std::span<const std::complex<float>> speckle, std::size_t bin,
+                                 std::uint64_t ping, std::uint32_t cell) const {
+  const auto looks = static_cast<std::uint32_t>(acoustics_.looks);
+  if (looks == 0) return source_ * echo + noise_;
+  const double amplitude = std::sqrt(source_ * echo), noise = std::sqrt(noise_ / 2);
+  double power = 0;
+  for (std::uint32_t look = 0; look < looks; ++look) {
+    const std::complex<double> scattered(speckle[bin * looks + look]);
+    const auto [real, imaginary] = random_.normals(ping, cell * looks + look);
+    power += std::norm(amplitude * scattered + noise * std::complex<double>(real, imaginary));
   }
-  return mean * -std::log(product) / looks;
+  return power / looks;
 }
 
 float ImagingReceiver::displayed_db(double received, double range_m) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,18 +41,20 @@ std::span<const Parameter> imaging_acoustics_parameters();
 /// Creates the acoustics from a complete set of parameters. Throws InvalidValue for strengths out of range.
 ImagingAcoustics imaging_acoustics(const ParameterValues& figures, const std::vector<double>& strengths_db = {});
 
-/// Converts an echo's mean power to the displayed level: noise, speckle, gain.
+/// Converts an echo's mean power to the displayed level: speckle, noise, gain.
 ///
-/// Many scatterers with random phases in a cell produce a complex Gaussian pressure (Goodman 1975, "Statistical
-/// properties of laser speckle patterns"), so amplitude is Rayleigh-distributed and power exponential: its standard
-/// deviation equals its mean. The mean of n looks is a gamma variate of shape n, with std = mean / sqrt(n). Noise adds
-/// as power, before the draw. A cell's random draw depends only on (stream, ping, cell).
+/// Many scatterers in a cell with random phases make a complex Gaussian pressure (Goodman 1975, "Statistical properties
+/// of laser speckle patterns"), so amplitude is Rayleigh and power exponential: standard deviation = mean. The mean of
+/// n looks is a gamma variate of shape n: std = mean / sqrt(n). Speckle belongs to the place (FanSpeckle); the
+/// receiver's noise, also complex Gaussian, adds to the pressure and is a function of (stream, ping, cell) only.
 class ImagingReceiver {
  public:
   ImagingReceiver(const ImagingAcoustics& acoustics, double absorption_db_m, const RandomStream& random);
 
-  /// Received power relative to 1 uPa^2, without gain. `echo`: mean power relative to the source's at 1 m.
-  double received(double echo, std::uint64_t ping, std::uint32_t cell) const;
+  /// Received power relative to 1 uPa^2, without gain. `echo`: mean power relative to the source's at 1 m. `speckle`:
+  /// of the beam, see FanSpeckle::of_beam. `cell`: number among all cells of the ping, whose bin is `bin`.
+  double received(double echo, std::span<const std::complex<float>> speckle, std::size_t bin, std::uint64_t ping,
+                  std::uint32_t cell) const;
   /// Displayed level, with the gain at that range [dB re 1 uPa]; always finite.
   float displayed_db(double received, double range_m) const;
   double noise() const { return noise_; }

@@ -23,7 +23,7 @@ struct ImagingRequest {
   std::span<const Pose> world_from_sonar;
   std::span<const double> angles_rad;  ///< angles of a steered beam, about the sonar's +z; empty for other kinds
   const RandomStream& random;
-  std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its speckle as first_ping + k
+  std::uint64_t first_ping = 0;  ///< number of the first ping; ping k draws its noise as first_ping + k
   int threads = 1;
   /// whether to identify the surface that each cell's echo comes from; see EchoesByLabel
   bool with_labels = false;

@@ -6,6 +6,7 @@
 
 #include "uwsim/core/parallel.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/fan_speckle.h"
 #include "uwsim/sonar/imaging/imaging_sonar.h"
 #include "uwsim/sonar/imaging/surface_echo.h"
 
@@ -48,10 +49,11 @@ class SideScan final : public ImagingSonar {
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
         planes_(whole_number(figures, "planes")),
         along_width_rad_(number(figures, "along_width_rad")),
+        vertical_width_rad_(number(figures, "vertical_width_rad")),
         depression_rad_(number(figures, "depression_rad")),
         detection_db_(number(figures, "detection_db")),
         along_(along_width_rad_, kTaper, 0),
-        vertical_(number(figures, "vertical_width_rad"), kTaper, kFloor) {}
+        vertical_(vertical_width_rad_, kTaper, kFloor) {}
 
   std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
     const std::size_t pings = request.world_from_sonar.size();
@@ -95,14 +97,19 @@ class SideScan final : public ImagingSonar {
     std::vector<ArcRay> rays = arc_rays(across_angles(acoustics(), height));
 
     std::vector<double> both(bins_, 0.0);
+    std::vector<FanSpeckle::Amplitude> amplitudes;
     for (const int side : {0, 1}) {
+      const double bearing_rad = side == 0 ? std::numbers::pi / 2 : -std::numbers::pi / 2;
+      const FanSpeckle speckle({along_, vertical_width_rad_}, acoustics(), request.random, pose, bearing_rad,
+                               bearing_rad);
+      const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(bearing_rad, amplitudes);
       EchoesByLabel by_label(bins_);
       const std::vector<double> echo =
           side_echo(echoes, rotation, side == 0 ? 1.0 : -1.0, rays, request.with_labels ? &by_label : nullptr);
       float* levels = (side == 0 ? lines.port_db : lines.starboard_db).data() + row * bins_;
       for (std::size_t bin = 0; bin < bins_; ++bin) {
         const auto cell = static_cast<std::uint32_t>(static_cast<std::size_t>(side) * bins_ + bin);
-        const double received = receiver.received(echo[bin], request.first_ping + row, cell);
+        const double received = receiver.received(echo[bin], scattered, bin, request.first_ping + row, cell);
         both[bin] += received;
         levels[bin] = receiver.displayed_db(received, acoustics().bin_centre_m(static_cast<int>(bin)));
       }
@@ -141,7 +148,7 @@ class SideScan final : public ImagingSonar {
 
   std::size_t bins_;
   int planes_;
-  double along_width_rad_, depression_rad_, detection_db_;
+  double along_width_rad_, vertical_width_rad_, depression_rad_, detection_db_;
   BeamPattern along_, vertical_;
 };
 

@@ -7,6 +7,7 @@
 #include "uwsim/core/check.h"
 #include "uwsim/core/parallel.h"
 #include "uwsim/sonar/imaging/beam_pattern.h"
+#include "uwsim/sonar/imaging/fan_speckle.h"
 #include "uwsim/sonar/imaging/imaging_sonar.h"
 #include "uwsim/sonar/imaging/surface_echo.h"
 
@@ -62,11 +63,11 @@ class SingleBeam final : public ImagingSonar {
       : ImagingSonar(acoustics),
         bins_(static_cast<std::size_t>(acoustics.range_bins)),
         detection_db_(number(figures, "detection_db")),
-        pattern_(number(figures, "beam_width_rad"), kTaper, kFloor) {
-    const double width_rad = number(figures, "beam_width_rad");
+        width_rad_(number(figures, "beam_width_rad")),
+        pattern_(width_rad_, kTaper, kFloor) {
     const int rays_across = whole_number(figures, "rays_across");
-    step_rad_ = 2 * kSpan * width_rad / rays_across;
-    for (int k = 0; k < rays_across; ++k) offsets_rad_.push_back(-kSpan * width_rad + (k + 0.5) * step_rad_);
+    step_rad_ = 2 * kSpan * width_rad_ / rays_across;
+    for (int k = 0; k < rays_across; ++k) offsets_rad_.push_back(-kSpan * width_rad_ + (k + 0.5) * step_rad_);
   }
 
   std::vector<ImagingArray> ping(const ImagingRequest& request) const override {
@@ -80,14 +81,18 @@ class SingleBeam final : public ImagingSonar {
     const std::size_t pings = request.angles_rad.size();
     std::vector<float> levels(pings * bins_), ranges(pings), labels(request.with_labels ? pings * bins_ : 0);
     const auto ping_once = [&](std::size_t row) {
+      const double angle_rad = request.angles_rad[row];
+      const FanSpeckle speckle({pattern_, width_rad_}, acoustics(), request.random, pose, angle_rad, angle_rad);
+      std::vector<FanSpeckle::Amplitude> amplitudes;
+      const std::span<const FanSpeckle::Amplitude> scattered = speckle.of_beam(angle_rad, amplitudes);
       EchoesByLabel by_label(bins_);
-      std::vector<double> received =
-          beam_echo(echoes, rotation, request.angles_rad[row], request.with_labels ? &by_label : nullptr);
+      std::vector<double> received = beam_echo(echoes, rotation, angle_rad, request.with_labels ? &by_label : nullptr);
       for (std::size_t bin = 0; request.with_labels && bin < bins_; ++bin) {
         labels[row * bins_ + bin] = by_label.strongest(bin, receiver.echo_at_noise());
       }
       for (std::size_t bin = 0; bin < bins_; ++bin) {
-        received[bin] = receiver.received(received[bin], request.first_ping + row, static_cast<std::uint32_t>(bin));
+        received[bin] =
+            receiver.received(received[bin], scattered, bin, request.first_ping + row, static_cast<std::uint32_t>(bin));
         levels[row * bins_ + bin] =
             receiver.displayed_db(received[bin], acoustics().bin_centre_m(static_cast<int>(bin)));
       }
@@ -127,6 +132,7 @@ class SingleBeam final : public ImagingSonar {
 
   std::size_t bins_;
   double detection_db_;
+  double width_rad_;
   BeamPattern pattern_;
   double step_rad_;
   std::vector<double> offsets_rad_;  ///< of the rays from the beam's axis, the same in both directions

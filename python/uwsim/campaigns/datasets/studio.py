@@ -134,7 +134,7 @@ class Studio:
         return self.camera.capture(self.effects, geometry_only=only_geometry, at=at)
 
     def ping(self, time_ns: int) -> SonarImage:
-        """Return a ping of the forward-looking sonar; the time selects its speckle."""
+        """Return a ping of the forward-looking sonar; the time selects its noise."""
         assert self.sonar is not None
         around = self.sim.around(self.vehicle.name)
         pose, model, name = self.sonar.world_from_sonar, self.sonar.model, self.sonar.stream

@@ -40,7 +40,7 @@ class Place(Protocol):
 
     @property
     def seed(self) -> int:
-        """The random seed of the speckle."""
+        """The random seed of speckle and noise."""
 
     @property
     def threads(self) -> int:

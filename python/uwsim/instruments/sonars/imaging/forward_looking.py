@@ -72,7 +72,7 @@ def look_ahead(
 ) -> SonarImage:  # fmt: skip
     """Return a picture taken by a forward-looking sonar. Raises ValueError if an argument is invalid.
 
-    name: name of its random stream. number: selects the picture's speckle; by default the simulated time in
+    name: name of its random stream. number: selects the picture's noise; by default the simulated time in
     nanoseconds. with_labels: whether to include the surface that each cell shows.
     """
     model = model or ForwardLooking()
