@@ -1758,8 +1758,12 @@ class PhysicsPing:
     @property
     def deviation_m(self) -> numpy.ndarray:
         """
-        (beams,) float32, standard deviation of the echo's position from the instrument's own parameters, due
-        to the range error and the beam width; inf for no detection
+        (beams,) float32, standard deviation of the range, by the detector's own estimate; inf = no detection
+        """
+    @property
+    def horizontal_deviation_m(self) -> numpy.ndarray:
+        """
+        (beams,) float32, the same of its place on the map
         """
     @property
     def incidence_rad(self) -> numpy.ndarray:
@@ -1814,6 +1818,12 @@ class PhysicsPing:
         (4, 4) float64, at transmission
         """
 
+    def vertical_deviation_m(self) -> numpy.ndarray:
+        """
+        (beams,) float32, standard deviation of the echo's height in the world, from its range's error and the
+        transmitter's width; inf = no detection
+        """
+    @property
 class AcousticSpec:
     """
     The acoustic parameters of a multibeam in physics mode.
@@ -3740,6 +3750,8 @@ class Batch:
     ) -> None:
         """
         Ping in physics mode. Raises ValueError in geometry mode.
+        vertical_deviation_m: numpy.typing.NDArray[numpy.float32],
+        horizontal_deviation_m: numpy.typing.NDArray[numpy.float32],
         """
     def beams(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex

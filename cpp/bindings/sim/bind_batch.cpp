@@ -147,7 +147,8 @@ void write_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar, Out<
 void write_acoustic_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t sonar, Out<float> ranges_m,
                           Out<float> points_sonar_m, Out<float> incidence_rad, Out<float> intensity_db,
                           Out<Label> labels, Out<bool> valid, Out<float> snr_db, Out<float> travel_time_s,
-                          Out<float> deviation_m, Out<std::uint8_t> detections, Out<double> world_from_sonar) {
+                          Out<float> deviation_m, Out<float> vertical_deviation_m, Out<float> horizontal_deviation_m,
+                          Out<std::uint8_t> detections, Out<double> world_from_sonar) {
   const std::size_t beams = fans(owned, vehicle, sonar);
   const AcousticRows rows{{room(ranges_m, beams, "ranges_m"), room(points_sonar_m, 3 * beams, "points_sonar_m"),
                            room(incidence_rad, beams, "incidence_rad"), room(intensity_db, beams, "intensity_db"),
@@ -155,6 +156,8 @@ void write_acoustic_pings(OwnedBatch& owned, std::size_t vehicle, std::size_t so
                           room(snr_db, beams, "snr_db"),
                           room(travel_time_s, beams, "travel_time_s"),
                           room(deviation_m, beams, "deviation_m"),
+                          room(vertical_deviation_m, beams, "vertical_deviation_m"),
+                          room(horizontal_deviation_m, beams, "horizontal_deviation_m"),
                           room(detections, beams, "detections")};
   double* const poses = room(world_from_sonar, heads(owned), "world_from_sonar");
   owned.with([&](Batch& b) { b.acoustic_ping(vehicle, sonar, rows, poses); });
@@ -236,6 +239,7 @@ void bind_batch(py::module_& m) {
            py::arg("ranges_m").noconvert(), py::arg("points_sonar_m").noconvert(), py::arg("incidence_rad").noconvert(),
            py::arg("intensity_db").noconvert(), py::arg("labels").noconvert(), py::arg("valid").noconvert(),
            py::arg("snr_db").noconvert(), py::arg("travel_time_s").noconvert(), py::arg("deviation_m").noconvert(),
+           py::arg("vertical_deviation_m").noconvert(), py::arg("horizontal_deviation_m").noconvert(),
            py::arg("detections").noconvert(), py::arg("world_from_sonar").noconvert(),
            "Ping in physics mode. Raises ValueError in geometry mode.")
       .def(

@@ -50,8 +50,12 @@ void bind_ping(py::module_& m) {
              "(beams,) float32, signal-to-noise ratio at the detector; -inf for no detection")
       .field("travel_time_s", &PhysicsPing::travel_time_s, "(beams,) float32, two-way; inf for no detection")
       .field("deviation_m", &PhysicsPing::deviation_m,
-             "(beams,) float32, standard deviation of the echo's position from the instrument's own parameters, due\n"
-             "to the range error and the beam width; inf for no detection")
+             "(beams,) float32, standard deviation of the range, by the detector's own estimate; inf = no detection")
+      .field("vertical_deviation_m", &PhysicsPing::vertical_deviation_m,
+             "(beams,) float32, standard deviation of the echo's height in the world, from its range's error and the\n"
+             "transmitter's width; inf = no detection")
+      .field("horizontal_deviation_m", &PhysicsPing::horizontal_deviation_m,
+             "(beams,) float32, the same of its place on the map")
       .field("labels", &PhysicsPing::labels,
              "(beams,) uint16, true value, see World.label_names; 0 for no detection or a false one")
       .field("valid", &PhysicsPing::valid, "(beams,) bool: detected, including false detections")
@@ -156,6 +160,8 @@ PhysicsPing physics_ping(AcousticPing&& ping, const MultibeamModel& fan, const P
   out.snr_db = read_only(move_out(std::move(ping.snr_db)));
   out.travel_time_s = read_only(move_out(std::move(ping.travel_time_s)));
   out.deviation_m = read_only(move_out(std::move(ping.deviation_m)));
+  out.vertical_deviation_m = read_only(move_out(std::move(ping.vertical_deviation_m)));
+  out.horizontal_deviation_m = read_only(move_out(std::move(ping.horizontal_deviation_m)));
   out.labels = read_only(move_out(std::move(ping.labels)));
   out.valid = read_only(move_out(std::move(ping.valid)).attr("view")("bool").cast<py::array_t<bool>>());
   out.detections = read_only(move_out(std::move(ping.detections)));

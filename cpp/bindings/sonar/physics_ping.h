@@ -16,7 +16,7 @@ struct PhysicsPing {
   std::uint64_t time_ns = 0;
   Eigen::Matrix4d world_from_sonar = Eigen::Matrix4d::Identity();
   pybind11::array ranges_m, angles_rad, points_sonar_m, incidence_rad, intensity_db, snr_db, travel_time_s, deviation_m,
-      labels, valid, detections;
+      vertical_deviation_m, horizontal_deviation_m, labels, valid, detections;
 };
 
 /// Moves the results of a ping into arrays.

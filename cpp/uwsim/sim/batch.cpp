@@ -176,6 +176,8 @@ void Batch::acoustic_ping(std::size_t vehicle, std::size_t sonar, const Acoustic
     std::ranges::copy(ping.snr_db, rows.snr_db + k * beams);
     std::ranges::copy(ping.travel_time_s, rows.travel_time_s + k * beams);
     std::ranges::copy(ping.deviation_m, rows.deviation_m + k * beams);
+    std::ranges::copy(ping.vertical_deviation_m, rows.vertical_deviation_m + k * beams);
+    std::ranges::copy(ping.horizontal_deviation_m, rows.horizontal_deviation_m + k * beams);
     std::ranges::copy(ping.detections, rows.detections + k * beams);
   });
 }

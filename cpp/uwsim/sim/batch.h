@@ -41,7 +41,7 @@ struct SampleRows {
 /// and (n, beams, 3) for points.
 struct AcousticRows {
   PingRows echoes;
-  float *snr_db, *travel_time_s, *deviation_m;
+  float *snr_db, *travel_time_s, *deviation_m, *vertical_deviation_m, *horizontal_deviation_m;
   std::uint8_t* detections;
 };
 

@@ -36,6 +36,7 @@ AcousticPing AcousticPing::silent(std::size_t beams) {
   return {std::vector<float>(beams, kInfinity),  std::vector<float>(3 * beams, kNone),
           std::vector<float>(beams, kNone),      std::vector<float>(beams, -kInfinity),
           std::vector<float>(beams, -kInfinity), std::vector<float>(beams, kInfinity),
+          std::vector<float>(beams, kInfinity),  std::vector<float>(beams, kInfinity),
           std::vector<float>(beams, kInfinity),  std::vector<Label>(beams, kNothing),
           std::vector<std::uint8_t>(beams, 0),   std::vector<std::uint8_t>(beams, 0)};
 }
@@ -262,7 +263,7 @@ BottomDetection AcousticMultibeam::detect(const Transmission& sent, std::size_t 
   if (draw < sent.false_alarm) {
     const auto third = index + 1 + 2 * static_cast<std::uint32_t>(fan_.beams);
     const double range_m = fan_.range_max_m * stream_.uniform(sent.tick, third);
-    const BottomDetection noise = detector_.noise(draw, sent.false_alarm, range_m);
+    const BottomDetection noise = detector_.noise(draw, sent.false_alarm, range_m, sent.cell_m);
     if (found.kind == Detection::kNone || noise.intensity > found.intensity) found = noise;
   }
   return found;
@@ -280,7 +281,12 @@ void AcousticMultibeam::record(const Transmission& sent, std::size_t beam, const
   ping.intensity_db[beam] = static_cast<float>(level_db - figure_db_);
   ping.snr_db[beam] = static_cast<float>(level_db);
   const double across_m = found.range_m * spec_.figures.beam_width_along_rad / std::sqrt(12.0);
-  ping.deviation_m[beam] = static_cast<float>(std::hypot(found.deviation_m, across_m));
+  const Eigen::Vector3f axis_world = sent.rotation * footprint_.axes().col(static_cast<Eigen::Index>(beam));
+  ping.deviation_m[beam] = static_cast<float>(found.deviation_m);
+  ping.vertical_deviation_m[beam] =
+      static_cast<float>(std::hypot(found.deviation_m * axis_world.z(), across_m * sent.rotation(2, 2)));
+  ping.horizontal_deviation_m[beam] = static_cast<float>(
+      std::hypot(found.deviation_m * axis_world.head<2>().norm(), across_m * sent.rotation.col(2).head<2>().norm()));
   ping.valid[beam] = 1;
   ping.detections[beam] = static_cast<std::uint8_t>(found.kind);
   if (found.kind == Detection::kFalse) return;

@@ -48,11 +48,12 @@ struct AcousticPing {
   std::vector<float> intensity_db;    ///< received level minus source level, plus gain, with speckle; -infinity
   std::vector<float> snr_db;          ///< at the detector, with noise; -infinity
   std::vector<float> travel_time_s;   ///< two-way; infinity
-  /// The standard deviation of the echo's position, from the instrument's own parameters: the deviation of its range,
-  /// combined with that of its angle across the fan. The angle may lie anywhere within the beam width, so its
-  /// contribution is range x width / sqrt(12), the deviation of a uniform distribution (derived here; hydrographic
-  /// error models, such as Hare 1995's, have more terms). Infinity.
-  std::vector<float> deviation_m;
+  std::vector<float> deviation_m;     ///< standard deviation of the range, by the detector's own estimate; infinity
+  /// The standard deviation of the echo's place, vertical and horizontal, from that of its range and that of its angle
+  /// across the fan, which may lie anywhere in the transmitter's width: range x width / sqrt(12), the deviation of a
+  /// uniform distribution. The sonar's share of the total vertical and horizontal uncertainty (TVU, THU) of IHO S-44,
+  /// at one standard deviation; Hare 1995's error model also has those of position, attitude and sound speed. Infinity.
+  std::vector<float> vertical_deviation_m, horizontal_deviation_m;
   std::vector<Label> labels;             ///< true value; kNothing, also for false detections
   std::vector<std::uint8_t> valid;       ///< 1 for a detection, including false ones
   std::vector<std::uint8_t> detections;  ///< Detection

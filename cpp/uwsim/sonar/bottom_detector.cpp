@@ -48,8 +48,10 @@ double BottomDetector::false_alarm(double range_max_m, double cell_m) const {
   return -std::expm1(std::log1p(-threshold_.false_alarm()) * range_max_m / cell_m);
 }
 
-BottomDetection BottomDetector::noise(double draw, double false_alarm, double range_m) const {
-  return {Detection::kFalse, range_m, threshold_.intensity(1) - std::log(draw / false_alarm), 0};
+BottomDetection BottomDetector::noise(double draw, double false_alarm, double range_m, double cell_m) const {
+  const double intensity = threshold_.intensity(1) - std::log(draw / false_alarm);
+  const double deviation_m = range_noise_ ? amplitude_range_deviation(cell_m, cell_m, intensity).total_m() : 0;
+  return {Detection::kFalse, range_m, intensity, deviation_m};
 }
 
 }  // namespace uwsim

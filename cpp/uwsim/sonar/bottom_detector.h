@@ -16,7 +16,7 @@ struct BottomDetection {
   Detection kind = Detection::kNone;
   double range_m = 0;
   double intensity = 0;    ///< relative to the mean noise
-  double deviation_m = 0;  ///< standard deviation of the range, estimated by the detector; 0 for noise
+  double deviation_m = 0;  ///< standard deviation of the range by the detector's own estimate
 };
 
 /// The random draws for one beam's errors, each standard normal: one for the bottom's speckle, which is the same for
@@ -39,8 +39,8 @@ class BottomDetector {
   /// The probability that noise exceeds the threshold in at least one of a beam's range cells.
   double false_alarm(double range_max_m, double cell_m) const;
   /// Returns a false detection, given a draw from (0, 1) that is below `false_alarm`. The amount by which the noise
-  /// exceeds the threshold is exponentially distributed.
-  BottomDetection noise(double draw, double false_alarm, double range_m) const;
+  /// exceeds the threshold is exponentially distributed. The detector takes it for an echo of one cell.
+  BottomDetection noise(double draw, double false_alarm, double range_m, double cell_m) const;
 
  private:
   bool range_noise_;

@@ -66,12 +66,15 @@ class BatchPings:
 class BatchPhysicsPings(BatchPings):
     """A ping in physics mode of one sonar in each member, with the additional arrays of _core.PhysicsPing.
 
-    (n, beams): snr_db, travel_time_s, deviation_m float32, detections uint8.
+    (n, beams): snr_db, travel_time_s, deviation_m, vertical_deviation_m, horizontal_deviation_m float32, detections
+    uint8.
     """
 
     snr_db: NDArray[np.float32]
     travel_time_s: NDArray[np.float32]
     deviation_m: NDArray[np.float32]
+    vertical_deviation_m: NDArray[np.float32]
+    horizontal_deviation_m: NDArray[np.float32]
     detections: NDArray[np.uint8]
 
 
@@ -111,7 +114,7 @@ def ping_buffers(n: int, beams: int, in_physics_mode: bool) -> Buffers[BatchPing
     heads = _arrays(((n, 4, 4), float))
     if not in_physics_mode:
         return Buffers((*echoes, *heads), BatchPings(*map(_read_only, (*echoes, *heads))))
-    detector = _arrays((fan, floats), (fan, floats), (fan, floats), (fan, np.uint8))
+    detector = _arrays(*[(fan, floats)] * 5, (fan, np.uint8))
     shown = BatchPhysicsPings(*map(_read_only, (*echoes, *heads, *detector)))
     return Buffers((*echoes, *detector, *heads), shown)
 

@@ -15,6 +15,7 @@ from uwsim.mapping import OccupancyMap
 from uwsim.mapping.closure import ClosedTrack, PingTrack, close_loops
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.mapping.ranging import place_deviation_m
 from uwsim.scenario import ScenarioError
 from uwsim.simulator.simulator import Simulator
 from uwsim.simulator.vehicle import Vehicle
@@ -42,7 +43,7 @@ class PingKeeper:
         true_body = self._vehicle.pose.world_from_body
         body_from_sonar = np.linalg.inv(true_body) @ ping.world_from_sonar
         std_m = float(np.sqrt(np.mean(self._vehicle.estimate.position_std_m[:2] ** 2)))
-        deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
+        deviation_m = place_deviation_m(ping)
         points = np.where(ping.valid[:, None], ping.points_sonar_m, np.nan)
         self.track.add(self._sim.time_s, world_from_body, body_from_sonar, ping.ranges_m, points, std_m, deviation_m)
         self.true_path_m.append(true_body[:3, 3])

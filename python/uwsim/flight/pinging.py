@@ -28,6 +28,7 @@ from uwsim.flight.vehicle_chain import (
 from uwsim.mapping import OccupancyMap
 from uwsim.mapping.map_filler import MapFiller
 from uwsim.mapping.ping_to_map import PingToMap
+from uwsim.mapping.ranging import place_deviation_m
 from uwsim.missions.own_vehicle import OwnVehicle
 from uwsim.scoring.surface_ahead import SurfaceAhead
 from uwsim.simulator.simulator import Simulator
@@ -105,7 +106,7 @@ class Pinger:
             body = np.asarray(self._vehicle.pose.world_from_body, np.float64)
             sonar = body @ np.linalg.inv(true_body) @ true_sonar
             mapped_from_m = sonar[:3, 3]
-        deviation_m = ping.deviation_m if isinstance(ping, _core.PhysicsPing) else None
+        deviation_m = place_deviation_m(ping)
         with self._conversion:
             points = self._chain.insert(ping.ranges_m, body, sonar, self._sim.time_s, deviation_m)
         self.log.add(ping, points, panel, true_sonar, mapped_from_m)

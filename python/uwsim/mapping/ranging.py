@@ -4,7 +4,7 @@
     ranges_m = decode_depth_string(text, model=2)           inf without echo
     scan = to_laser_scan(ranges_m, model=2, stamp_s=12.5)   sensor_msgs/LaserScan's fields
     scan = reject_outliers(scan)                            in physics mode: false detections
-                                                            (before the text: reject_uncertain)
+                                                            (before the text: place_deviation_m, reject_uncertain)
     points_m = to_point_cloud(scan)                         in base_scan: x forward, y left, z up
     points_m = remove_box(transform_points(points_m, body_from_sonar), box_min_m, box_max_m)      self filter
     points_world_m = transform_points(points_m, world_from_body)
@@ -129,11 +129,22 @@ def to_point_cloud(scan: LaserScan) -> NDArray[np.float32]:
     return _core.scan_to_points(scan.ranges, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
 
 
-def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
-    """Replace a range by inf if its echo's position is uncertain by more than max_uncertainty_m at 95 % confidence.
+def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float32] | None:
+    """Return the standard deviation of each echo's place, vertical and horizontal together, (beams,).
 
-    ranges_m, deviation_m: (beams,), as in a ping in physics mode; the uncertainty is CONFIDENCE standard deviations, as
-    in IHO S-44. The sonar head applies this before it sends ranges, as real instruments do with their quality factors.
+    None in geometry mode, where it is unknown.
+    """
+    if not isinstance(ping, _core.PhysicsPing):
+        return None
+    return np.hypot(ping.vertical_deviation_m, ping.horizontal_deviation_m)
+
+
+def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
+    """Replace a range by inf if its echo's place is uncertain by more than max_uncertainty_m at 95 % confidence.
+
+    ranges_m, deviation_m: (beams,), as in a ping in physics mode and as `place_deviation_m` returns; the uncertainty is
+    CONFIDENCE standard deviations, as in IHO S-44. The sonar head applies this before it sends ranges, as real
+    instruments do with their quality factors.
     """
     if not max_uncertainty_m > 0.0:  # false for nan, too
         raise ValueError(f"max_uncertainty_m = {max_uncertainty_m} m: must be positive")

@@ -113,9 +113,12 @@ def test_an_echo_is_at_least_as_uncertain_as_the_beam_is_wide() -> None:
     found = ping.valid
     width_rad = np.radians(0.933)
     assert found.sum() > 50
-    assert (ping.deviation_m[found] >= ping.ranges_m[found] * width_rad / np.sqrt(12) - 1e-6).all()
-    assert (ping.deviation_m[found] < 1.0 + ping.ranges_m[found] * width_rad).all()
-    assert np.isinf(ping.deviation_m[~found]).all()
+    deviation_m = ranging.place_deviation_m(ping)
+    assert deviation_m is not None
+    across_m = ping.ranges_m[found] * width_rad / np.sqrt(12)
+    np.testing.assert_allclose(deviation_m[found], np.hypot(ping.deviation_m[found], across_m), rtol=1e-5)
+    assert np.isinf(deviation_m[~found]).all()
+    assert ranging.place_deviation_m(Simulator("pool").rov.sonar.ping()) is None
 
 
 def test_a_limit_of_what_is_not_known_or_not_filtered_is_refused() -> None:
