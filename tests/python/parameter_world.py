@@ -13,11 +13,21 @@ from uwsim.scenario.spec.sonar import load_sonar
 
 NOISE = {
     "std": 0.01, "density": 0.002, "turn_on_std": 0.02, "bias_std": 0.03, "bias_time_s": 0.5, "walk": 0.05,
-    "quantum": 0.001,
+    "instability": 0.004, "quantum": 0.001,
 }  # fmt: skip
 TIMES = {"rate_hz": 50, "latency_s": 0.02, "drop_out": 0.3}
 SENSORS: dict[str, Any] = {
-    "imu": {"kind": "imu", **TIMES, "channels": {"angular_velocity": NOISE | {"limits": [-0.2, 0.2]}}, "noise": NOISE},
+    "imu": {
+        "kind": "imu",
+        **TIMES,
+        "channels": {"angular_velocity": NOISE | {"limits": [-0.2, 0.2]}},
+        "noise": NOISE,
+        "gyro_scale": [0.01, 0.02, 0.03],
+        "gyro_misalignment_rad": [0.01] * 6,
+        "gyro_g_sensitivity": [1e-4] * 9,
+        "accelerometer_scale": [0.01, 0.02, 0.03],
+        "accelerometer_misalignment_rad": [0.01] * 6,
+    },
     "depth": {"kind": "depth", **TIMES, "noise": NOISE, "density_kg_m3": 990},
     "altitude": {"kind": "altitude", "noise": NOISE, "range_max_m": 20, "range_min_m": 0.1},
     "port": {

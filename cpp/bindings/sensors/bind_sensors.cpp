@@ -50,15 +50,16 @@ void bind_noise(py::module_& m) {
   py::class_<NoiseSpec>(
       m, "NoiseSpec",
       "Errors of one channel of a sensor, in its unit u: white noise (std per sample, density in u per root\n"
-      "hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), quantum,\n"
+      "hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), instability (flicker noise), quantum,\n"
       "limits. 0 disables an error.")
       .def(py::init([](double std, double density, double turn_on_std, double bias_std, double bias_time_s, double walk,
-                       double quantum, double limit_low, double limit_high) {
-             return NoiseSpec{std, density, turn_on_std, bias_std, bias_time_s, walk, quantum, limit_low, limit_high};
+                       double instability, double quantum, double limit_low, double limit_high) {
+             return NoiseSpec{std,  density,     turn_on_std, bias_std,  bias_time_s,
+                              walk, instability, quantum,     limit_low, limit_high};
            }),
            py::kw_only(), py::arg("std") = 0.0, py::arg("density") = 0.0, py::arg("turn_on_std") = 0.0,
-           py::arg("bias_std") = 0.0, py::arg("bias_time_s") = 0.0, py::arg("walk") = 0.0, py::arg("quantum") = 0.0,
-           py::arg("limit_low") = none.limit_low, py::arg("limit_high") = none.limit_high)
+           py::arg("bias_std") = 0.0, py::arg("bias_time_s") = 0.0, py::arg("walk") = 0.0, py::arg("instability") = 0.0,
+           py::arg("quantum") = 0.0, py::arg("limit_low") = none.limit_low, py::arg("limit_high") = none.limit_high)
       .def_readonly("std", &NoiseSpec::std)
       .def_readonly("density", &NoiseSpec::density)
       .def_readonly("turn_on_std", &NoiseSpec::turn_on_std)
@@ -67,6 +68,10 @@ void bind_noise(py::module_& m) {
       .def_readonly("bias_std", &NoiseSpec::bias_std)
       .def_readonly("bias_time_s", &NoiseSpec::bias_time_s)
       .def_readonly("walk", &NoiseSpec::walk)
+      .def_readonly("instability", &NoiseSpec::instability, "the flat part of the Allan deviation")
+      .def_property_readonly(
+          "flicker_std", [](const NoiseSpec& n) { return NoiseSpec::kFlickerStd * n.instability; },
+          "standard deviation of the flicker noise")
       .def_readonly("quantum", &NoiseSpec::quantum);
 }
 

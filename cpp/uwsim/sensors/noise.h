@@ -26,6 +26,7 @@ class Noise {
     double white_std;
     double turn_on;
     std::optional<RandomPath> bias, walk;
+    std::vector<RandomPath> flicker;
     double quantum, limit_low, limit_high;
   };
 

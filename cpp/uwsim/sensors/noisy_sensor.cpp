@@ -87,7 +87,10 @@ void NoisySensor::measure_recorded(const SampleHistory::Entry& entry, const Surr
 }
 
 void NoisySensor::finish(const VehicleSnapshot& snapshot, bool with_noise) {
-  if (with_noise) noise_.apply(clock_.sample_at(snapshot.tick), raw_);
+  if (with_noise) {
+    sensor_->distort(raw_);
+    noise_.apply(clock_.sample_at(snapshot.tick), raw_);
+  }
   measured_valid_ = sensor_->report(raw_, sample_.values);
   sample_.stamp_ns = clock_.time_ns(snapshot.tick);
   sample_.valid = measured_valid_;

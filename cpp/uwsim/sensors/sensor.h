@@ -52,7 +52,8 @@ struct Channel {
   std::string_view unit;
 };
 
-/// A sensor without noise, rate or latency: observe() measures the raw values, report() converts them to a reading. Raw
+/// A sensor without noise, rate or latency: observe() measures the raw values, distort() adds errors that follow from
+/// them, report() converts them to a reading. Raw
 /// values are the channels in order, to which noise is added, followed by noise-free values.
 class Sensor {
  public:
@@ -60,6 +61,8 @@ class Sensor {
   virtual void observe(const SensorInput& input, std::span<double> raw) const = 0;
   /// How far from the vehicle's origin the sensor can detect surfaces [m]; 0 if it casts no rays.
   virtual double reach_m() const { return 0; }
+  /// Applies errors that depend on the measured values alone, such as those of scale, before the noise.
+  virtual void distort(std::span<double>) const {}
   /// Converts raw values to a reading; returns whether it is valid. By default, the reading consists of the raw values.
   virtual bool report(std::span<const double> raw, std::span<double> reading) const {
     std::copy(raw.begin(), raw.end(), reading.begin());

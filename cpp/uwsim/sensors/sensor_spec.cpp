@@ -8,8 +8,13 @@ namespace uwsim {
 
 void NoiseSpec::check(const std::string& path) const {
   const std::pair<const char*, double> magnitudes[] = {
-      {".std", std},           {".density", density},         {".turn_on_std", turn_on_std},
-      {".bias_std", bias_std}, {".bias_time_s", bias_time_s}, {".walk", walk},
+      {".std", std},
+      {".density", density},
+      {".turn_on_std", turn_on_std},
+      {".bias_std", bias_std},
+      {".bias_time_s", bias_time_s},
+      {".walk", walk},
+      {".instability", instability},
       {".quantum", quantum},
   };
   for (const auto& [name, value] : magnitudes) {

@@ -13,8 +13,8 @@
 namespace uwsim {
 
 /// Errors of one channel of a sensor. All components use the same parameters but are drawn independently. [u]: the
-/// channel's unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + white(k))). A value of
-/// zero disables that error. Model and names follow IEEE Std 952-1997, annexes B and C; the Allan variances are in
+/// channel's unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + flicker(k) + white(k))).
+/// A value of zero disables that error. Model and names follow IEEE Std 952-1997, annexes B and C; the Allan variances are in
 /// tests/cpp/sensors/test_sensor_noise.cpp.
 struct NoiseSpec {
   double std = 0;          ///< white noise per sample [u]
@@ -23,9 +23,19 @@ struct NoiseSpec {
   double bias_std = 0;     ///< stationary Gauss-Markov bias [u] ...
   double bias_time_s = 0;  ///< ... and its correlation time
   double walk = 0;         ///< random walk from 0 at time 0, K (rate random walk) [u/sqrt(s)]: std(t) = K sqrt(t)
+  double instability = 0;  ///< flicker noise: the Allan deviation where it is flat [u], see below
   double quantum = 0;      ///< readings are integer multiples of this [u]
   double limit_low = -std::numeric_limits<double>::infinity();  ///< readings saturate below this [u]
   double limit_high = std::numeric_limits<double>::infinity();
+
+  /// Flicker noise, of power spectral density h / f, is a superposition of relaxations whose times are spread evenly in
+  /// their logarithm (van der Ziel 1950, Physica 16:359). Its Allan variance is 2 ln 2 h (IEEE Std 952-1997, B.4.1.3,
+  /// where h = B^2 / pi). Relaxations with times in the ratio of 4 therefore have the standard deviation
+  /// sqrt(h ln 4) = `instability` each. These times make the Allan deviation flat within 4 % from 1 s to 4 h.
+  static constexpr double kFlickerTimes_s[] = {0.0625, 0.25, 1, 4, 16, 64, 256, 1024, 4096, 16384, 65536};
+  /// Standard deviation of the flicker noise, in units of `instability`, for samples that no relaxation is too fast
+  /// for.
+  static constexpr double kFlickerStd = 3.3166247903554;  // the square root of their number
 
   /// Throws InvalidValue naming the field below `path`.
   void check(const std::string& path) const;

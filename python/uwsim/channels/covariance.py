@@ -1,8 +1,8 @@
 """Variances of readings, derived from the sensors' noise parameters, for the covariances in messages.
 
 A reading's error has independent parts: white noise (std, or density x sqrt(rate)), the turn-on bias, the Gauss-Markov
-bias in its stationary state, the random walk so far, and rounding, quantum^2 / 12 (uniform over one step). Their
-variances add up. Limits and lost samples are not included.
+bias and the flicker noise in their stationary state, the random walk so far, and rounding, quantum^2 / 12 (uniform over
+one step). Their variances add up. Limits and lost samples are not included.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uwsim import _core
 from uwsim.scenario.spec.sensor import Noise, SensorMount
 
 UNKNOWN = -1.0  # REP 145 and marine_acoustic_msgs: the first element of an unknown covariance
@@ -22,7 +23,8 @@ def variance(mount: SensorMount, channel: str, rate_hz: float, time_s: float) ->
     """
     noise = mount.channels.get(channel) or mount.noise or Noise(std=mount.noise_std or 0.0)
     white = noise.std**2 + noise.density**2 * rate_hz
-    bias = noise.turn_on_std**2 + noise.bias_std**2 + noise.walk**2 * max(time_s, 0.0)
+    flicker = _core.NoiseSpec(instability=noise.instability).flicker_std
+    bias = noise.turn_on_std**2 + noise.bias_std**2 + flicker**2 + noise.walk**2 * max(time_s, 0.0)
     return white + bias + noise.quantum**2 / 12.0
 
 

@@ -131,6 +131,34 @@ TEST_F(AllanDeviation, RecoversDensityAndRateRandomWalk) {
   EXPECT_NEAR(std::sqrt(found(1)), kWalk, 0.1 * kWalk);
 }
 
+TEST_F(AllanDeviation, FlickerNoiseHasAFlatFloorBetweenDensityAndWalk) {
+  constexpr double kFloor = 2e-3, kDensity = 1e-3, kWalk = 2e-5, kRate = 4;
+  std::vector<std::size_t> clusters;
+  for (std::size_t m = 4; m <= 16384; m *= 2) clusters.push_back(m);
+  const auto alone = variances({.instability = kFloor}, kRate, clusters);
+  const auto all = variances({.density = kDensity, .walk = kWalk, .instability = kFloor}, kRate, clusters);
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    const double tau = static_cast<double>(clusters[k]) / kRate,
+                 averaged = 3 * kSamples / static_cast<double>(clusters[k]);
+    const double tolerance = 0.04 + 3 / std::sqrt(2 * averaged);  // the ripple, and three standard errors
+    EXPECT_NEAR(std::sqrt(alone[k]), kFloor, tolerance * kFloor) << tau << " s";
+    const double expected = std::sqrt(kDensity * kDensity / tau + kFloor * kFloor + kWalk * kWalk * tau / 3);
+    EXPECT_NEAR(std::sqrt(all[k]), expected, tolerance * expected) << tau << " s";
+  }
+}
+
+TEST_F(AllanDeviation, TheFlickerNoiseHasTheStatedDeviation) {
+  double squares = 0;
+  constexpr int kRuns = 4000;
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    const double bias = sensor(depth_with({.instability = 0.1}), run).read(snapshot, around()).values[0] - 12;
+    squares += bias * bias;
+  }
+  const double expected = NoiseSpec::kFlickerStd * 0.1;
+  EXPECT_NEAR(std::sqrt(squares / kRuns), expected, expected * 5 / std::sqrt(2.0 * kRuns));
+  EXPECT_DOUBLE_EQ(NoiseSpec::kFlickerStd, std::sqrt(static_cast<double>(std::size(NoiseSpec::kFlickerTimes_s))));
+}
+
 TEST_F(AllanDeviation, TheTurnOnBiasIsConstantInARunAndVariesBetweenRuns) {
   double squares = 0;
   constexpr int kRuns = 4000;

@@ -66,6 +66,28 @@ TEST_F(Sensors, AnImuMeasuresGravityAtRestAndTheCentripetalForceInATurn) {
   EXPECT_NEAR(truth(sensor_spec("acceleration")).values[2], 0, 1e-12) << "without gravity, unlike an IMU";
 }
 
+TEST_F(Sensors, AnImusScaleMisalignmentAndSensitivityToForceActOnTheMeasuredVectors) {
+  snapshot.state.velocity_body << 0, 0, 0, 0.4, -0.7, 1.1;
+  const SensorSpec spec = sensor_spec("imu",
+                                      {{"gyro_scale", {0.01, 0.02, -0.03}},
+                                       {"gyro_misalignment_rad", {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}},
+                                       {"gyro_g_sensitivity", {1e-4, 2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4, 8e-4, 9e-4}},
+                                       {"accelerometer_scale", {0.04, 0, 0.05}},
+                                       {"accelerometer_misalignment_rad", {0, 7e-3, 0, 8e-3, 0, 9e-3}}},
+                                      {Eigen::Vector3d::Zero(), turn(0.3, 0.2)});
+  const std::vector<double> exact = truth(sensor_spec("imu", {}, spec.body_from_sensor)).values;
+  EXPECT_EQ(truth(spec).values, exact) << "errors are no part of the truth";
+  const Eigen::Vector3d w = Eigen::Vector3d::Map(&exact[0]), f = Eigen::Vector3d::Map(&exact[3]);
+  NoisySensor imu = sensor(spec);
+  const std::vector<double> read = imu.read(snapshot, around()).values;
+  EXPECT_NEAR(read[0], 1.01 * w.x() + 1e-3 * w.y() + 2e-3 * w.z() + f.dot(Eigen::Vector3d(1e-4, 2e-4, 3e-4)), 1e-12);
+  EXPECT_NEAR(read[1], 3e-3 * w.x() + 1.02 * w.y() + 4e-3 * w.z() + f.dot(Eigen::Vector3d(4e-4, 5e-4, 6e-4)), 1e-12);
+  EXPECT_NEAR(read[2], 5e-3 * w.x() + 6e-3 * w.y() + 0.97 * w.z() + f.dot(Eigen::Vector3d(7e-4, 8e-4, 9e-4)), 1e-12);
+  EXPECT_NEAR(read[3], 1.04 * f.x() + 7e-3 * f.z(), 1e-12);
+  EXPECT_NEAR(read[4], f.y() + 8e-3 * f.z(), 1e-12);
+  EXPECT_NEAR(read[5], 9e-3 * f.y() + 1.05 * f.z(), 1e-12);
+}
+
 TEST_F(Sensors, AFallingImuMeasuresNoForceInAnyAttitudeAndItsOrientation) {
   snapshot.state.world_from_body.orientation = turn(1, 0.4, -2);
   const Eigen::Vector3d down = snapshot.state.world_from_body.orientation.conjugate() * Eigen::Vector3d(0, 0, -9.80665);

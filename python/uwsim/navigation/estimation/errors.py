@@ -9,6 +9,8 @@ from uwsim.navigation.estimation.protocols import InstrumentLike
 
 LEAST_STD = {"beam_velocity": 1e-3, "depth": 1e-3, "pressure": 10.0, "heading": 1e-4, "orientation": 1e-4}
 """The assumed error of an exact sensor, in its unit, since the filter's equations are not exact either."""
+FLICKER_TIME_S = 100.0
+"""The filter's one bias that drifts stands for flicker noise, too: with this correlation time unless it has its own."""
 
 
 def noise_of(sensor: InstrumentLike, channel: str) -> _core.NoiseSpec:
@@ -32,10 +34,12 @@ def limit(sensor: InstrumentLike, channel: str) -> float:
 def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
     """Return the model of a channel's bias, scaled by `unit`."""
     noise = noise_of(sensor, channel)
+    drift_std = math.hypot(noise.bias_std, noise.flicker_std)
+    time_s = noise.bias_time_s if noise.bias_std > 0 else FLICKER_TIME_S
     return _core.BiasModel(
         turn_on_std=noise.turn_on_std * unit,
-        drift_std=noise.bias_std * unit,
-        drift_time_s=noise.bias_time_s if noise.bias_std > 0 else 0.0,
+        drift_std=drift_std * unit,
+        drift_time_s=time_s if drift_std > 0 else 0.0,
         walk=noise.walk * unit,
     )
 
@@ -43,4 +47,4 @@ def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core
 def whole_std(sensor: InstrumentLike, channel: str) -> float:
     """Return the standard deviation of a sample, including biases but not random walks."""
     noise = noise_of(sensor, channel)
-    return math.hypot(white_std(sensor, channel), noise.turn_on_std, noise.bias_std)
+    return math.hypot(white_std(sensor, channel), noise.turn_on_std, noise.bias_std, noise.flicker_std)

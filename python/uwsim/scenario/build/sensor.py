@@ -37,6 +37,7 @@ def _noise_spec(noise: Noise) -> _core.NoiseSpec:
         bias_std=noise.bias_std,
         bias_time_s=noise.bias_time_s or 0.0,
         walk=noise.walk,
+        instability=noise.instability,
         quantum=noise.quantum,
         limit_low=low,
         limit_high=high,

@@ -32,8 +32,9 @@ class Noise(Model):
 
     std [u]: white noise of each sample. density [u/sqrt(Hz)]: white noise as in data sheets; std = density x
     sqrt(rate). turn_on_std [u]: a constant bias, drawn once per run. bias_std [u], bias_time_s: a bias that varies
-    about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. quantum [u]:
-    readings are integer multiples of it. limits [u]: readings saturate at them.
+    about zero, first-order Gauss-Markov. walk [u/sqrt(s)]: a bias that is a random walk from zero. instability [u]:
+    flicker noise, the bias instability of data sheets: the Allan deviation where it is flat. quantum [u]: readings are
+    integer multiples of it. limits [u]: readings saturate at them.
     """
 
     std: Magnitude = 0.0
@@ -42,6 +43,7 @@ class Noise(Model):
     bias_std: Magnitude = 0.0
     bias_time_s: Annotated[float, InRange(1e-6, 1e9, "s")] | None = None
     walk: Magnitude = 0.0
+    instability: Magnitude = 0.0
     quantum: Magnitude = 0.0
     limits: tuple[Limit, Limit] | None = None
 

@@ -142,4 +142,6 @@ def item_names(owner: type[Model], field: str, count: int) -> tuple[str, ...]:
         return ITEM_NAMES[owner, field]
     if field == "limits":
         return "low", "high"
+    if owner is SensorMount and count > 3:
+        return tuple(map(str, range(count)))
     return {6: AXES, 3: COORDINATES}.get(count) or tuple(map(str, range(count)))
