@@ -20,13 +20,13 @@ from uwsim.simulator.simulator import Simulator
 CameraOf = Callable[[Simulator], Camera]
 
 
-def station_cameras(sim: Simulator, pictures: Pictures) -> list[Channel]:
+def station_cameras(sim: Simulator, pictures: Pictures, frame_prefix: str = "") -> list[Channel]:
     """Return the channels of the station's cameras."""
     return [
         channel
         for name in sim.cameras
         for channel in (
-            *_channels("", name, pictures, f"{name}_optical", False, _at_station(name)),
+            *_channels("", name, pictures, f"{frame_prefix}{name}_optical", False, _at_station(name)),
             *aim_channels("", None, name, sim.cameras[name]),
         )
     ]

@@ -10,12 +10,13 @@ from scipy.linalg import block_diag
 
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
+from uwsim.channels.frames import Tf
 from uwsim.channels.source import Source
 from uwsim.navigation.estimation import Navigator
 from uwsim.simulator.simulator import Simulator
 
 RATE_HZ = 20.0
-TOPIC = "odometry/filtered"  # robot_localization's name
+TOPIC = "odometry/estimate"
 
 
 def has_estimate(source: Source) -> bool:
@@ -23,16 +24,17 @@ def has_estimate(source: Source) -> bool:
     return any(sensor.kind == "imu" for sensor in source.entry.model.sensors.values())
 
 
-def estimate_channels(source: Source) -> list[Channel]:
-    """Return the channel of a vehicle's estimate, or an empty list for a vehicle without an IMU."""
+def estimate_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
+    """Return the channels of a vehicle's estimate, which is also /odom if /tf has it; none for one without an IMU."""
     if not has_estimate(source):
         return []
     return [
         Channel(
-            source.topic(TOPIC), "nav_msgs/msg/Odometry", "out",
+            source.topic(name), "nav_msgs/msg/Odometry", "out",
             "pose and velocity by the vehicle's own instruments, with covariances", rate_hz=RATE_HZ,
             frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
         )
+        for name in (TOPIC, *(("odom",) if tf == "odom" else ()))
     ]  # fmt: skip
 
 

@@ -1,9 +1,12 @@
-"""Channels for time and frames: /clock, /tf, /tf_static, odometry and joint states."""
+"""Channels for time and frames: /clock, /tf, /tf_static, odometry and joint states.
+
+The source of odom -> base_link on /tf is chosen by the user: `Tf`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -13,6 +16,8 @@ from uwsim.channels.source import Source
 from uwsim.instruments.cameras import Camera
 from uwsim.simulator.simulator import Simulator
 
+Tf = Literal["truth", "odom", "none"]
+"""The motion on /tf and /odom: the true one, the vehicle's estimate, or none, so that other nodes may publish it."""
 RATE_HZ = 50.0
 CLOCK_HZ = 100.0
 
@@ -25,29 +30,30 @@ def clock_channel() -> Channel:
     )  # fmt: skip
 
 
-def common_channels(sources: Sequence[Source]) -> list[Channel]:
-    """Return the channels that all vehicles share."""
+def common_channels(sources: Sequence[Source], tf: Tf = "truth", prefix: str = "") -> list[Channel]:
+    """Return the channels that all vehicles share. prefix: of the names of frames that belong to no vehicle."""
     return [
         clock_channel(),
         Channel(
             "tf", "tf2_msgs/msg/TFMessage", "out", "what moves: vehicles, sonar heads, cameras that turn or follow",
-            rate_hz=RATE_HZ, leads=True, over_link=True, read=lambda sim: _moving(sources, sim),
+            rate_hz=RATE_HZ, leads=True, over_link=True,
+            read=lambda sim: _moving(sources, tf, prefix, sim),
         ),
         Channel(
-            "tf_static", "tf2_msgs/msg/TFMessage", "out", "what does not move: world -> odom, sensors and cameras",
-            latched=True, read=lambda sim: _fixed(sources, sim),
+            "tf_static", "tf2_msgs/msg/TFMessage", "out", "what does not move: world -> map -> odom, sensors, cameras",
+            latched=True, read=lambda sim: _fixed(sources, tf, prefix, sim),
         ),
     ]  # fmt: skip
 
 
-def vehicle_channels(source: Source) -> list[Channel]:
-    """Return the channels of a vehicle's odometry and joint states."""
+def vehicle_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
+    """Return the channels of a vehicle's true motion and joint states."""
     found = [
         Channel(
-            source.topic("odom"), "nav_msgs/msg/Odometry", "out",
-            "the true pose and velocity; covariances are 0", rate_hz=RATE_HZ,
-            frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
+            source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",
+            rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
         )
+        for name in ("ground_truth/odom", *(("odom",) if tf == "truth" else ()))
     ]  # fmt: skip
     turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
     if source.has_sonar or source.entry.model.fins or turning:
@@ -95,12 +101,18 @@ def _joints(source: Source, sim: Simulator) -> Any:
     )
 
 
-def _moving(sources: Sequence[Source], sim: Simulator) -> Any:
+def _moving(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
     transforms = []
     for source in sources:
         vehicle, frame = source.of(sim), source.frame
-        pose = source.position_odom_m(sim), vehicle.pose.orientation_xyzw
-        transforms.append(build.transform(sim.time_ns, frame("odom"), frame("base_footprint"), *pose))
+        if tf == "truth":
+            pose = source.position_odom_m(sim), vehicle.pose.orientation_xyzw
+            transforms.append(build.transform(sim.time_ns, frame("odom"), frame("base_footprint"), *pose))
+        elif tf == "odom":
+            estimate = vehicle.estimate
+            pose = estimate.pose.position_world_m + source.origin_m, estimate.pose.orientation_xyzw
+            stamp_ns = round(1e9 * estimate.time_s)
+            transforms.append(build.transform(stamp_ns, frame("odom"), frame("base_link"), *pose))
         if source.has_sonar:
             tilt = source.scan_mount_m, build.tilt_xyzw(vehicle.sonar.elevation_rad)
             transforms.append(build.transform(sim.time_ns, frame("base_link"), frame("base_scan"), *tilt))
@@ -110,24 +122,30 @@ def _moving(sources: Sequence[Source], sim: Simulator) -> Any:
             elif camera.mount.pan_tilt is not None:
                 transforms.append(_optical(sim, frame("base_link"), frame(name), camera))
     transforms += [
-        _optical(sim, "station", name, camera) for name, camera in sim.cameras.items() if camera.mount.pan_tilt
+        _optical(sim, prefix + "station", prefix + name, camera)
+        for name, camera in sim.cameras.items()
+        if camera.mount.pan_tilt
     ]
     return build.message("tf2_msgs/msg/TFMessage", transforms=transforms)
 
 
-def _fixed(sources: Sequence[Source], sim: Simulator) -> Any:
+def _fixed(sources: Sequence[Source], tf: Tf, prefix: str, sim: Simulator) -> Any:
     station = sim.scenario.station
     yaw_xyzw = build.mount_xyzw((station.yaw_deg, 0.0, 0.0))
-    transforms = [build.transform(sim.time_ns, "world", "station", station.position_m, yaw_xyzw)]
+    transforms = [build.transform(sim.time_ns, "world", prefix + "station", station.position_m, yaw_xyzw)]
     transforms += [
-        _optical(sim, "station", name, camera) for name, camera in sim.cameras.items() if not camera.mount.pan_tilt
+        _optical(sim, prefix + "station", prefix + name, camera)
+        for name, camera in sim.cameras.items()
+        if not camera.mount.pan_tilt
     ]
+    transforms.append(build.transform(sim.time_ns, "world", prefix + "map", -sources[0].origin_m))
     for source in sources:
         frame = source.frame
-        transforms += [
-            build.transform(sim.time_ns, "world", frame("odom"), -source.origin_m),
-            build.transform(sim.time_ns, frame("base_footprint"), frame("base_link"), (0.0, 0.0, 0.0)),
-        ]
+        # A frame has one parent: with others' odom -> base_link, base_footprint is below base_link.
+        parent, child = ("base_footprint", "base_link") if tf == "truth" else ("base_link", "base_footprint")
+        transforms.append(build.transform(sim.time_ns, frame(parent), frame(child), (0.0, 0.0, 0.0)))
+        if tf != "none":
+            transforms.append(build.transform(sim.time_ns, prefix + "map", frame("odom"), (0.0, 0.0, 0.0)))
         for name, sensor in source.entry.model.sensors.items():
             turn = build.mount_xyzw(sensor.yaw_pitch_roll_deg)
             if sensor.kind == "dvl":

@@ -155,12 +155,12 @@ def _picture_channels(source: Source, sim: Simulator, pictures: Pictures) -> lis
     return found
 
 
-def station_picture(pictures: Pictures, sim: Simulator) -> list[Channel]:
+def station_picture(pictures: Pictures, sim: Simulator, frame_prefix: str = "") -> list[Channel]:
     """Return the published picture's channel: the camera over the station's deck if there is one, else the first."""
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
-    frame_id = f"{name}_optical"
+    frame_id = f"{frame_prefix}{name}_optical"
 
     def read(sim: Simulator) -> Any:
         picture = pictures.read(sim, name, sim.cameras[name])

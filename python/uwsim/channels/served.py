@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from uwsim.channels.diagnostics import diagnostics_channel
-from uwsim.channels.frames import clock_channel
+from uwsim.channels.frames import Tf, clock_channel
 from uwsim.channels.table import Table, Wire
 from uwsim.live import LiveSimulator
 
 
 def served_table(
-    live: LiveSimulator, *, wire: Wire = "both", origin: str | Sequence[float] = "world", truth: bool = True
+    live: LiveSimulator,
+    *,
+    wire: Wire = "both",
+    origin: str | Sequence[float] = "world",
+    truth: bool = True,
+    tf: Tf = "truth",
+    frame_prefix: str = "",
 ) -> Table:
     """Return a table plus the pace; /clock is included for any wire, since clients use simulated time.
 
@@ -22,7 +28,9 @@ def served_table(
     def may_wait() -> bool:
         return live.speed == "max" or live.paused
 
-    table = Table(live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth)
+    table = Table(
+        live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth, tf=tf, frame_prefix=frame_prefix
+    )
     table.channels.insert(
         0, clock_channel() if wire == "published" else diagnostics_channel(live, lambda: table.channels)
     )

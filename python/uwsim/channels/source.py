@@ -17,15 +17,17 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A vehicle. entry: its initial settings. prefix: prefix of topics and frames, "NAME/", or "" for a single vehicle.
+    """A vehicle. entry: its initial settings. prefix: prefix of its topics, "NAME/", or "" for a single vehicle.
 
-    Frames: world -> odom -> base_footprint -> base_link -> base_scan. odom is fixed in the world; origin_m (3,) is the
-    world's origin in odom. base_footprint and base_link are the body frame; base_scan turns with the sonar's head.
+    Frames (REP 105): world -> map -> odom -> base_footprint -> base_link -> base_scan. map is fixed in the world;
+    origin_m (3,) is the world's origin in map. odom coincides with map. base_footprint and base_link are the body
+    frame; base_scan turns with the sonar's head. frame_prefix: prefix of the names of its frames.
     """
 
     entry: VehicleEntry
     prefix: str
     origin_m: Vector
+    frame_prefix: str
 
     @property
     def name(self) -> str:
@@ -46,10 +48,12 @@ class Source:
         return next(entry.command_timeout_s for entry in entries if entry.name == self.name)
 
     def topic(self, name: str) -> str:
-        """Return the full name of a topic, service or frame."""
+        """Return the full name of a topic or service."""
         return self.prefix + name
 
-    frame = topic
+    def frame(self, name: str) -> str:
+        """Return the full name of a frame."""
+        return self.frame_prefix + name
 
     def position_odom_m(self, sim: Simulator) -> Vector:
         """Return the vehicle's position in odom, (3,)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,8 @@ from uwsim.channels import frames
 from uwsim.channels.cameras import station_cameras, vehicle_cameras
 from uwsim.channels.channel import Channel, Service
 from uwsim.channels.commands import command_channels
-from uwsim.channels.estimate import estimate_channels
+from uwsim.channels.estimate import estimate_channels, has_estimate
+from uwsim.channels.frames import Tf
 from uwsim.channels.imaging import imaging_channels
 from uwsim.channels.instruments import sensor_channels
 from uwsim.channels.map import PingMap
@@ -40,7 +41,9 @@ class Table:
 
     Created once by the server, recorder or replay, and passed to everything that needs a part of it. wire: "published"
     selects the topics of the paper's simulator, "standard" ROS's usual ones. origin: the world's origin in the odom
-    frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names.
+    frame, (3,) [m], or a name in ORIGINS. With several vehicles, topics and frames are prefixed by their names. tf: the
+    motion on /tf and /odom, see `frames.Tf`; the truth is on /ground_truth/odom in any case. frame_prefix: prefix of
+    all frames except world, such as "auv/".
     may_wait: whether the steps may wait for pictures; if not, late ones are skipped. truth: whether /telemetry carries
     the true position. Raises ValueError.
 
@@ -56,13 +59,20 @@ class Table:
         origin: str | Sequence[float] = "world",
         may_wait: Callable[[], bool] = lambda: True,
         truth: bool = True,
+        tf: Tf = "truth",
+        frame_prefix: str = "",
     ) -> None:
         self.truth = truth
+        self.tf: Tf = tf
+        self.frame_prefix = frame_prefix
         self.origin_m = checked_wire(wire, origin)
         alone = len(sim.scenario.vehicles) == 1
+        prefixes = ["" if alone else f"{entry.name}/" for entry in sim.scenario.vehicles]
         self.sources = [
-            Source(entry, "" if alone else f"{entry.name}/", self.origin_m) for entry in sim.scenario.vehicles
+            Source(entry, prefix, self.origin_m, frame_prefix + prefix)
+            for entry, prefix in zip(sim.scenario.vehicles, prefixes, strict=True)
         ]
+        check_tf(tf, self.sources)
         self.pictures = Pictures(may_wait)
         self.pings = {source.name: Pings(source, sim) for source in self.sources if source.has_sonar}
         self.maps = {
@@ -86,7 +96,7 @@ class Table:
 
     def _published(self, sim: Simulator) -> list[Channel]:
         """Return the topics of the paper's simulator."""
-        found = station_picture(self.pictures, sim)
+        found = station_picture(self.pictures, sim, self.frame_prefix)
         for source in self.sources:
             pings, steering = self.pings.get(source.name), self.steering[source.name]
             found += over_link(source, published_channels(source, sim, pings, self.pictures, steering))
@@ -94,13 +104,14 @@ class Table:
 
     def _standard(self, sim: Simulator) -> list[Channel]:
         """Return ROS's usual topics."""
-        found = frames.common_channels(self.sources) + station_cameras(sim, self.pictures)
+        found = frames.common_channels(self.sources, self.tf, self.frame_prefix)
+        found += station_cameras(sim, self.pictures, self.frame_prefix)
         for source in self.sources:
             found += over_link(source, self._standard_of(source, sim))
         return found
 
     def _standard_of(self, source: Source, sim: Simulator) -> list[Channel]:
-        found = frames.vehicle_channels(source) + estimate_channels(source)
+        found = frames.vehicle_channels(source, self.tf) + estimate_channels(source, self.tf)
         found.append(telemetry_channel(source, truth=self.truth))
         found += plain_link_channels(source, sim)
         found += sensor_channels(source, sim)
@@ -150,6 +161,15 @@ def services(sim: Simulator) -> list[Service]:
         stacklevel=2,
     )
     return Table(sim).services
+
+
+def check_tf(tf: str, sources: Sequence[Source]) -> None:
+    """Raise ValueError for an unknown source of /tf, or an estimate that a vehicle cannot make."""
+    if tf not in get_args(Tf):
+        raise ValueError(f"tf = {tf!r}: must be one of {', '.join(get_args(Tf))}")
+    for source in sources:
+        if tf == "odom" and not has_estimate(source):
+            raise ValueError(f"tf = 'odom': vehicle '{source.name}' has no IMU, by which it could estimate its motion")
 
 
 def checked_wire(wire: str, origin: str | Sequence[float]) -> NDArray[np.float64]:

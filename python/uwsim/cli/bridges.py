@@ -106,21 +106,24 @@ class Bridges:
         live: LiveSimulator | None = None,
         services: Sequence[Service] = (),
         origin: str = "world",
+        namespace: str = "",
         access: Mapping[str, Any] = MappingProxyType({}),
     ) -> list[str]:
         """Open the bridges, which the stack closes; return their addresses, for the greeting.
 
-        origin: the world's origin in odom, as for a Table. access: the access settings from `uwsim.cli.access`.
+        origin: the world's origin in odom, as for a Table. namespace: part of the nodes' names. access: the access
+        settings from `uwsim.cli.access`.
         """
         said = []
         if self._ros1:
             from uwsim.bridges.ros1 import Ros1Node
 
-            said.append(f"ROS 1 at {stack.enter_context(Ros1Node(live, channels, services, feed=feed)).master}")
+            first = stack.enter_context(Ros1Node(live, channels, services, feed=feed, namespace=namespace))
+            said.append(f"ROS 1 at {first.master}")
         if self._ros2 is not None:
             from uwsim.bridges.ros2 import Ros2Node
 
-            node = stack.enter_context(Ros2Node(live, channels, services, self._ros2, feed=feed))
+            node = stack.enter_context(Ros2Node(live, channels, services, self._ros2, feed=feed, namespace=namespace))
             said.append(f"ROS 2 {node.settings}")
         if self._foxglove_port is not None:
             from uwsim.bridges.foxglove import FoxgloveServer

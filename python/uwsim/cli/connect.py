@@ -9,7 +9,7 @@ import typer
 from uwsim.cli.bounds import within
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.serve import Origin, Paused, Speed, Wire, parsed_speed
+from uwsim.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, Wire, parsed_speed, prefix_of
 from uwsim.cli.values import scenarios
 
 
@@ -23,6 +23,9 @@ def connect(
     sonar_model: SonarModel = None,
     wire: Wire = "published",
     origin: Origin = "world",
+    namespace: Namespace = "",
+    frame_prefix: FramePrefix = None,
+    tf: Tf = "truth",
     ros: Annotated[int, typer.Option(help="The server's generation of ROS: 1 or 2.", callback=within(1, 2))] = 1,
     paused: Paused = False,
     link: Link = None,
@@ -41,6 +44,7 @@ def connect(
     from uwsim.bridges import RosbridgeClient
     from uwsim.bridges.nodes.websocket import checked_url
     from uwsim.channels import Table, diagnostics_channel
+    from uwsim.channels.names import channels_in, services_in
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator.simulator import Simulator
@@ -49,6 +53,7 @@ def connect(
     logging.getLogger("uwsim.rosbridge").setLevel(logging.INFO)
     if ros not in (1, 2):
         raise ValueError(f"--ros = {ros}: must be 1 or 2")
+    prefix = prefix_of(namespace, frame_prefix)
     checked_url(url)  # before the scenario is built
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
     live = LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused)
@@ -57,6 +62,8 @@ def connect(
         wire=wire,  # type: ignore[arg-type]  # checked there
         origin=origin,
         may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
+        tf=tf,  # type: ignore[arg-type]  # checked there
+        frame_prefix=prefix,
     )
     if wire != "published":
         table.channels.append(diagnostics_channel(live, lambda: table.channels))
@@ -66,7 +73,8 @@ def connect(
 
             carrier = sinks.enter_context(Carrier(live, table))
             table.channels, table.services = carrier.channels, carrier.over(table.services)
-        sinks.enter_context(
-            RosbridgeClient(live, url, channels=table.channels, services=table.services, ros=ros)  # type: ignore[arg-type]
-        )
+        named = {
+            "channels": channels_in(namespace, table.channels), "services": services_in(namespace, table.services)
+        }  # fmt: skip
+        sinks.enter_context(RosbridgeClient(live, url, ros=ros, **named))  # type: ignore[arg-type]
         run_until_interrupted(live, f"{scenario} to {url}")

@@ -32,6 +32,18 @@ Origin = Annotated[
         **one_of("world", "published"),
     ),
 ]
+Namespace = Annotated[str, typer.Option(help="Prefix of all topics and services, and of frames. Default: none.")]
+FramePrefix = Annotated[
+    str | None, typer.Option(help="Prefix of all frames except world. Default: the namespace and a slash.")
+]
+Tf = Annotated[
+    str,
+    typer.Option(
+        "--tf",
+        help="The motion on /tf and /odom: truth, odom (the vehicle's estimate) or none (left to other nodes).",
+        **one_of("truth", "odom", "none"),
+    ),
+]
 Paused = Annotated[bool, typer.Option("--paused", help="Start paused; the service /simulation/resume starts it.")]
 
 
@@ -50,6 +62,9 @@ def serve(
     sonar_model: SonarModel = None,
     wire: Wire = "both",
     origin: Origin = "world",
+    namespace: Namespace = "",
+    frame_prefix: FramePrefix = None,
+    tf: Tf = "truth",
     ros: Annotated[
         int,
         typer.Option(
@@ -84,6 +99,7 @@ def serve(
 
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.feed import Feed
+    from uwsim.channels.names import channels_in, services_in
     from uwsim.channels.served import served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
@@ -93,6 +109,9 @@ def serve(
         ros1=ros1, ros2=ros2, ros_distro=ros_distro, ros_domain_id=ros_domain_id, ros_reach=ros_reach,
         ros_peer=ros_peer, foxglove=foxglove, foxglove_port=foxglove_port,
     )  # fmt: skip
+    prefix = prefix_of(namespace, frame_prefix)
+    if station and (prefix or tf != "truth"):
+        raise ValueError("--station: its page needs --tf truth, and neither --namespace nor --frame-prefix")
     if record is None:
         need("--record", record_topic=record_topic)
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
@@ -122,7 +141,7 @@ def serve(
             places = [f"{scenario} at {server.url}", f"the station's page at {page_url(server.url, token)}"]
             shown = hub.present().table
         else:
-            shown = served_table(live, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+            shown = served_table(live, wire=wire, origin=origin, tf=tf, frame_prefix=prefix)  # type: ignore[arg-type]  # checked there
             # refuses invalid options before a file is created
             server = RosbridgeServer(live, channels=(), feed=feed, **options)
             if simulator.link is not None:
@@ -131,13 +150,30 @@ def serve(
                 carrier = sinks.enter_context(Carrier(live, shown))
                 shown.channels, shown.services = carrier.channels, carrier.over(shown.services)
             record_from(shown)
+            shown.channels = channels_in(namespace, shown.channels)
+            shown.services = services_in(namespace, shown.services)
             server.channels, server.services = shown.channels, shown.services
             sinks.enter_context(server)
             places = [f"{scenario} at {server.url}"]
         places += bridges.join(
-            sinks, shown.channels, feed, live=live, services=shown.services, origin=origin, access=accessible
+            sinks,
+            shown.channels,
+            feed,
+            live=live,
+            services=shown.services,
+            origin=origin,
+            namespace=namespace,
+            access=accessible,
         )
         run_until_interrupted(live, ", ".join(places))
+
+
+def prefix_of(namespace: str, frame_prefix: str | None) -> str:
+    """Return the prefix of frames. Raises ValueError for a namespace that ROS does not allow."""
+    from uwsim.channels.names import checked_namespace
+
+    plain = checked_namespace(namespace)
+    return (f"{plain}/" if plain else "") if frame_prefix is None else frame_prefix
 
 
 def page_url(server_url: str, token: str | None) -> str:

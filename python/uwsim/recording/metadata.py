@@ -7,6 +7,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, Json, NonNegativeInt, ValidationError
 
+from uwsim.channels.frames import Tf
 from uwsim.channels.pictures import Stream
 
 Metadata = TypeVar("Metadata", bound=BaseModel)
@@ -26,6 +27,8 @@ class Start(BaseModel):
     streams: Json[dict[str, Stream]]
     map_is_older: Json[bool]
     truth: Json[bool]
+    tf: Tf = "truth"
+    frame_prefix: str = ""
     through_link: Json[bool] = False
     on_wall_clock: Json[bool]
     fingerprint: str

@@ -114,7 +114,8 @@ class Recorder:
     def _follows(self, channel: Channel) -> bool:
         """Return whether a survey's channel can be derived from the pings or, like pictures, from the replay."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
-        return channel.late or channel.type == MAP_TYPE or channel.name in from_pings
+        is_truth_again = channel.name.endswith("ground_truth/odom")
+        return channel.late or channel.type == MAP_TYPE or channel.name in from_pings or is_truth_again
 
     def _is_chosen(self, channel: Channel) -> bool:
         topics, without = self._patterns
@@ -254,6 +255,8 @@ class Recorder:
             "streams": json.dumps({key: asdict(stream) for key, stream in self._table.pictures.streams.items()}),
             "map_is_older": json.dumps(self._table.has_map),
             "truth": json.dumps(self._table.truth),
+            "tf": self._table.tf,
+            "frame_prefix": self._table.frame_prefix,
             "through_link": json.dumps(self._through_link),
             "on_wall_clock": json.dumps(not self._may_wait()),
             "fingerprint": fingerprint(sim.scenario),

@@ -118,7 +118,9 @@ class _Replay:
         self._said: dict[str, deque[tuple[int, int, bytes]]] = defaultdict(deque)  # epoch, time, data
         self._is_survey = recording.start.kind == SURVEY
         start = recording.start
-        self._table = table = Table(sim, origin=start.origin, truth=start.truth)
+        self._table = table = Table(
+            sim, origin=start.origin, truth=start.truth, tf=start.tf, frame_prefix=start.frame_prefix
+        )
         known = table.channels
         pictures = [channel for channel in known if channel.late]
         if start.through_link:

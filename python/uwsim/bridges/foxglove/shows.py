@@ -167,9 +167,15 @@ def _shows_of_world(
     scenario, has_link = live.simulator.scenario, live.simulator.link is not None
     alone = len(scenario.vehicles) == 1
     places = told_places(live, channels, feed, origin_m) if has_link else true_places(live)
-    frames = {entry.name: "base_link" if alone else f"{entry.name}/base_link" for entry in scenario.vehicles}
+    frames = {entry.name: _body_frame("" if alone else f"{entry.name}/", channels) for entry in scenario.vehicles}
     return [
         StillShow("scene/lake", outgoing, send, live, lambda: lake(scenario)),
         StillShow("scene/vehicles", outgoing, send, live, lambda: hulls(scenario, frames)),
         TrackShow(outgoing, send, live, places),
     ]
+
+
+def _body_frame(prefix: str, channels: Sequence[Channel]) -> str:
+    """Return the frame of a vehicle's commands, which may have a prefix of its own."""
+    found = (channel.frame_id for channel in channels if f"/{channel.name}".endswith(f"/{prefix}cmd_vel"))
+    return next(found, f"{prefix}base_link")

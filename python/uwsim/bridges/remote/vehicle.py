@@ -86,10 +86,13 @@ class RemoteVehicle(Commandable):
         """The origin of odom in the world (3,), from /tf_static; zero if /tf_static lacks it."""
         if "tf_static" not in self._connection.topics:
             return np.zeros(3)
-        for transform in self._connection.newest("tf_static").transforms:
-            if transform.header.frame_id == "world" and transform.child_frame_id == f"{self._prefix}odom":
-                return vector(transform.transform.translation)
-        return np.zeros(3)
+        above = {each.child_frame_id: each for each in self._connection.newest("tf_static").transforms}
+        origin_m, at = np.zeros(3), f"{self._prefix}odom"
+        for _ in range(len(above)):  # world -> map -> odom, or world -> odom
+            if at in above:
+                origin_m = origin_m + vector(above[at].transform.translation)
+                at = above[at].header.frame_id
+        return origin_m if at == "world" else np.zeros(3)
 
     @cached_property
     def sensors(self) -> Named[RemoteSensor]:

@@ -13,10 +13,10 @@ from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import to_bytes
+from uwsim.channels.names import node_name
 from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
-NAME = "uwsim"
 CLOCK = "clock"
 DEPTH = 10  # messages queued for a slow subscriber; beyond that, the oldest are dropped
 
@@ -31,8 +31,8 @@ class Ros1Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and published on a separate thread; rospy
     keeps a queue for each subscriber, so that no subscriber delays others or the steps. rospy allows one node per
-    process. live: None if the feed is that of a recording, which accepts no commands. Raises ValueError without rospy
-    or a master.
+    process. namespace: part of the node's name, since each name may exist once. live: None if the feed is that of a
+    recording, which accepts no commands. Raises ValueError without rospy or a master.
     """
 
     def __init__(
@@ -42,12 +42,13 @@ class Ros1Node(Bridge):
         services: Sequence[Service] = (),
         *,
         feed: Readings | None = None,
+        namespace: str = "",
     ) -> None:
         self._rospy = rospy = load_rospy()
         self.master = require_master()
         super().__init__("ros1", live, channels, services, feed)
         # Otherwise rospy would replace our logging, and, if use_sim_time is set, wait for our clock.
-        rospy.init_node(NAME, argv=[], disable_signals=True, disable_rostime=True)
+        rospy.init_node(node_name(namespace), argv=[], disable_signals=True, disable_rostime=True)
         if CLOCK in self.outputs:
             rospy.set_param("/use_sim_time", True)
         self._outgoing = Outgoing("uwsim-ros1")

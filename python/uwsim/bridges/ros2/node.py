@@ -26,10 +26,10 @@ from uwsim.channels import Channel, Service, require_live
 from uwsim.channels.cdr import encode, is_as_in_jazzy
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.messages import from_bytes
+from uwsim.channels.names import channels_in, node_name
 from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
-NAME = "uwsim"
 LOOK_S = 0.5  # time between checks whether to stop, if nothing happens
 PAUSE_S = 0.001  # time between reads, so that a flood of messages cannot use up the processor
 OPEN_CALLS_MAX = 100
@@ -45,8 +45,8 @@ class Ros2Node(Bridge):
 
     A channel is read only while a node subscribes to it. Messages are encoded and written on one thread; commands are
     received on another. live: None if the feed is that of a recording, which accepts no commands. feed: shared with
-    other sinks, so that each reading is taken and encoded only once. Raises ValueError for settings and names that ROS
-    2 does not allow, OSError if the domain cannot be joined.
+    other sinks, so that each reading is taken and encoded only once. namespace: part of the node's name. Raises
+    ValueError for settings and names that ROS 2 does not allow, OSError if the domain cannot be joined.
     """
 
     def __init__(
@@ -57,11 +57,14 @@ class Ros2Node(Bridge):
         settings: Ros2Settings | None = None,
         *,
         feed: Readings | None = None,
+        namespace: str = "",
     ) -> None:
+        self.name = node_name(namespace)
         self.settings = settings or Ros2Settings()
         self._reliable: list[Channel] = []
         if live is not None:
-            self._reliable = [*service_channels(services, self.call, self._say), parameter_channel(self._say)]
+            self._reliable = service_channels(services, self.call, self._say)
+            self._reliable += channels_in(namespace, [parameter_channel(self._say)])
         self.channels = [*channels, *self._reliable]
         for channel in self.channels:
             dds_name(channel.name)
@@ -129,7 +132,7 @@ class Ros2Node(Bridge):
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
         readers = [source.guid for source in self._sources if isinstance(source, RawReader)]
         writers = [self._log.guid, *(writer.guid for writer in self._writers.values())]
-        info = entities_info(distro, self._participant.guid, NAME, readers, writers)
+        info = entities_info(distro, self._participant.guid, self.name, readers, writers)
         self._graph.write(encode(info, distro))
 
     def _listen(self) -> None:
@@ -170,5 +173,5 @@ class Ros2Node(Bridge):
     def _say(self, level: int, text: str) -> None:
         """Report a message on /rosout and in our log."""
         self.log.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
-        message: Any = log_message(require_live(self.live).simulator.time_ns, NAME, level, text)
+        message: Any = log_message(require_live(self.live).simulator.time_ns, self.name, level, text)
         self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

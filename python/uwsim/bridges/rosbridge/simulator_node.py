@@ -17,6 +17,7 @@ from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.channels import Channel, Service
 from uwsim.channels.feed import Reading, Readings
+from uwsim.channels.names import with_earlier_names
 from uwsim.channels.outgoing import Line, Turns, queue_of
 from uwsim.live import LiveSimulator, NotRunningError
 
@@ -37,7 +38,7 @@ class SimulatorNode(Bridge):
         graph: Graph,
         loop: asyncio.AbstractEventLoop,
     ) -> None:
-        channels = list(channels)
+        channels = with_earlier_names(channels)
         super().__init__("rosbridge", live, channels, services, feed)
         self._name = PLAYED if live is None else LIVE
         self._graph = graph

@@ -1,0 +1,55 @@
+"""Names of topics and services in a graph that other programs share: a namespace, and names of earlier versions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+
+from uwsim.channels.channel import Channel, Service
+
+SHARED = frozenset({"clock", "tf", "tf_static", "diagnostics"})
+"""Topics that all programs of a graph share, in any namespace."""
+EARLIER = {"odometry/estimate": "odometry/filtered"}
+"""Names of earlier versions, by the present ones. Now robot_localization's output has this name."""
+_NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+
+
+def checked_namespace(namespace: str) -> str:
+    """Return a namespace without slashes at its ends. Raises ValueError for one that ROS does not allow."""
+    plain = namespace.strip("/")
+    if plain and not _NAMESPACE.fullmatch(plain):
+        raise ValueError(f"namespace = '{namespace}': must be letters, digits and _, beginning with a letter")
+    return plain
+
+
+def node_name(namespace: str) -> str:
+    """Return the name of the simulator's node in a graph."""
+    return "_".join((*checked_namespace(namespace).split("/"), "uwsim")).removeprefix("_")
+
+
+def channels_in(namespace: str, channels: Iterable[Channel]) -> list[Channel]:
+    """Return channels with their names in a namespace; "" changes none. Raises ValueError."""
+    plain = checked_namespace(namespace)
+    return [
+        replace(channel, name=f"{plain}/{channel.name}") if plain and channel.name not in SHARED else channel
+        for channel in channels
+    ]
+
+
+def services_in(namespace: str, services: Iterable[Service]) -> list[Service]:
+    """Return services with their names in a namespace; "" changes none. Raises ValueError."""
+    plain = checked_namespace(namespace)
+    return [replace(service, name=f"{plain}/{service.name}") if plain else service for service in services]
+
+
+def with_earlier_names(channels: Iterable[Channel]) -> list[Channel]:
+    """Return channels, and copies under the names that earlier versions gave them, for a graph without ROS."""
+    found = list(channels)
+    taken = {channel.name for channel in found}
+    for channel in list(found):
+        for name, earlier in EARLIER.items():
+            old = channel.name.removesuffix(name) + earlier
+            if channel.name.endswith(name) and old not in taken:
+                found.append(replace(channel, name=old, description=f"the earlier name of /{channel.name}"))
+    return found
