@@ -46,6 +46,16 @@ def arguments_of(command: Command, request: Request) -> dict[str, Any]:
     return dict(request)
 
 
+def named_arguments(service: Service, values: list[Any]) -> Request:
+    """Return the request whose fields have these values, in their order. Raises ValueError if there are too many."""
+    command = COMMANDS.get(service.name.rpartition("/")[2])
+    names = ["data"] if service.type == SET_BOOL else [each.name for each in command.arguments] if command else []
+    if len(values) > len(names):
+        fields = f"{len(names)} at most: {', '.join(names)}" if names else "an object, since it has no positional ones"
+        raise ValueError(f"service '{service.name}': {len(values)} args: must be {fields}")
+    return dict(zip(names, values, strict=False))
+
+
 def request_of(command: Command, arguments: Mapping[str, Any]) -> Request:
     """Return the request that issues a command through its service."""
     if command.service == SET_BOOL:

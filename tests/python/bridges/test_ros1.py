@@ -55,6 +55,7 @@ stamp = min(set(scans) & set(clouds))
 scan = scans[stamp]
 projected = LaserProjection().projectLaser(scan)
 found["frame"] = scan.header.frame_id
+found["counts"] = [m.header.seq for m in scans.values()]
 found["theirs"] = [list(map(float, p)) for p in point_cloud2.read_points(projected, ("x", "y", "z"))]
 found["ours"] = [list(map(float, p)) for p in point_cloud2.read_points(clouds[stamp], ("x", "y", "z"))]
 tree = ("world", "odom", "base_footprint", "base_link", "base_scan")
@@ -73,6 +74,7 @@ def test_rospy_tf2_and_laser_geometry_see_what_the_paper_publishes(ros: dict[str
     # The published decoder expects the letter a after every number, of which there are 513 or 1025.
     ranges = found["depthArray"].split("a")
     assert ranges.pop() == "" and len(ranges) == 513 and all(0.0 < float(r) <= 55.0 for r in ranges)
+    assert found["counts"] == list(range(found["counts"][0], found["counts"][0] + len(found["counts"])))
     assert found["modelTrigger"] == "2" and -5.1 < found["propPos"] < -4.9
     # The paper's figure 10: odom -> base_footprint -> base_link -> base_scan.
     assert found["base_footprint>base_link"] == [0.0, 0.0, 0.0] and found["odom>base_footprint"][2] == found["propPos"]

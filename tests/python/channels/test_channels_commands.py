@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from channel_tools import table
 from uwsim.channels import Table, build, keep_up
+from uwsim.channels.command_services import named_arguments
 from uwsim.live import LiveSimulator
 from uwsim.mapping import OccupancyMap
 
@@ -164,3 +165,13 @@ def test_the_map_holds_every_ping_since_the_start_though_nobody_reads(
 def _saved(live: LiveSimulator, own: Table, name: str) -> NDArray[np.float64]:
     assert ask(live, "rov/save_map", own, name=name)["success"]
     return OccupancyMap.read(name).occupied_voxels()
+
+
+def test_arguments_by_position_are_the_fields_of_the_request(live: LiveSimulator) -> None:
+    services = {service.name: service for service in Table(live.simulator).services}
+    assert named_arguments(services["rov/all_stop"], [True]) == {"data": True}
+    wrench = named_arguments(services["rov/set_wrench"], [[1.0, 0.0, 0.0]])
+    assert wrench == {"force_body_n": [1.0, 0.0, 0.0]} and services["rov/set_wrench"].call(live, wrench)["success"]
+    assert named_arguments(services["rov/release"], []) == {}
+    with pytest.raises(ValueError, match="service 'rov/all_stop': 2 args: must be 1 at most: data"):
+        named_arguments(services["rov/all_stop"], [True, False])

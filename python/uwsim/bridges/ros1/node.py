@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import struct
+from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 from uwsim.bridges.bridge import Bridge
-from uwsim.bridges.ros1.raw_types import raw_type, read_message
+from uwsim.bridges.ros1.raw_types import begins_with_header, raw_type, read_message
 from uwsim.bridges.ros1.rospy_module import load_rospy, require_master
 from uwsim.bridges.ros1.services import offer_service
 from uwsim.channels import Channel, Service
@@ -56,6 +58,7 @@ class Ros1Node(Bridge):
             name: Line(name, queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
         }
         self._publishers: dict[str, Any] = {}
+        self._sequences: Counter[str] = Counter()
         self.keep_up()
         for name in self.outputs:
             with self._lock:  # a waiting subscriber demands the channel immediately, on one of rospy's threads
@@ -111,7 +114,11 @@ class Ros1Node(Bridge):
 
     def _publish(self, reading: Reading) -> bool:
         channel = reading.channel
-        self._publishers[channel.name].publish(raw_type(channel.type)(to_bytes(reading.message, ros=1)))
+        data = to_bytes(reading.message, ros=1)
+        if begins_with_header(channel.type):  # whose first field counts the topic's messages
+            data = struct.pack("<I", self._sequences[channel.name]) + data[4:]
+            self._sequences[channel.name] += 1
+        self._publishers[channel.name].publish(raw_type(channel.type)(data))
         return True
 
     def refuse(self, reason: str) -> None:

@@ -46,7 +46,7 @@ class Calls:
         self._outbox = outbox
         self.spent_bytes = 0
         self._made: set[Call] = set()
-        self._received: dict[str, tuple[str, Reply]] = {}  # callers and their reply functions, by our id
+        self._received: dict[str, tuple[str, Reply, str]] = {}  # callers, reply functions and services, by our id
         self._numbers = itertools.count(1)
         graph.on_leave.append(self._forget_caller)
 
@@ -84,6 +84,10 @@ class Calls:
         name = plain_name(operation.get("service"), "service")
         self._names.services.discard(name)
         self._graph.unadvertise_service(self._name, name)
+        for identity in [identity for identity, (_, _, service) in self._received.items() if service == name]:
+            _, reply, _ = self._received.pop(identity)
+            self._account.give(CALL_BYTES)
+            reply(False, f"service '{name}': {self._name} has ceased to offer it")
 
     def respond(self, operation: dict[str, Any]) -> None:
         """Pass the client's answer to the caller. Raises ValueError if no call waits for it."""
@@ -122,13 +126,13 @@ class Calls:
             raise ValueError(f"service '{service}': {self._limits.open_calls} calls are waiting for its response")
         identity = f"service_request:{service}:{next(self._numbers)}"
         frame = to_json({"op": "call_service", "id": identity, "service": service, "args": arguments})
-        self._received[identity] = caller, reply
+        self._received[identity] = caller, reply, plain_name(service, "service")
         self._account.take(CALL_BYTES)
         self._outbox.reply(frame)
 
     def _forget_caller(self, name: str) -> None:
         """Stop waiting for answers to a client that has left."""
-        for identity in [identity for identity, (caller, _) in self._received.items() if caller == name]:
+        for identity in [identity for identity, (caller, _, _) in self._received.items() if caller == name]:
             del self._received[identity]
             self._account.give(CALL_BYTES)
 
@@ -136,7 +140,7 @@ class Calls:
         """After the client has left, fail all waiting calls of its services, and drop its calls of other services."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
-        for _, reply in received.values():
+        for _, reply, _ in received.values():
             reply(False, f"{self._name}, who offers the service, has left")
         for call in self._made:
             call.calls = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import binascii
 import io
 import math
 from collections.abc import Callable
@@ -83,6 +85,21 @@ def to_png(text: str) -> str:
     buffer = io.BytesIO()
     Image.frombytes("RGB", (width, height), pixels).save(buffer, "PNG", compress_level=1)
     return f'{{"op":"png","data":"{to_base64(buffer.getvalue())}"}}'
+
+
+def from_png(data: str, size_max: int) -> str:
+    """Decode the operation in a PNG's pixels, as rosbridge's clients send it. Raises ValueError.
+
+    size_max: limit on the decoded size, which is known before anything is decoded.
+    """
+    try:
+        picture = Image.open(io.BytesIO(base64.b64decode(data, validate=True)), formats=("PNG",))
+        size = picture.width * picture.height * len(picture.getbands())
+        if size > size_max:
+            raise ValueError(f"png: {size} bytes of pixels: must be {size_max} at most")
+        return picture.tobytes().decode()
+    except (OSError, SyntaxError, UnicodeDecodeError, binascii.Error) as error:
+        raise ValueError(f"png.data: not a PNG of text in base64 ({error})") from None
 
 
 def publication(message: Any, topic: str, ros: Ros) -> str:

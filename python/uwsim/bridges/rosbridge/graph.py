@@ -6,6 +6,7 @@ Clients and the simulator are peers in it, like nodes in ROS: each is an owner, 
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -74,8 +75,8 @@ class Graph:
 
     on_demand: functions called with a topic's name and whether it has subscribers, whenever that changes. on_leave:
     functions called with an owner that has left. on_abandoned: functions called with a topic's name when its last
-    publisher has left. silence_s: returns the time since anything was received from an owner. ledger: counts the memory
-    used for clients.
+    publisher has left. silence_s: returns the time since anything was received from an owner. time_ns: returns the
+    graph's time. ledger: counts the memory used for clients.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -86,6 +87,7 @@ class Graph:
         self.on_demand: list[Callable[[str, bool], None]] = []
         self.on_leave: list[Callable[[str], None]] = []
         self.on_abandoned: list[Callable[[str], None]] = []
+        self.time_ns: Callable[[], int] = time.time_ns
         self.silence_s: Callable[[str], float] = lambda owner: 0.0
 
     def advertise(self, owner: str, name: str, type_name: str, latch: bool = False) -> Topic:

@@ -100,8 +100,9 @@ def _graph_queries(graph: Graph, ros: Ros) -> dict[str, Query]:
         return {"type": spelled(topic.type, ros) if topic is not None and topic.type else ""}
 
     def services_for_type(args: Args) -> Args:
-        wanted = _text(args, "type")
-        return {"services": [f"/{service.name}" for service in services.values() if service.type == wanted]}
+        wanted = _text(args, "type").replace("/srv/", "/")
+        found = [service.name for service in services.values() if service.type.replace("/srv/", "/") == wanted]
+        return {"services": [f"/{name}" for name in found]}
 
     def node_details(args: Args) -> Args:
         node = _text(args, "node")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -150,6 +151,7 @@ class RosbridgeServer:
         self._join(loop)
         has_time = self._node is not None or bool(self._guests)
         parameters = Parameters({"use_sim_time": "true"} if has_time else {}, lambda: self._live)
+        self.graph.time_ns = lambda: self._time_ns() if self._live is not None else time.time_ns()
         offer_rosapi(self.graph, parameters, self._ros, self._time_ns)
         republisher = offer_tf(self.graph, loop)
         guests = [GuestNode(guest, self.graph, loop) for guest in self._guests]

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from uwsim.bridges.conversation import Frame
 from uwsim.bridges.rosbridge.calls import Calls
-from uwsim.bridges.rosbridge.encoding import to_json
+from uwsim.bridges.rosbridge.encoding import from_png, to_json
 from uwsim.bridges.rosbridge.fragments import Fragments
 from uwsim.bridges.rosbridge.graph import LOGGER, Graph
 from uwsim.bridges.rosbridge.ledger import Account
@@ -20,7 +20,7 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.parse import read
-from uwsim.bridges.rosbridge.topics import Made, Topics
+from uwsim.bridges.rosbridge.topics import Made, Topics, stamp
 from uwsim.channels.message_types import is_unicode, shortened
 from uwsim.channels.messages import Ros, from_plain
 
@@ -65,7 +65,9 @@ class Session:
         "unadvertise_service": lambda session: session._calls.unadvertise_service,
         "service_response": lambda session: session._calls.respond,
         "fragment": lambda session: session._fragment,
+        "png": lambda session: session._png,
         "set_level": lambda session: session._set_level,
+        "set_status_level": lambda session: session._set_level,
         "status": lambda session: session._status,
     }
 
@@ -114,12 +116,14 @@ class Session:
             if len(frame) > self.limits.frame_bytes:
                 raise ValueError(f"frame: {len(frame)} bytes: must be {self.limits.frame_bytes} at most")
             operation, meter = read(frame, self.limits, pause)
-            if is_whole and operation.get("op") == "fragment":
-                raise ValueError("fragment: must not contain a fragment")
+            if is_whole and operation.get("op") in ("fragment", "png"):
+                raise ValueError(f"{operation['op']}: within a fragmented or compressed message")
             if operation.get("op") == "publish":
                 kind = self.graph.typed_topic(operation.get("topic")).type
                 assert kind is not None
-                message = from_plain(kind, operation.pop("msg", {}), meter=meter)
+                given = operation.pop("msg", {})
+                message = from_plain(kind, given, meter=meter)
+                stamp(message, given, self.graph.time_ns)
                 operation["msg"] = Made(message, kind, meter.made_bytes + sys.getsizeof(frame))
         except ValueError as error:
             return Prepared(operation, str(error))
@@ -195,6 +199,14 @@ class Session:
 
     def _fragment(self, operation: dict[str, Any]) -> None:
         self._whole = self._fragments.add(operation)
+
+    def _png(self, operation: dict[str, Any]) -> None:
+        data = self._fragments.add(operation) if "total" in operation else operation.get("data")
+        if data is None:
+            return
+        if not isinstance(data, str):
+            raise ValueError(f"png.data = {shortened(data)}: must be a string")
+        self._whole = from_png(data, self.limits.frame_bytes)
 
     def _set_level(self, operation: dict[str, Any]) -> None:
         level = operation.get("level")

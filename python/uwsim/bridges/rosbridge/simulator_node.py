@@ -16,6 +16,7 @@ from uwsim.bridges.listener import post
 from uwsim.bridges.rosbridge.encoding import Growing, Sample
 from uwsim.bridges.rosbridge.graph import Graph, Reply
 from uwsim.channels import Channel, Service
+from uwsim.channels.command_services import named_arguments
 from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.names import with_earlier_names
 from uwsim.channels.outgoing import Line, Turns, queue_of
@@ -117,6 +118,8 @@ class SimulatorNode(Bridge):
             raise ValueError(f"topic '{channel.name}': {error}") from None
 
     def _serve(self, service: Service, arguments: Any, reply: Reply, caller: str) -> None:
+        if isinstance(arguments, list):
+            arguments = named_arguments(service, arguments)
         if not isinstance(arguments, dict):
-            raise ValueError(f"service '{service.name}': args must be an object")
+            raise ValueError(f"service '{service.name}': args must be an object or a list")
         self.call(service, arguments, partial(post, self._loop, reply))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from uwsim.bridges.rosbridge.encoding import Sample
@@ -12,6 +13,7 @@ from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.bridges.rosbridge.subscription import CREDIT_MAX, Subscription, read_options
+from uwsim.channels import build
 from uwsim.channels.message_types import shortened
 from uwsim.channels.messages import Ros, resolve
 
@@ -24,6 +26,14 @@ class Made(NamedTuple):
     message: Any
     type: str
     size: int
+
+
+def stamp(message: Any, given: Any, time_ns: Callable[[], int]) -> None:
+    """Set the time of a message whose header the client left without one, as rosbridge does."""
+    header = getattr(message, "header", None)
+    sent = given.get("header") if isinstance(given, dict) else None
+    if hasattr(header, "stamp") and not (isinstance(sent, dict) and "stamp" in sent):
+        header.stamp = build.time(time_ns())  # type: ignore[union-attr]
 
 
 class Topics:
@@ -93,16 +103,17 @@ class Topics:
         self._graph.subscribe(self._name, name, name, type_name, lambda sample: self._outbox.put(name, sample))
 
     def unsubscribe(self, operation: Operation) -> None:
-        """End a subscription to a topic by its id, or all of them."""
+        """End the subscription to a topic with an id, or, without one, all of them; other ids change nothing."""
         name, identity = operation.get("topic"), operation.get("id")
         plain_name(name)
         subscription = self._names.subscriptions.get(name)  # type: ignore[arg-type]
         if subscription is None:
             raise ValueError(f"topic '{name}': you do not subscribe to it")
-        if identity in subscription.ids:
-            del subscription.ids[identity]
-        else:
+        if identity is None:
             subscription.ids.clear()
+        elif identity not in subscription.ids:
+            raise ValueError(f"topic '{name}': you have no subscription with id {shortened(identity)}")
+        subscription.ids.pop(identity, None)
         if not subscription.ids:
             del self._names.subscriptions[subscription.topic]
             self._outbox.close(subscription.topic)
