@@ -51,9 +51,10 @@ def vehicle_channels(source: Source, tf: Tf = "truth") -> list[Channel]:
     found = [
         Channel(
             source.topic(name), "nav_msgs/msg/Odometry", "out", "the true pose and velocity; covariances are 0",
-            rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, read=lambda sim: _odometry(source, sim),
+            rate_hz=RATE_HZ, frame_id=source.frame("odom"), over_link=True, packing=packing,
+            read=lambda sim: _odometry(source, sim),
         )
-        for name in ("ground_truth/odom", *(("odom",) if tf == "truth" else ()))
+        for name, packing in (("ground_truth/odom", ""), *((("odom", "deflate"),) if tf == "truth" else ()))
     ]  # fmt: skip
     turning = any(camera.pan_tilt is not None for camera in source.entry.model.cameras.values())
     if source.has_sonar or source.entry.model.fins or turning:

@@ -11,7 +11,7 @@ import numpy as np
 from uwsim import _core
 from uwsim.channels import build
 from uwsim.channels.channel import Channel
-from uwsim.channels.covariance import isotropic, of_velocity, variance
+from uwsim.channels.covariance import UNKNOWN, isotropic, of_velocity, variance
 from uwsim.channels.source import Source
 from uwsim.instruments.sensors import Sample
 from uwsim.scenario.spec.sensor import SensorMount
@@ -20,6 +20,7 @@ from uwsim.simulator.simulator import Simulator
 DEFAULT_HZ = 10.0  # for sensors without a rate
 BATTERY_HZ = 1.0
 ULTRASOUND = 0
+UNOBSERVED = 1e6  # variance of what a sensor does not measure, in the square of its unit
 DVL_MODE_BOTTOM = 1
 
 
@@ -29,6 +30,7 @@ class Errors(NamedTuple):
     mount: SensorMount
     rate_hz: float
     time_s: float
+    sound_speed_m_s: float = math.nan  # for a DVL, at its vehicle's depth
 
     def variance(self, channel: str) -> float:
         """Return the variance of a channel's errors [unit^2]."""
@@ -36,6 +38,19 @@ class Errors(NamedTuple):
 
 
 Write = Callable[[Any, Any, Errors], Any]
+
+
+class FilterInput(NamedTuple):
+    """A second message of a kind of sensor, whose type filters take.
+
+    write(value, header, errors, origin_m): builds one; origin_m: the world's origin in odom. frame: "": the sensor's.
+    """
+
+    suffix: str
+    type: str
+    description: str
+    write: Callable[[Any, Any, Errors, Any], Any]
+    frame: str = ""
 
 
 class Kind(NamedTuple):
@@ -69,7 +84,19 @@ def sensor_channels(source: Source, sim: Simulator) -> list[Channel]:
                     frame_id=frame_id, over_link=True, read=_reader(source, name, kind, frame_id),
                 )
             )  # fmt: skip
+        if sensor.kind in FILTER_INPUTS:
+            found.append(_filter_input(source, name, sensor.rate_hz or DEFAULT_HZ, FILTER_INPUTS[sensor.kind]))
     return found
+
+
+def _filter_input(source: Source, name: str, rate_hz: float, input_: FilterInput) -> Channel:
+    """Return the channel of a sensor's values as filters such as robot_localization take them."""
+    frame_id = source.frame(input_.frame or f"{name}_link")
+    kind = Kind(input_.type, lambda value, header, errors: input_.write(value, header, errors, source.origin_m))
+    return Channel(
+        source.topic(f"{name}/{input_.suffix}"), input_.type, "out", input_.description, rate_hz=rate_hz,
+        frame_id=frame_id, over_link=True, packing="", read=_reader(source, name, kind, frame_id),
+    )  # fmt: skip
 
 
 def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[Simulator], Any]:
@@ -81,10 +108,15 @@ def _reader(source: Source, name: str, kind: Kind, frame_id: str) -> Callable[[S
         if not sample.valid and not (kind.even_invalid and _is_out_of_reach(sample.value)):
             return None
         mount = source.model(sim).sensors[name]
-        errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s)
+        speed_m_s = sim.world.water.sound_speed_m_s(_height_m(source, sim)) if sensor.kind == "dvl" else math.nan
+        errors = Errors(mount, mount.rate_hz or 1.0 / sim.step_s, sample.stamp_s, speed_m_s)
         return kind.write(sample.value, build.header(sample.stamp_ns, frame_id), errors)
 
     return read
+
+
+def _height_m(source: Source, sim: Simulator) -> float:
+    return min(float(source.of(sim).pose.position_world_m[2]), 0.0)
 
 
 def _is_out_of_reach(value: Any) -> bool:
@@ -131,6 +163,7 @@ def _range(value: float, header: Any, errors: Errors) -> Any:
         radiation_type=ULTRASOUND,
         max_range=range_max_m,
         range=value,
+        variance=errors.variance("range" if mount.kind == "proximity" else mount.kind),
     )
 
 
@@ -159,7 +192,7 @@ def _dvl(value: Any, header: Any, errors: Errors) -> Any:
         course_gnd=math.atan2(velocity[1], velocity[0]),
         speed_gnd=math.hypot(velocity[0], velocity[1]),
         num_good_beams=int(good.sum()),
-        sound_speed=0.0,
+        sound_speed=errors.sound_speed_m_s,
         beam_ranges_valid=bool(good.any()),
         beam_velocities_valid=bool(good.any()),
         beam_unit_vec=[build.vector(down * beam) for beam in beams.T],
@@ -190,6 +223,59 @@ def _usbl(value: Any, header: Any, errors: Errors) -> Any:
         "geometry_msgs/msg/PointStamped", header=header, point=build.xyz("geometry_msgs/msg/Point", value.position_m)
     )
 
+
+def _depth_pose(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
+    covariance = np.diag([UNOBSERVED, UNOBSERVED, errors.variance("depth"), *[UNOBSERVED] * 3])
+    pose = build.pose((0.0, 0.0, origin_m[2] - value), build.IDENTITY_XYZW)
+    return build.message(
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        header=header,
+        pose=build.message("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance.ravel()),
+    )
+
+
+def _heading(value: float, header: Any, errors: Errors, origin_m: Any) -> Any:
+    """Return an Imu message with the heading alone: yaw is counter-clockwise from east (REP 103)."""
+    unknown = np.array([UNKNOWN, *[0.0] * 8])
+    return build.message(
+        "sensor_msgs/msg/Imu",
+        header=header,
+        orientation=build.quaternion(build.mount_xyzw((90.0 - math.degrees(value), 0.0, 0.0))),
+        orientation_covariance=np.diag([UNOBSERVED, UNOBSERVED, errors.variance("heading")]).ravel(),
+        angular_velocity_covariance=unknown,
+        linear_acceleration_covariance=unknown,
+    )
+
+
+def _dvl_twist(value: Any, header: Any, errors: Errors, origin_m: Any) -> Any:
+    dvl = _dvl(value, header, errors)
+    covariance = np.diag([UNOBSERVED] * 6)
+    covariance[:3, :3] = dvl.velocity_covar.reshape(3, 3)
+    if covariance[0, 0] < 0.0:
+        return None  # too few beams
+    twist = build.message("geometry_msgs/msg/Twist", linear=dvl.velocity)
+    return build.message(
+        "geometry_msgs/msg/TwistWithCovarianceStamped",
+        header=header,
+        twist=build.message("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=covariance.ravel()),
+    )
+
+
+FILTER_INPUTS: dict[str, FilterInput] = {
+    "depth": FilterInput(
+        "pose", "geometry_msgs/msg/PoseWithCovarianceStamped", "depth as a height in odom; only z is measured",
+        _depth_pose, "odom",
+    ),
+    "compass": FilterInput(
+        "imu", "sensor_msgs/msg/Imu", "magnetic heading as a yaw, counter-clockwise from east; only yaw is measured",
+        _heading, "base_link",
+    ),
+    "dvl": FilterInput(
+        "twist", "geometry_msgs/msg/TwistWithCovarianceStamped", "velocity over the bed; no rate is measured",
+        _dvl_twist,
+    ),
+}  # fmt: skip
+"""Messages for filters, by kind of sensor, on the topic NAME/suffix."""
 
 KINDS: dict[str, Kind] = {
     "imu": Kind("sensor_msgs/msg/Imu", _imu),
