@@ -87,17 +87,20 @@ def _on_vehicle(source: Source, name: str) -> CameraOf:
     return lambda sim: source.of(sim).cameras[name]
 
 
-def jpeg_message(picture: Picture, frame_id: str) -> Any:
+RGB_JPEG = "rgb8; jpeg compressed bgr8"
+
+
+def jpeg_message(picture: Picture, frame_id: str, format_text: str = RGB_JPEG) -> Any:
     """Return a picture as a CompressedImage."""
-    return compressed_image(picture.jpeg, picture.frame.time_ns, frame_id)
+    return compressed_image(picture.jpeg, picture.frame.time_ns, frame_id, format_text)
 
 
-def compressed_image(jpeg: bytes, time_ns: int, frame_id: str) -> Any:
-    """Return a JPEG as a CompressedImage."""
+def compressed_image(jpeg: bytes, time_ns: int, frame_id: str, format_text: str = RGB_JPEG) -> Any:
+    """Return a JPEG as a CompressedImage. format_text: by default image_transport's; the published wire has "jpeg"."""
     return build.message(
         "sensor_msgs/msg/CompressedImage",
         header=build.header(time_ns, frame_id),
-        format="rgb8; jpeg compressed bgr8",
+        format=format_text,
         data=np.frombuffer(jpeg, np.uint8),
     )
 

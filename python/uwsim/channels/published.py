@@ -28,6 +28,7 @@ POSE_HZ = 50.0
 PANEL_HZ = 10.0
 SLOW_HZ = 1.0
 TEXT, JPEG = "std_msgs/msg/String", "sensor_msgs/msg/CompressedImage"
+CAMERA_FRAME = "camera"
 TILT_LIMIT_RAD = 0.5 * math.pi
 
 
@@ -45,7 +46,11 @@ def join(values: Iterable[float]) -> str:
 
 
 def state_text(sim: Simulator, source: Source) -> str:
-    """Return the text of `stateData`: the panel's nine values; an infinite distance is "Infinity"."""
+    """Return the text of `stateData`: the panel's nine values; an infinite distance is "Infinity".
+
+    The mission time counts whole seconds from the start of the scene, as in the published simulator; the battery's
+    charge is the vehicle's own, which falls from the release on.
+    """
     panel = source.of(sim).telemetry()
     return join(
         [
@@ -56,7 +61,7 @@ def state_text(sim: Simulator, source: Source) -> str:
             panel.depth_m,
             panel.distance_to_station_m,
             panel.distance_to_seabed_m,
-            panel.mission_time_s,
+            float(sim.time_ns // 1_000_000_000),
             panel.battery_percent,
         ]
     )
@@ -76,7 +81,7 @@ def published_channels(
         Channel(
             topic("stateData"), TEXT, "out",
             "speed [m/s], angular speed [rad/s], temperature [deg C], pressure [kPa], depth [m], distances to station "
-            "and seabed [m], mission time [s], battery [%], each followed by a",
+            "and seabed [m], whole seconds since the start of the scene, battery [%], each followed by a",
             rate_hz=PANEL_HZ, over_link=True, priority=PANEL, packing="state",
             read=lambda sim: build.text(state_text(sim, source)),
         ),
@@ -160,11 +165,11 @@ def station_picture(pictures: Pictures, sim: Simulator, frame_prefix: str = "") 
     if not sim.cameras:
         return []
     name = "deck" if "deck" in sim.cameras else next(iter(sim.cameras))
-    frame_id = f"{frame_prefix}{name}_optical"
+    frame_id = f"{frame_prefix}{CAMERA_FRAME}"
 
     def read(sim: Simulator) -> Any:
         picture = pictures.read(sim, name, sim.cameras[name])
-        return None if picture is None else jpeg_message(picture, frame_id)
+        return None if picture is None else jpeg_message(picture, frame_id, "jpeg")
 
     return [
         Channel(
@@ -184,7 +189,7 @@ def _next_picture(source: Source, pictures: Pictures, cameras: Sequence[str], si
     turn = int(sim.time_ns * RATE_HZ * len(cameras) // 1_000_000_000) % len(cameras)
     name = cameras[turn]
     picture = pictures.read(sim, source.topic(name), source.of(sim).cameras[name])
-    return None if picture is None else jpeg_message(picture, source.frame(f"{name}_optical"))
+    return None if picture is None else jpeg_message(picture, source.frame(f"{name}_optical"), "jpeg")
 
 
 def apply_key(live: LiveSimulator, source: Source, steering: Steering, message: Any) -> None:

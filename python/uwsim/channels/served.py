@@ -8,26 +8,35 @@ from uwsim.channels.diagnostics import diagnostics_channel
 from uwsim.channels.frames import Tf, clock_channel
 from uwsim.channels.table import Table, Wire
 from uwsim.live import LiveSimulator
+from uwsim.scenario import Scenario
+
+
+def default_origin(scenario: Scenario) -> str:
+    """Return the name of the origin that a server of a scenario uses unless it is given another."""
+    return "published" if scenario.wire == "published" else "world"
 
 
 def served_table(
     live: LiveSimulator,
     *,
-    wire: Wire = "both",
-    origin: str | Sequence[float] = "world",
+    wire: Wire | None = None,
+    origin: str | Sequence[float] | None = None,
     truth: bool = True,
     tf: Tf = "truth",
     frame_prefix: str = "",
 ) -> Table:
     """Return a table plus the pace; /clock is included for any wire, since clients use simulated time.
 
-    In real time, steps do not wait for pictures, since keeping the pace is more important. Steps that a client requests
-    while paused do wait. Raises ValueError.
+    wire, origin: by default the scenario's. In real time, steps do not wait for pictures, since keeping the pace is
+    more important. Steps that a client requests while paused do wait. Raises ValueError.
     """
 
     def may_wait() -> bool:
         return live.speed == "max" or live.paused
 
+    scenario = live.simulator.scenario
+    wire = scenario.wire if wire is None else wire
+    origin = default_origin(scenario) if origin is None else origin
     table = Table(
         live.simulator, wire=wire, origin=origin, may_wait=may_wait, truth=truth, tf=tf, frame_prefix=frame_prefix
     )

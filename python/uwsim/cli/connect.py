@@ -7,9 +7,10 @@ from typing import Annotated
 import typer
 
 from uwsim.cli.bounds import within
+from uwsim.cli.choices import one_of
 from uwsim.cli.options import Link, Seed, SonarModel, Threads
 from uwsim.cli.options import sonar_model as parsed_sonar_model
-from uwsim.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, Wire, parsed_speed, prefix_of
+from uwsim.cli.serve import FramePrefix, Namespace, Origin, Paused, Speed, Tf, parsed_speed, prefix_of
 from uwsim.cli.values import scenarios
 
 
@@ -21,8 +22,14 @@ def connect(
     speed: Speed = "1",
     seed: Seed = None,
     sonar_model: SonarModel = None,
-    wire: Wire = "published",
-    origin: Origin = "world",
+    wire: Annotated[
+        str,
+        typer.Option(
+            help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.",
+            **one_of("standard", "published", "both"),
+        ),
+    ] = "published",
+    origin: Origin = None,
     namespace: Namespace = "",
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
@@ -45,6 +52,7 @@ def connect(
     from uwsim.bridges.nodes.websocket import checked_url
     from uwsim.channels import Table, diagnostics_channel
     from uwsim.channels.names import channels_in, services_in
+    from uwsim.channels.served import default_origin
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator.simulator import Simulator
@@ -60,7 +68,7 @@ def connect(
     table = Table(
         simulator,
         wire=wire,  # type: ignore[arg-type]  # checked there
-        origin=origin,
+        origin=origin or default_origin(simulator.scenario),
         may_wait=lambda: live.speed == "max",  # in real time, the pace has priority
         tf=tf,  # type: ignore[arg-type]  # checked there
         frame_prefix=prefix,

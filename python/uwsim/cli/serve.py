@@ -19,16 +19,18 @@ if TYPE_CHECKING:
 
 Speed = Annotated[str, typer.Option(help="Simulated seconds per wall second, or max.")]
 Wire = Annotated[
-    str,
+    str | None,
     typer.Option(
-        help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both.",
+        help="Topics: standard (ROS's usual ones), published (those of the paper's simulator) or both. Default: the "
+        "scenario's; both with the station's page, which needs them.",
         **one_of("standard", "published", "both"),
     ),
 ]
 Origin = Annotated[
-    str,
+    str | None,
     typer.Option(
-        help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m).",
+        help="The odom frame's origin: world, or published (that simulator's surface is at z = 75.3 m). Default: the "
+        "scenario's.",
         **one_of("world", "published"),
     ),
 ]
@@ -60,8 +62,8 @@ def serve(
     speed: Speed = "1",
     seed: Seed = None,
     sonar_model: SonarModel = None,
-    wire: Wire = "both",
-    origin: Origin = "world",
+    wire: Wire = None,
+    origin: Origin = None,
     namespace: Namespace = "",
     frame_prefix: FramePrefix = None,
     tf: Tf = "truth",
@@ -100,7 +102,7 @@ def serve(
     from uwsim.bridges import RosbridgeServer
     from uwsim.channels.feed import Feed
     from uwsim.channels.names import channels_in, services_in
-    from uwsim.channels.served import served_table
+    from uwsim.channels.served import default_origin, served_table
     from uwsim.cli.run_live import run_until_interrupted
     from uwsim.live import LiveSimulator
     from uwsim.simulator.simulator import Simulator
@@ -116,6 +118,7 @@ def serve(
         need("--record", record_topic=record_topic)
     accessible = access(host, page=page, token=token, certfile=certfile, keyfile=keyfile)
     simulator = Simulator(scenario, seed=seed, sonar_model=parsed_sonar_model(sonar_model), link=link, threads=threads)
+    origin = origin or default_origin(simulator.scenario)
     with LiveSimulator(simulator, speed=parsed_speed(speed), paused=paused) as live, ExitStack() as sinks:
         feed = Feed(live)
 
@@ -133,7 +136,7 @@ def serve(
             from uwsim.bridges.admission import has_token
             from uwsim.operator.station import Site, Station
 
-            hub = Station(is_fixed=True, wire=wire, origin=origin)  # type: ignore[arg-type]  # checked there
+            hub = Station(is_fixed=True, wire=wire or "both", origin=origin)  # type: ignore[arg-type]  # checked there
             site = Site(hub, lambda request: token is None or has_token(request, token))
             server = sinks.enter_context(RosbridgeServer(None, guests=[hub], site=site, **options))
             sinks.enter_context(hub.serving(server.show))

@@ -39,8 +39,8 @@ def station(
         typer.Option(help="Modem preselected on the start screen: a packaged one's name.", autocompletion=modems),
     ] = None,
     truth: Truth = True,
-    wire: Wire = "both",
-    origin: Origin = "world",
+    wire: Wire = None,
+    origin: Origin = None,
     token: Annotated[str | None, typer.Option(help="Pages must pass it: http://HOST:PORT/?token=TOKEN.")] = None,
     certfile: Certfile = None,
     keyfile: Keyfile = None,
@@ -62,7 +62,14 @@ def station(
     load(scenario)  # reports mistakes here instead of on the page
     if link is not None and link not in packaged_names("modems"):
         raise ValueError(f"--link = {link!r}: must be one of {', '.join(packaged_names('modems'))}")
-    hub = Station(offered=scenario, link=link, truth=truth, wire=wire, origin=origin, threads=threads)  # type: ignore[arg-type]
+    hub = Station(
+        offered=scenario,
+        link=link,
+        truth=truth,
+        wire=wire or "both",  # type: ignore[arg-type]  # checked there
+        origin=origin or "world",
+        threads=threads,
+    )
     server = RosbridgeServer(
         None,
         port=port,

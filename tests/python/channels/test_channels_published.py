@@ -11,6 +11,7 @@ from channel_tools import matrix, table
 from uwsim import Simulator
 from uwsim.channels import build
 from uwsim.channels.published import csharp_number
+from uwsim.channels.served import served_table
 from uwsim.live import LiveSimulator
 from uwsim.mapping import ranging
 
@@ -58,17 +59,36 @@ def test_another_sonar_is_not_on_the_published_wire() -> None:
     assert not {"depthArray", "modelTrigger"} & set(found)
 
 
+def test_the_scenario_paper_is_served_as_published_without_options() -> None:
+    with LiveSimulator("paper", paused=True) as live:
+        sim = live.simulator
+        found = {channel.name: channel for channel in served_table(live).channels}
+        both = {channel.name: channel for channel in served_table(live, wire="both").channels}
+        assert set(found) == {
+            "clock", "propPos", "scanPos", "depthArray", "modelTrigger", "stateData", "proximitySensor", "hFOV",
+            "image/compressed", "images/compressed", "key",
+        }  # fmt: skip
+        for offered in (found, both):
+            assert offered["propPos"].read(sim).position.z == 75.3 + sim.rov.pose.position_world_m[2]
+        assert {"odom", "scan", "telemetry"} < set(both)
+        station = found["image/compressed"].read(sim)
+        assert (station.format, station.header.frame_id) == ("jpeg", "camera")
+    with LiveSimulator("pool", paused=True) as live:
+        assert {"odom", "propPos"} < {channel.name for channel in served_table(live).channels}
+
+
 def test_the_state_string_has_the_nine_values_of_the_panel() -> None:
     sim = Simulator("lake")
+    sim.advance(1.5)
     sim.rov.release()
     sim.rov.set_effort(surge=0.5, heave=-0.3, yaw=0.3)
-    sim.advance(4.0)
+    sim.advance(4.0)  # 5.5 s after the start of the scene
     text, panel = table(sim)["stateData"].read(sim).data, sim.rov.telemetry()
     assert text.endswith("a")
     values = [float(value) for value in text[:-1].split("a")]
     expected = [
         panel.speed_m_s, panel.angular_speed_rad_s, panel.temperature_deg_c, panel.pressure_pa / 1000.0, panel.depth_m,
-        panel.distance_to_station_m, panel.distance_to_seabed_m, panel.mission_time_s, panel.battery_percent,
+        panel.distance_to_station_m, panel.distance_to_seabed_m, 5.0, panel.battery_percent,
     ]  # fmt: skip
     np.testing.assert_allclose(values, expected, rtol=1e-6)
     assert values[3] == pytest.approx(101.325 + 9.81 * values[4], rel=0.01)  # kPa, in fresh water

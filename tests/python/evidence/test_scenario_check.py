@@ -16,7 +16,7 @@ from uwsim.scenario.read.yaml_document import read_yaml
 from uwsim.scenario.schema import schema
 
 COVE = (assets_folder() / "scenarios" / "cove.yaml").read_text()
-EXPECTED = ["paper.yaml:47: vehicle 'rov' starts 1.0 m above the water"]  # as in the paper's own scenario
+EXPECTED = ["paper.yaml:48: vehicle 'rov' starts 1.0 m above the water"]  # as in the paper's own scenario
 
 
 def edited(path: Path, *edits: tuple[str, str]) -> str:

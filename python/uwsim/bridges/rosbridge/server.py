@@ -51,9 +51,9 @@ class RosbridgeServer:
     spelling of times and headers is used for clients whose type names are valid in both ("sensor_msgs/LaserScan").
     origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
     ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
-    odom, see uwsim.channels.Table; channels and services, such as those of a shared Table, replace them. feed: shared
-    with other sinks. guests: other peers in this process. site: serves HTTP on the same port, without a check of the
-    token. Raises ValueError, OSError.
+    odom, see uwsim.channels.Table, by default the scenario's; channels and services, such as those of a shared Table,
+    replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the same
+    port, without a check of the token. Raises ValueError, OSError.
     """
 
     def __init__(
@@ -68,8 +68,8 @@ class RosbridgeServer:
         certfile: Path | str | None = None,
         keyfile: Path | str | None = None,
         limits: Limits | None = None,
-        wire: Wire = "both",
-        origin: str | Sequence[float] = "world",
+        wire: Wire | None = None,
+        origin: str | Sequence[float] | None = None,
         channels: Iterable[Channel] | None = None,
         services: Iterable[Service] = (),
         feed: Readings | None = None,

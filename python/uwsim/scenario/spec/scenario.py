@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -47,7 +47,9 @@ class Scenario(Model):
     dock. vehicles: at least one. warnings: when the panel issues warnings. survey: the survey flown by `uwsim survey`.
     mission_time_s: battery life after the release of a vehicle without a `battery`, and the default time limit of a
     flight. link: the link between station and vehicles; None: messages are delivered immediately. faults: what fails,
-    and when.
+    and when. wire: the topics that servers offer unless they
+    are asked for others: `standard` (ROS's usual ones), `published` (those of the paper's simulator, in its
+    coordinates: water surface at z = 75.3 m) or `both`.
     """
 
     name: Name
@@ -66,6 +68,7 @@ class Scenario(Model):
     link: LinkSpec | None = None
     survey: Survey | None = None
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)] = ()
+    wire: Literal["standard", "published", "both"] = "both"
 
     _source_file: SourceFile = PrivateAttr(default=SourceFile())
 

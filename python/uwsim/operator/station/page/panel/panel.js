@@ -35,7 +35,11 @@ const MOTION = [
     'Angular accel.',
     '°/s²',
     (m) => fixed(DEG * Math.hypot(...m.angular_acceleration), 1),
-    (m) => components([...m.angular_acceleration].map((value) => DEG * value), ['roll', 'pitch', 'yaw']),
+    (m) =>
+      components(
+        [...m.angular_acceleration].map((value) => DEG * value),
+        ['roll', 'pitch', 'yaw'],
+      ),
   ],
   ['Roll', '', (m) => sided(attitude(m.orientation).roll_deg, 'S', 'P')],
   ['Pitch', '°', (m) => fixed(attitude(m.orientation).nose_up_deg, 1)],
