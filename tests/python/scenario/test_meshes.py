@@ -235,14 +235,45 @@ def test_a_cavity_stays_a_cavity_and_an_inverted_neighbour_does_not() -> None:
         assert volume(*closed_mesh(pair.vertices, pair.faces)) == pytest.approx(8 + 0.125)
 
 
-def test_a_mesh_that_cannot_be_closed_is_refused() -> None:
+def test_loose_sheets_are_left_out_and_nothing_else_is_refused() -> None:
     box = solid()
     fin = np.vstack([box.faces, [[0, 7, 5]]])
-    with pytest.raises(ScenarioError, match=r"mesh 'fin': is not closed \(.*edge"):
-        closed_mesh(box.vertices, fin, name="fin")
+    with pytest.warns(RepairWarning, match=r"mesh 'fin': was not closed \(.*edge.*left out 1 sheets.*encloses 6 m3"):
+        assert volume(*closed_mesh(box.vertices, fin, name="fin")) == pytest.approx(6.0)
     flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    with pytest.raises(ScenarioError, match="mesh 'mesh'"):
+    with pytest.raises(ScenarioError, match=r"mesh 'mesh': is not closed \(3 edges .*\) and encloses no volume"):
         closed_mesh(flat.vertices, flat.faces)
+
+
+def test_open_parts_that_share_an_edge_and_overlap_are_capped_turned_and_united() -> None:
+    """As in models made for pictures: a lidless box, one turned inside out along its edge, and a tube through both."""
+    box = trimesh.creation.box((2, 2, 2))
+    lidless = trimesh.Trimesh(box.vertices, box.faces[box.face_normals[:, 2] < 0.5], process=False)
+    inverted = trimesh.creation.box((2, 2, 2))
+    inverted.apply_translation([2, 2, 0])
+    inverted.invert()
+    tube = trimesh.creation.cylinder(0.25, 6, sections=64)
+    tube = trimesh.Trimesh(tube.vertices, tube.faces[np.abs(tube.face_normals[:, 2]) < 0.5], process=False)
+    mesh = trimesh.util.concatenate([lidless, inverted, tube])
+    with pytest.warns(RepairWarning, match=r"capped 3 holes.* turned 1 parts outward.* united 3 parts.* m3, [+-]"):
+        vertices, triangles = closed_mesh(mesh.vertices, mesh.faces)
+    disc_m2 = 32 * 0.25**2 * np.sin(2 * np.pi / 64)
+    assert volume(vertices, triangles) == pytest.approx(8 + 8 + 4 * disc_m2)
+    assert trimesh.Trimesh(vertices, triangles, process=False).is_watertight
+
+
+def test_a_part_that_crosses_itself_is_wrapped_to_within_its_grid() -> None:
+    """A ball with spikes through it, and a fin on one of its edges."""
+    ball = trimesh.creation.icosphere(3, radius=1.0)
+    spikes = ball.vertices.copy()
+    spikes[::7] *= -0.98  # every seventh vertex is on the other side: its triangles pass through all of the ball
+    faces = np.vstack([ball.faces, [[*ball.faces[0][:2], ball.faces[600][0]]]])
+    with pytest.warns(RepairWarning, match=r"wrapped 1 parts that cross themselves, to within 0\.04"):
+        vertices, triangles = closed_mesh(spikes, faces)
+    found = trimesh.Trimesh(vertices, triangles, process=False)
+    assert found.is_watertight
+    assert 0.5 * ball.volume < found.volume < 1.1 * ball.volume
+    assert np.abs(found.bounds - ball.bounds).max() < 2 / 48
 
 
 def test_parts_that_overlap_are_united_with_a_warning() -> None:

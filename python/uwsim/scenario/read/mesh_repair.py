@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uwsim.scenario.read.errors import RepairWarning, ScenarioError
+from uwsim.scenario.read.mesh_closing import closed
 from uwsim.scenario.read.mesh_file import Triangles, Vertices
-from uwsim.scenario.read.mesh_union import crossings, united
+from uwsim.scenario.read.mesh_union import crossings, united, volume
 
 if TYPE_CHECKING:  # takes a second to import, and is not needed for a cached hull
     import trimesh
@@ -20,8 +21,9 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     """Return the same surface closed and winding outward, with equal vertices merged. Raises ScenarioError.
 
     In the result, every edge is shared by two triangles that traverse it in opposite directions, and the volume is
-    positive. Overlapping closed parts are united. A surface that still intersects itself is rejected, since its inside
-    is undefined. Merging vertices that STL duplicates is silent; any other repair issues a RepairWarning.
+    positive. Overlapping closed parts are united. A closed surface that still intersects itself is rejected, since its
+    inside is undefined; an open one is closed part by part, see mesh_closing. Merging vertices that STL duplicates is
+    silent; any other repair issues a RepairWarning.
     """
     import trimesh
 
@@ -31,9 +33,16 @@ def closed_mesh(vertices_m: Vertices, triangles: NDArray[Any], name: str = "mesh
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
     mesh.remove_unreferenced_vertices()
+    given = mesh.copy()
     repairs = _repair(mesh)
     if not _is_closed(mesh):
-        raise ScenarioError(f"mesh '{name}': is not closed ({_defects(mesh)}): close it in the program that created it")
+        defects = _defects(given)
+        try:
+            mesh, done = closed(given)
+        except ValueError as error:
+            raise ScenarioError(f"mesh '{name}': is not closed ({defects}) and {error}") from None
+        warnings.warn(f"mesh '{name}': was not closed ({defects}): {', '.join(done)}", RepairWarning, stacklevel=2)
+        return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.uint32)
     if mesh.volume <= 0.0:
         raise ScenarioError(f"mesh '{name}': encloses no volume")
     mesh = _without_overlaps(mesh, name, repairs)
@@ -88,24 +97,18 @@ def _turn_outward(mesh: trimesh.Trimesh) -> bool:
     import trimesh
 
     parts = trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1)
-    volumes = [_volume(mesh.triangles[part]) for part in parts]
+    volumes = [volume(mesh.triangles[part]) for part in parts]
     boxes = [(mesh.triangles[part].min(axis=(0, 1)), mesh.triangles[part].max(axis=(0, 1))) for part in parts]
     faces = mesh.faces.copy()
     flipped = False
-    for part, volume, (low, high) in zip(parts, volumes, boxes, strict=True):
+    for part, volume_m3, (low, high) in zip(parts, volumes, boxes, strict=True):
         inside = any((outer[0] < low).all() and (high < outer[1]).all() for outer in boxes)
-        if volume < 0.0 and not inside:
+        if volume_m3 < 0.0 and not inside:
             faces[part] = faces[part][:, ::-1]
             flipped = True
     if flipped:
         mesh.faces = faces
     return flipped
-
-
-def _volume(corners: NDArray[np.float64]) -> float:
-    """Return the signed volume of triangles (m, 3, 3)."""
-    a, b, c = corners.transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 def _defects(mesh: trimesh.Trimesh) -> str:

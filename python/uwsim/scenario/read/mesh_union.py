@@ -125,9 +125,14 @@ def _components(mesh: trimesh.Trimesh) -> list[NDArray[np.int64]]:
     return list(trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1))
 
 
-def _volume(mesh: trimesh.Trimesh, faces: Faces) -> float:
-    a, b, c = mesh.vertices[faces].transpose(1, 0, 2)
+def volume(corners: Vertices) -> float:
+    """Return the signed volume of triangles (m, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def _volume(mesh: trimesh.Trimesh, faces: Faces) -> float:
+    return volume(mesh.vertices[faces])
 
 
 def _box(mesh: trimesh.Trimesh, faces: Faces) -> tuple[Vertices, Vertices]:

@@ -1,0 +1,163 @@
+"""Closes meshes made for pictures: open, inside-out, of many parts that overlap or share edges.
+
+Each connected part is made a solid: its winding is made consistent, each hole is capped by a fan around the middle of
+its rim, and it is turned outward. A part that crosses itself in many places is wrapped: its capped surface is thickened
+by a cell, filled, and thinned again, on a grid of WRAP_CELLS cells along its longest side. The union of these solids is
+the hull.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uwsim.scenario.read.mesh_union import crossings, volume
+
+if TYPE_CHECKING:
+    import manifold3d
+    import trimesh
+
+WRAP_CELLS = 48
+SHEET = 1e-4
+"""Volume of a capped part, as a fraction of its area to the power of 3/2, below which it is a sheet without inside."""
+FEW_CROSSINGS = 0.01
+"""Pierced edges per triangle up to which a part is accepted; its volume counts the overlaps twice."""
+
+
+def closed(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
+    """Return a closed mesh and what was done. Raises ValueError if it encloses nothing."""
+    import manifold3d
+    import trimesh
+
+    given_m3 = abs(volume(mesh.triangles))
+    parts, done = _capped_parts(mesh)
+    if not parts:
+        raise ValueError("encloses no volume")
+    solids = [_solid(part) for part in parts]
+    wrapped = [k for k, solid in enumerate(solids) if solid is None]
+    for k in wrapped:
+        solids[k] = _wrapped(parts[k])
+    out = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add).to_mesh64()
+    vertices, faces = np.asarray(out.vert_properties)[:, :3], np.asarray(out.tri_verts, np.int64)
+    if wrapped:
+        cell_m = max(float(parts[k].extents.max()) for k in wrapped) / WRAP_CELLS
+        done.append(f"wrapped {len(wrapped)} parts that cross themselves, to within {cell_m:.2g} m")
+    if len(parts) > 1:
+        done.append(f"united {len(parts)} parts")
+    found = trimesh.Trimesh(vertices, faces, process=False)
+    change = f", {100 * (found.volume / given_m3 - 1):+.1f} % of that of the open triangles" if given_m3 > 0 else ""
+    return found, [*done, f"it encloses {found.volume:.4g} m3{change}"]
+
+
+def _capped_parts(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], list[str]]:
+    """Return the connected parts that enclose a volume, capped and turned outward, and what was done to them."""
+    import trimesh
+
+    parts, holes, turned, sheets = [], 0, 0, 0
+    for faces in trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), min_len=1):
+        part = trimesh.Trimesh(mesh.vertices, mesh.faces[faces], process=False)
+        part.remove_unreferenced_vertices()
+        if not part.is_winding_consistent:
+            trimesh.repair.fix_winding(part)  # type: ignore[no-untyped-call]
+        capped, rims = _capped(np.asarray(part.vertices, np.float64), np.asarray(part.faces, np.int64))
+        volume_m3 = volume(capped.triangles)
+        if abs(volume_m3) < SHEET * capped.area**1.5:
+            sheets += 1
+            continue
+        if volume_m3 < 0.0:
+            capped.invert()
+            turned += 1
+        holes += rims
+        parts.append(capped)
+    counts = (
+        (holes, "capped {} holes"), (turned, "turned {} parts outward"), (sheets, "left out {} sheets without inside"),
+    )  # fmt: skip
+    return parts, [text.format(count) for count, text in counts if count]
+
+
+def _solid(part: trimesh.Trimesh) -> manifold3d.Manifold | None:
+    """Return a closed part as a solid, or None if it is none or crosses itself in many places."""
+    import manifold3d
+
+    vertices, faces = np.ascontiguousarray(part.vertices), np.ascontiguousarray(part.faces, np.uint64)
+    if crossings(vertices, faces) > FEW_CROSSINGS * len(faces):
+        return None
+    solid = manifold3d.Manifold(manifold3d.Mesh64(vertices, faces))
+    return solid if solid.status() == manifold3d.Error.NoError else None
+
+
+def _capped(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[trimesh.Trimesh, int]:
+    """Return a part with a fan on each of its rims, and their number."""
+    import trimesh
+
+    uses = Counter(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
+    onward: dict[int, list[int]] = {}
+    for (a, b), count in uses.items():
+        onward.setdefault(a, []).extend([b] * (count - uses.get((b, a), 0)))
+    middles, fans, rims = [], [], 0
+    for rim in _simple_cycles(onward):
+        middle = len(vertices) + rims
+        middles.append(vertices[rim].mean(axis=0))
+        fans += [(b, a, middle) for a, b in zip(rim, [*rim[1:], rim[0]], strict=True)]
+        rims += 1
+    if rims:
+        vertices, faces = np.vstack([vertices, middles]), np.vstack([faces, fans])
+    return trimesh.Trimesh(vertices, faces, process=False), rims
+
+
+def _simple_cycles(onward: dict[int, list[int]]) -> list[list[int]]:
+    """Return cycles without repeated vertices that use each directed edge once.
+
+    onward: the ends of the edges from each vertex, with as many edges to it as from it.
+    """
+    cycles = []
+    for start in sorted(onward):
+        while onward[start]:
+            walk = [start]
+            while True:
+                end = onward[walk[-1]].pop()
+                if end in walk:
+                    cut = walk.index(end)
+                    cycles.append(walk[cut:])
+                    del walk[cut + 1 :]
+                    if cut == 0:
+                        break
+                else:
+                    walk.append(end)
+    return cycles
+
+
+def _wrapped(part: trimesh.Trimesh) -> manifold3d.Manifold:
+    """Return the space that cannot be reached from outside through gaps of less than two cells, as a solid."""
+    import manifold3d
+    import trimesh
+    from scipy.ndimage import distance_transform_edt, label
+    from scipy.spatial import cKDTree
+
+    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+    cell_m = float((high - low).max()) / WRAP_CELLS
+    low, high = low - 4 * cell_m, high + 4 * cell_m
+    shape = np.ceil((high - low) / cell_m).astype(int) + 1
+    points = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1) * cell_m + low
+    vertices, _ = trimesh.remesh.subdivide_to_size(  # type: ignore[no-untyped-call]
+        part.vertices, part.faces, 0.5 * cell_m, max_iter=30
+    )
+    far = cKDTree(vertices).query(points.reshape(-1, 3), distance_upper_bound=2 * cell_m)[0].reshape(shape) > cell_m
+    regions, _ = label(far)
+    inside: Any = (distance_transform_edt(regions != regions[0, 0, 0]) * cell_m - cell_m).tolist()
+    (x0, y0, z0), (last_i, last_j, last_k) = low.tolist(), (shape - 2).tolist()
+
+    def height(x: float, y: float, z: float) -> float:
+        """Return the field between the grid's points, positive inside. Plain numbers: it is called a million times."""
+        u, v, w = (x - x0) / cell_m, (y - y0) / cell_m, (z - z0) / cell_m
+        i, j, k = min(int(u), last_i), min(int(v), last_j), min(int(w), last_k)
+        u, v, w = u - i, v - j, w - k
+        (a, b), (c, d) = inside[i][j : j + 2], inside[i + 1][j : j + 2]
+        low_z, high_z = (((a[n] * (1 - u) + c[n] * u) * (1 - v) + (b[n] * (1 - u) + d[n] * u) * v) for n in (k, k + 1))
+        return float(low_z * (1 - w) + high_z * w)
+
+    skin = manifold3d.Manifold.level_set(height, [*(low + cell_m), *(high - 2 * cell_m)], cell_m, 0.0)
+    return skin.simplify(0.1 * cell_m)
