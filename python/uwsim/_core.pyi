@@ -1813,17 +1813,17 @@ class PhysicsPing:
         (beams,) bool: detected, including false detections
         """
     @property
-    def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
-        """
-        (4, 4) float64, at transmission
-        """
-
     def vertical_deviation_m(self) -> numpy.ndarray:
         """
         (beams,) float32, standard deviation of the echo's height in the world, from its range's error and the
         transmitter's width; inf = no detection
         """
     @property
+    def world_from_sonar(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[4, 4]"]:
+        """
+        (4, 4) float64, at transmission
+        """
+
 class AcousticSpec:
     """
     The acoustic parameters of a multibeam in physics mode.
@@ -3745,13 +3745,13 @@ class Batch:
         snr_db: numpy.typing.NDArray[numpy.float32],
         travel_time_s: numpy.typing.NDArray[numpy.float32],
         deviation_m: numpy.typing.NDArray[numpy.float32],
+        vertical_deviation_m: numpy.typing.NDArray[numpy.float32],
+        horizontal_deviation_m: numpy.typing.NDArray[numpy.float32],
         detections: numpy.typing.NDArray[numpy.uint8],
         world_from_sonar: numpy.typing.NDArray[numpy.float64],
     ) -> None:
         """
         Ping in physics mode. Raises ValueError in geometry mode.
-        vertical_deviation_m: numpy.typing.NDArray[numpy.float32],
-        horizontal_deviation_m: numpy.typing.NDArray[numpy.float32],
         """
     def beams(
         self, vehicle: typing.SupportsInt | typing.SupportsIndex, sonar: typing.SupportsInt | typing.SupportsIndex
