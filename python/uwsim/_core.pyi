@@ -248,12 +248,17 @@ class Waves:
         gravity_m_s2: typing.SupportsFloat | typing.SupportsIndex = 9.80665,
     ) -> Waves:
         """
-        Return a sea of component_count waves with a JONSWAP spectrum. Raises ValueError.
+        Return a sea of component_count waves with a JONSWAP spectrum, TMA's in finite depth. Raises ValueError.
         """
     @property
     def bound_m(self) -> float:
         """
         the sum of the amplitudes: no crest is higher, no trough deeper
+        """
+    @property
+    def components(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 4]"]:
+        """
+        (n, 4): amplitude [m], angular frequency [rad/s], heading and phase [rad] of each wave
         """
     @property
     def depth_m(self) -> float: ...

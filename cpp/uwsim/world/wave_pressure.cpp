@@ -9,6 +9,7 @@ namespace uwsim {
 namespace {
 
 constexpr double kTolerance = 5e-4;     // as a fraction of the sum of the amplitudes
+constexpr double kLeftOut = 0.02;       // at most, as a fraction of the energy
 constexpr std::size_t kFewPoints = 16;  // for up to this many, summing the waves at each point is cheaper
 
 void put(WaveTerms* terms, std::size_t k, double real, double imaginary, double x, double y, double z) {
@@ -29,12 +30,21 @@ std::size_t blocks(WaveTerms* terms, std::size_t count) {
 
 }  // namespace
 
-/// The lowest order of polynomial within the tolerance over `radius_m`; 0 if there is none.
-int Waves::polynomial_order(double radius_m) const {
+/// The lowest order of polynomial of the first `count` waves within the tolerance over `radius_m`; 0 if there is none.
+int Waves::polynomial_order(double radius_m, std::size_t count) const {
+  std::array<double, kHighestWaveOrder + 2> moments{};
+  std::copy_n(moments_.begin(), moments.size(), moments.begin());
+  for (std::size_t k = count; k < waves_.size(); ++k) {
+    double moment = waves_[k].amplitude_m;
+    for (double& all : moments) {
+      all -= moment;
+      moment *= waves_[k].number_rad_m;
+    }
+  }
   double scale = radius_m * radius_m / 2;
-  for (std::size_t order = 2; order <= 9; ++order) {
+  for (std::size_t order = kLowestWaveOrder; order <= kHighestWaveOrder; ++order) {
     scale *= radius_m / static_cast<double>(order + 1);
-    if (moments_[order + 1] * scale <= kTolerance * moments_[0]) return static_cast<int>(order);
+    if (moments[order + 1] * scale <= kTolerance * moments_[0]) return static_cast<int>(order);
   }
   return 0;
 }
@@ -44,6 +54,7 @@ void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::s
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   std::array<Crest, kMaxComponents> crests;
   double height = 0;
+  std::size_t count = 0;
   if (points.size() > kFewPoints) {
     Eigen::Vector3d low = points[0], high = points[0];
     for (const Eigen::Vector3d& p : points) {
@@ -51,30 +62,39 @@ void Waves::heads(std::span<const Eigen::Vector3d> points, double time_s, std::s
       high = high.cwiseMax(p);
     }
     centre = 0.5 * (low + high);
-    Eigen::Vector3d reach = 0.5 * (high - low);
+    const Eigen::Vector3d half = 0.5 * (high - low);
     height = crests_at(centre.x(), centre.y(), time_s, waves_.size(), crests.data());
-    // The stretching varies over the patch, and is greatest where the surface is lowest.
-    const double change = std::min(slope_ * reach.head<2>().norm(), 2 * bound_m_);
-    const double lowest = std::min(0.0, std::max(height - change, -bound_m_)), layer = layer_m(lowest);
-    reach.z() = layer / (layer + lowest) * (reach.z() + change);
-    order = polynomial_order(reach.norm());
+    const double all = significant_height_m() * significant_height_m() / 8;  // the sum of the squared amplitudes
+    double slope = slope_, left_out = 0;
+    for (count = waves_.size(); count > 0; --count) {
+      // The stretching varies over the patch, and is greatest where the surface is lowest.
+      const double change = std::min(slope * half.head<2>().norm(), 2 * bound_m_);
+      const double lowest = std::min(0.0, std::max(height - change, -bound_m_)), layer = layer_m(lowest);
+      const Eigen::Vector3d reach(half.x(), half.y(), layer / (layer + lowest) * (half.z() + change));
+      order = polynomial_order(reach.norm(), count);
+      const Wave& shortest = waves_[count - 1];
+      left_out += shortest.amplitude_m * shortest.amplitude_m;
+      if (order > 0 || left_out > kLeftOut * all) break;
+      slope -= shortest.amplitude_m * shortest.number_rad_m;
+      height -= crests[count - 1].cosine;
+    }
   }
   if (order == 0) {
     for (std::size_t k = 0; k < points.size(); ++k) heads_m[k] = head_at(points[k], time_s);
     return;
   }
   const WaveKernels::Order& kernels = wave_kernels().of_order(order);
-  const WavePatch patch = patch_about(centre, height, crests.data(), kernels);
+  const WavePatch patch = patch_about(centre, height, crests.data(), count, kernels);
   kernels.heads(patch, points[0].data(), points.size(), heads_m.data());
 }
 
-WavePatch Waves::patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests,
+WavePatch Waves::patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests, std::size_t count,
                              const WaveKernels::Order& kernels) const {
   std::array<WaveTerms, kMaxComponents / kWaveLanes> surface;
   std::array<WaveTerms, 2 * kMaxComponents / kWaveLanes> below;
   const double middle = unstretched(centre.z(), height_m);
   std::size_t flat = 0, deep = 0;
-  for (std::size_t k = 0; k < waves_.size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const Wave& w = waves_[k];
     const Crest& crest = crests[k];
     put(surface.data(), flat++, crest.cosine, crest.sine, w.number_x_rad_m, w.number_y_rad_m, 0);

@@ -19,15 +19,25 @@ struct WaveComponent {
   double phase_rad = 0;
 };
 
-/// A sea defined by its spectrum (Hasselmann et al. 1973, "JONSWAP"): S(omega) is proportional to
+/// A sea defined by its spectrum (Hasselmann et al. 1973, "JONSWAP"; Bouws et al. 1985, J. Geophys. Res. 90(C1):975,
+/// "TMA"): S(omega) is proportional to
 ///
-///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b,   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
+///   omega^-5 exp(-1.25 (omega_p / omega)^4) gamma^b phi(omega),   b = exp(-(omega / omega_p - 1)^2 / (2 sigma^2)),
 ///
-/// with sigma 0.07 below the peak and 0.09 above it, scaled so that the sum of the components has exactly the
-/// significant height (4 sqrt(m0)). Each component has the same energy and a random frequency within its share of the
-/// spectrum, drawn with the spectrum's own density. No two frequencies are commensurable, so the sea does not recur
-/// (evenly spaced frequencies recur after 2 pi / spacing, which for 64 of them is 26 peak periods). Directions spread
-/// about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is long-crested.
+/// sigma 0.07 below the peak and 0.09 above it, and scaled so that the components together have exactly the significant
+/// height (4 sqrt(m0)). phi = tanh(k h)^2 / (1 + 2 k h / sinh(2 k h)) is the factor of Kitaigorodskii et al. 1975 (J.
+/// Phys. Oceanogr. 5:410), with which the spectrum in wave numbers does not depend on the depth: 1 in deep water, where
+/// this is JONSWAP's spectrum, and omega^2 h / (2 g) in shallow water, where it moves the peak to slightly higher
+/// frequencies. For wind seas on water of constant depth; all sources from memory.
+///
+/// The spectrum is cut where the second moment m2 is 0.8 % short, some 11 omega_p, or at 42 rad/s, where gravity waves
+/// end: m2 is short by more for peak periods below 2 s. Each component has the energy and the m2 of its own share of
+/// it, so that their sums do not depend on the number of components. The shares are random, about equally large in the
+/// mean of energy and m2: the tail, which has a tenth of m2 above 3 omega_p, takes few components, and no two
+/// frequencies are commensurable, so that the sea does not recur (evenly spaced frequencies recur after 2 pi / spacing;
+/// 64 of them after 26 peak periods). A component that would break has a lower frequency than its share: in the
+/// steepest seas, or with few components. Directions spread about the heading as cos^n (DNV-RP-C205, 3.5.8); n = 0 is
+/// long-crested.
 struct JonswapSea {
   double significant_height_m = 0.5;
   double peak_period_s = 4;
@@ -87,8 +97,10 @@ class Waves {
   /// Pressure head (WaterField::pressure_heads): eta K(z) - z, where K is the decay of the waves' pressure with depth;
   /// above the surface, eta - z. First-order: see bernoulli_head_at for the second-order part.
   double head_at(const Eigen::Vector3d& point_world_m, double time_s) const;
-  /// Pressure heads of many points. If the points are close together compared with the wavelengths, a single polynomial
-  /// represents all of them, to within 5e-4 of the sum of the amplitudes.
+  /// Pressure heads of many points, such as those of a hull. If these are close together compared with the wave
+  /// lengths, one polynomial covers all of them, within 5e-4 of the sum of the amplitudes. To make it so, the shortest
+  /// waves, with at most 2 % of the energy, are left out: that is a sea's tail above 3 times the peak frequency. At a
+  /// single point all waves count.
   void heads(std::span<const Eigen::Vector3d> points_world_m, double time_s, std::span<double> heads_m) const;
   /// The second-order part of the pressure head, -u^2 / (2 g). It fades out towards the surface, where stretching
   /// lowers the mean pressure by the same amount.
@@ -126,8 +138,8 @@ class Waves {
   double layer_m(double height_m) const;
   Stretched stretched(double z_m, double height_m) const;
   double unstretched(double z_m, double height_m) const { return stretched(z_m, height_m).z_m; }
-  int polynomial_order(double radius_m) const;
-  WavePatch patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests,
+  int polynomial_order(double radius_m, std::size_t count) const;
+  WavePatch patch_about(const Eigen::Vector3d& centre, double height_m, const Crest* crests, std::size_t count,
                         const WaveKernels::Order& kernels) const;
 
   std::vector<Wave> waves_;  // longest first

@@ -51,7 +51,7 @@ class AirySurface(Model):
 
 
 class JonswapSurface(Model):
-    """A random sea with the JONSWAP spectrum, drawn with the scenario's seed.
+    """A random sea with the JONSWAP spectrum, TMA's in finite depth, drawn with the scenario's seed.
 
     significant_height_m, peak_period_s: parameters of the spectrum. heading_deg: direction of travel, counter-clockwise
     from east. component_count: number of waves that are summed. peak_enhancement: gamma; 1 is a Pierson-Moskowitz sea.
