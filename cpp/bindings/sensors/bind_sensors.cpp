@@ -50,7 +50,8 @@ void bind_noise(py::module_& m) {
   py::class_<NoiseSpec>(
       m, "NoiseSpec",
       "Errors of one channel of a sensor, in its unit u: white noise (std per sample, density in u per root\n"
-      "hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), instability (flicker noise), quantum,\n"
+      "hertz), turn_on_std, a Gauss-Markov bias (bias_std, bias_time_s), walk (u per root second), instability "
+      "(flicker noise), quantum,\n"
       "limits. 0 disables an error.")
       .def(py::init([](double std, double density, double turn_on_std, double bias_std, double bias_time_s, double walk,
                        double instability, double quantum, double limit_low, double limit_high) {

@@ -14,8 +14,8 @@ namespace uwsim {
 
 /// Errors of one channel of a sensor. All components use the same parameters but are drawn independently. [u]: the
 /// channel's unit. Sample k reads limit(quantise(truth + turn-on + Gauss-Markov(k) + walk(k) + flicker(k) + white(k))).
-/// A value of zero disables that error. Model and names follow IEEE Std 952-1997, annexes B and C; the Allan variances are in
-/// tests/cpp/sensors/test_sensor_noise.cpp.
+/// A value of zero disables that error. Model and names follow IEEE Std 952-1997, annexes B and C; the Allan variances
+/// are in tests/cpp/sensors/test_sensor_noise.cpp.
 struct NoiseSpec {
   double std = 0;          ///< white noise per sample [u]
   double density = 0;      ///< white noise N (angle or velocity random walk) [u/sqrt(Hz)]: std = N sqrt(sample rate)
