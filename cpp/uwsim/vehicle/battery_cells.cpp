@@ -38,24 +38,21 @@ void BatterySpec::check() const {
           "must be less than cutoff_v^2 / resistance_ohm");
 }
 
-BatteryCells::BatteryCells(const BatterySpec& spec)
-    : spec_((spec.check(), spec)), charge_ah_(spec.initial_charge * spec.capacity_ah) {
+BatteryCells::BatteryCells(const BatterySpec& spec) : spec_((spec.check(), spec)), charge_(spec.initial_charge) {
   rest();
 }
 
-double BatteryCells::open_circuit_v() const {
-  return interpolated(spec_.charges, spec_.open_circuit_v, charge_ah_ / spec_.capacity_ah);
-}
+double BatteryCells::open_circuit_v() const { return interpolated(spec_.charges, spec_.open_circuit_v, charge_); }
 
 Supply BatteryCells::supply(const ElectricalLoad& load, double step_s) {
-  const Solution found = empty_ || charge_ah_ <= 0 ? Solution{} : solve(load);
+  const Solution found = empty_ || charge_ <= 0 ? Solution{} : solve(load);
   if (found.voltage_v < spec_.cutoff_v) {
     empty_ = true;
     return rest();
   }
   voltage_v_ = found.voltage_v;
   current_a_ = found.current_a;
-  charge_ah_ = std::max(0.0, charge_ah_ - current_a_ * step_s / kSecondsPerHour);
+  charge_ = std::max(0.0, charge_ - current_a_ * step_s / (kSecondsPerHour * spec_.capacity_ah));
   return {true, voltage_v_};
 }
 
@@ -86,17 +83,17 @@ Supply BatteryCells::rest() {
 }
 
 void BatteryCells::charge_fully() {
-  charge_ah_ = spec_.capacity_ah;
+  charge_ = 1;
   empty_ = false;
   rest();
 }
 
 void BatteryCells::exchange_state(StateArchive& archive) {
-  archive(charge_ah_);
+  archive(charge_);
   archive(voltage_v_);
   archive(current_a_);
   archive(empty_);
-  charge_ah_ = std::clamp(charge_ah_, 0.0, spec_.capacity_ah);  // the capacity may have been changed
+  require(charge_ >= 0 && charge_ <= 1, "state.battery", charge_, "must be a charge in [0, 1]");
 }
 
 }  // namespace uwsim

@@ -43,13 +43,14 @@ class BatteryCells {
   Supply rest();
   void charge_fully();
 
-  double charge_ah() const { return charge_ah_; }
+  double charge_ah() const { return charge_ * spec_.capacity_ah; }
   bool empty() const { return empty_; }
   double voltage_v() const { return voltage_v_; }  ///< at the terminals, in the last step
   double current_a() const { return current_a_; }  ///< out of the terminals, in the last step
   /// The usable charge in percent of the capacity; 0 once it has switched off.
-  double charge_percent() const { return empty_ ? 0 : 100 * charge_ah_ / spec_.capacity_ah; }
+  double charge_percent() const { return empty_ ? 0 : 100 * charge_; }
 
+  /// Throws InvalidValue.
   void exchange_state(StateArchive& archive);
 
  private:
@@ -61,7 +62,7 @@ class BatteryCells {
   double open_circuit_v() const;
 
   BatterySpec spec_;
-  double charge_ah_ = 0;
+  double charge_ = 0;  // fraction of the capacity
   double voltage_v_ = 0;
   double current_a_ = 0;
   bool empty_ = false;

@@ -41,6 +41,8 @@ OTHER: dict[str, Any] = {
     "port.range_max_m": 0.2,
     "dvl.range_max_m": 0.2,
     "detection_db": 99.0,
+    "cutoff_v": 15.5,
+    "shutter_ms": 900.0,
     "taper": 0.0,
     "limits": [-1e-4, 1e-4],
     "limits.low": 0.19,
@@ -55,6 +57,8 @@ OTHER: dict[str, Any] = {
 SAME = {
     "rov.sonar.model": "the models that it may be replaced by differ from it in physics mode alone",
     "rov.sensors.usbl.shares_modem": "this world has no link; tests/python/link/test_link_usbl.py has one",
+    "station.cameras.deck.shutter_ms": "the station's camera is at rest",
+    "station.cameras.deck.readout_ms": "the station's camera is at rest",
     "auv.sonar.mode": "bending, which is on, is for physics mode alone",
 }
 """Parameters whose effect cannot be shown here, with the reason."""

@@ -127,7 +127,7 @@ def position_or_key(part: str) -> str | int:
 
 def is_absent(model: Model, field: str) -> bool:
     """Return whether a field does not apply to a model because the model specifies the alternative."""
-    if field in ("max_force_n", "max_torque_nm") or field.endswith("_matrix"):
+    if field in ("max_force_n", "max_torque_nm", "battery") or field.endswith("_matrix"):
         return getattr(model, field) is None
     return getattr(model, field + "_matrix", None) is not None
 
