@@ -21,42 +21,58 @@
 namespace uwsim::bindings {
 namespace {
 
-py::array_t<float> ray_table_of(const Camera& camera, bool distort) {
-  const RayTable& rays = camera.rays(distort);
-  std::vector<float> both;
-  both.reserve(2 * rays.x.size());
-  for (std::size_t k = 0; k < rays.x.size(); ++k) {
-    both.push_back(rays.x[k]);
-    both.push_back(rays.y[k]);
-  }
-  return move_out(std::move(both), {camera.lens().height, camera.lens().width, 2});
+py::array_t<float> by_pixel(const Lens& lens, const std::vector<float>& x, const std::vector<float>& y) {
+  std::vector<float> both(2 * static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height));
+  for (std::size_t k = 0; k < x.size(); ++k) both[2 * k] = x[k], both[2 * k + 1] = y[k];
+  return move_out(std::move(both), {lens.height, lens.width, 2});
+}
+
+py::array_t<float> ray_table_of(const Camera& camera, bool distort, bool in_water) {
+  const RayTable& rays = camera.rays(distort, in_water);
+  return by_pixel(camera.lens(), rays.x, rays.y);
+}
+
+py::array_t<float> ray_offsets_of(const Camera& camera) {
+  const RayTable& rays = camera.rays(true, true);
+  return by_pixel(camera.lens(), rays.offset_x_m, rays.offset_y_m);
 }
 
 void bind_lens(py::module_& m) {
+  py::class_<FlatPort>(m, "FlatPort", "A flat window between the lens, in air, and the water.")
+      .def(py::init([](double distance_m, double thickness_m, double refractive_index) {
+             return FlatPort{distance_m, thickness_m, refractive_index};
+           }),
+           py::arg("distance_m"), py::arg("thickness_m"), py::arg("refractive_index"));
   py::class_<Lens>(m, "Lens",
                    "Distortion as in OpenCV and CameraInfo (plumb_bob), in pixels; lens.h contains the equations.")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
-                       const std::array<double, 5>& distortion) {
+                       const std::array<double, 5>& distortion, const std::optional<FlatPort>& port) {
              const auto& [k1, k2, p1, p2, k3] = distortion;
-             return Lens{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3};
+             return Lens{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, port};
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"),
-           py::arg("distortion") = std::array<double, 5>{}, "distortion: k1, k2, p1, p2, k3");
+           py::arg("distortion") = std::array<double, 5>{}, py::arg("port") = py::none(),
+           "distortion: k1, k2, p1, p2, k3");
   py::class_<Camera, std::shared_ptr<Camera>>(m, "Camera",
                                               "A camera: lens and image sensor. Raises ValueError naming the field.")
       .def(py::init([](std::string name, const Lens& lens, double exposure, double full_well, double read_noise,
-                       double vignetting, std::optional<double> wobble_rad) {
+                       double vignetting, std::optional<double> wobble_rad, double shutter_s, double readout_s) {
              const GilReleased unlocked;  // building the ray tables takes a while
-             return std::make_shared<Camera>(std::move(name), lens,
-                                             ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad});
+             return std::make_shared<Camera>(
+                 std::move(name), lens,
+                 ImageSensor{exposure, full_well, read_noise, vignetting, wobble_rad, shutter_s, readout_s});
            }),
            py::arg("name"), py::arg("lens"), py::arg("exposure") = ImageSensor{}.exposure,
            py::arg("full_well") = ImageSensor{}.full_well, py::arg("read_noise") = ImageSensor{}.read_noise,
-           py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none())
+           py::arg("vignetting") = ImageSensor{}.vignetting, py::arg("wobble_rad") = py::none(),
+           py::arg("shutter_s") = 0.0, py::arg("readout_s") = 0.0)
       .def_property_readonly("name", &Camera::name)
-      .def("ray_table", &ray_table_of, py::arg("distort") = true,
+      .def("ray_table", &ray_table_of, py::arg("distort") = true, py::arg("in_water") = true,
            "Return X/Z and Y/Z of the ray through each pixel's centre, in the optical frame, (height, width, 2)\n"
-           "float32.");
+           "float32.")
+      .def("ray_offsets_m", &ray_offsets_of,
+           "(height, width, 2) float32: X and Y at which the lines of these rays in water meet Z = 0; 0 without a flat "
+           "port.");
 }
 
 void bind_lamp(py::module_& m) {

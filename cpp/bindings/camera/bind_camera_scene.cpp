@@ -1,3 +1,4 @@
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <cmath>
@@ -46,10 +47,12 @@ PictureArrays render_picture(const CameraScene& scene, const Camera& camera, con
                              std::uint64_t tick, const std::vector<std::string>& effects, std::vector<SpotLamp> lamps,
                              const py::object& vehicle_positions_m, const py::object& vehicle_orientations_xyzw,
                              std::optional<std::size_t> hidden_vehicle, bool geometry_only, bool keep_radiance,
-                             bool measure, bool record, int threads) {
+                             bool measure, bool record, const Vector6d& velocity_camera, int threads) {
   PictureRequest request;
   request.world_from_camera = as_pose(position_m, orientation_xyzw, "camera");
   require(std::isfinite(time_s), "time_s", time_s, "must be finite");
+  require(velocity_camera.allFinite(), "velocity_camera", velocity_camera.transpose(), "must be finite");
+  request.velocity_camera = velocity_camera;
   request.time_s = time_s;
   request.tick = tick;
   request.effects = as_effects(effects);
@@ -133,9 +136,11 @@ void bind_camera_scene(py::module_& m) {
            py::arg("lamps") = std::vector<SpotLamp>{}, py::arg("vehicle_positions_m") = py::none(),
            py::arg("vehicle_orientations_xyzw") = py::none(), py::arg("hidden_vehicle") = py::none(),
            py::arg("geometry_only") = false, py::arg("keep_radiance") = false, py::arg("measure") = false,
-           py::arg("record") = false, py::arg("threads") = 1,
+           py::arg("record") = false, py::arg("velocity_camera") = Vector6d(Vector6d::Zero()), py::arg("threads") = 1,
            "Render one picture; the camera's frame is x ahead, y left, z up. effects: names of those that are on.\n"
-           "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. The bytes do\n"
+           "vehicle_positions_m (n, 3), vehicle_orientations_xyzw (n, 4): for all vehicles or none. velocity_camera: "
+           "(6,) "
+           "of the camera, in its frame [m/s, rad/s]. The bytes do\n"
            "not depend on the number of threads. Releases the GIL. Raises ValueError.");
 }
 

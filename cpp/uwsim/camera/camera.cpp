@@ -20,8 +20,13 @@ Camera::Camera(std::string name, const Lens& lens, const ImageSensor& sensor)
           "must be in [0, 1]");
   const double wobble_rad = sensor.wobble_rad.value_or(0);
   require(wobble_rad >= 0 && wobble_rad <= 0.1, "camera.wobble_rad", wobble_rad, "must be in [0, 0.1] rad");
+  require(sensor.shutter_s >= 0 && sensor.shutter_s <= 10, "camera.shutter_s", sensor.shutter_s,
+          "must be in [0, 10] s");
+  require(sensor.readout_s >= 0 && sensor.readout_s <= 10, "camera.readout_s", sensor.readout_s,
+          "must be in [0, 10] s");
   undistorted_ = ray_table(lens_, false);
   distorted_ = ray_table(lens_, true);
+  if (lens_.port) refracted_ = ray_table(lens_, true, true);
 }
 
 }  // namespace uwsim

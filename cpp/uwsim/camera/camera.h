@@ -15,6 +15,8 @@ struct ImageSensor {
   double vignetting = 0.5;  ///< fraction of the cos^4 law; assumed, for lenses that correct part of it
   /// Largest deflection of a ray by turbulence; if unset, derived from the water's turbulence
   std::optional<double> wobble_rad;
+  double shutter_s = 0;  ///< how long each row collects light, which blurs what moves
+  double readout_s = 0;  ///< from the first row's exposure to the last's (rolling shutter); 0: all rows at once
 };
 
 /// A camera: lens and sensor. Its frame is x ahead, y left, z up, like that of a body; the optical axis is its x axis.
@@ -26,13 +28,17 @@ class Camera {
   const std::string& name() const { return name_; }
   const Lens& lens() const { return lens_; }
   const ImageSensor& sensor() const { return sensor_; }
-  const RayTable& rays(bool distort) const { return distort ? distorted_ : undistorted_; }
+  /// `in_water`: refracted by the flat port, if it has one. The port belongs to the lens: without distortion it bends
+  /// nothing.
+  const RayTable& rays(bool distort, bool in_water) const {
+    return !distort ? undistorted_ : in_water && lens_.port ? refracted_ : distorted_;
+  }
 
  private:
   std::string name_;
   Lens lens_;
   ImageSensor sensor_;
-  RayTable distorted_, undistorted_;
+  RayTable distorted_, undistorted_, refracted_;
 };
 
 }  // namespace uwsim

@@ -21,13 +21,15 @@ enum class Effect : std::uint8_t {
   kWobble,     ///< rays bent by turbulence
   kDistortion,
   kVignetting,
-  kExposure,  ///< automatic exposure; if off, fixed at 1
-  kNoise,     ///< photon and read noise
+  kExposure,        ///< automatic exposure; if off, fixed at 1
+  kNoise,           ///< photon and read noise
+  kShutter,         ///< motion during exposure and readout
+  kForwardScatter,  ///< blur by light that water scatters by small angles
 };
 
-inline constexpr std::array<std::string_view, 14> kEffectNames = {
-    "attenuation", "backscatter", "sunlight", "surface",    "shadows",    "lamps",    "caustics",
-    "shafts",      "particles",   "wobble",   "distortion", "vignetting", "exposure", "noise"};
+inline constexpr std::array<std::string_view, 16> kEffectNames = {
+    "attenuation", "backscatter", "sunlight",   "surface",    "shadows",  "lamps", "caustics", "shafts",
+    "particles",   "wobble",      "distortion", "vignetting", "exposure", "noise", "shutter",  "forward_scatter"};
 
 class Effects {
  public:

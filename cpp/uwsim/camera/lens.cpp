@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "uwsim/camera/refraction.h"
 #include "uwsim/core/check.h"
 
 namespace uwsim {
@@ -29,7 +30,39 @@ Distorted distorted(const Lens& l, const Eigen::Vector2d& ray) {
   return d;
 }
 
+/// tan of the angle in a medium of index n, over tan of the angle in air, for a ray whose tan in air is r.
+double slope_ratio(double r, double n) { return 1 / std::sqrt(n * n * (1 + r * r) - r * r); }
+
+/// How far from the axis a ray is at depth z in water, over r, its tan in air.
+double reach_ratio(const FlatPort& port, double r, double z_m) {
+  const double in_water_m = z_m - port.distance_m - port.thickness_m;
+  return port.distance_m + port.thickness_m * slope_ratio(r, port.refractive_index) +
+         in_water_m * slope_ratio(r, kWaterIndex);
+}
+
+/// Rearranges a table row by row to one block by block.
+std::vector<float> by_blocks(const std::vector<float>& rows, const Lens& lens) {
+  constexpr int kSide = 4;
+  std::vector<float> blocks;
+  if (rows.empty()) return blocks;
+  for (int top = 0; top + kSide <= lens.height; top += kSide) {
+    for (int left = 0; left + kSide <= lens.width; left += kSide) {
+      for (int k = 0; k < kSide * kSide; ++k) {
+        blocks.push_back(rows[static_cast<std::size_t>((top + k / kSide) * lens.width + left + k % kSide)]);
+      }
+    }
+  }
+  return blocks;
+}
+
 }  // namespace
+
+void FlatPort::check() const {
+  require(distance_m >= 0 && distance_m <= 1, "camera.port.distance_m", distance_m, "must be in [0, 1] m");
+  require(thickness_m >= 0 && thickness_m <= 1, "camera.port.thickness_m", thickness_m, "must be in [0, 1] m");
+  require(refractive_index >= 1 && refractive_index <= 3, "camera.port.refractive_index", refractive_index,
+          "must be in [1, 3]");
+}
 
 void Lens::check() const {
   const auto check_side = [](const char* name, int pixels) {
@@ -48,6 +81,7 @@ void Lens::check() const {
   for (const double k : {k1, k2, p1, p2, k3}) {
     require(std::isfinite(k) && std::abs(k) <= 100, "camera.distortion", k, "must be in [-100, 100]");
   }
+  if (port) port->check();
   // unproject() must converge along the border, where distortion is strongest, and on rings inside it.
   for (const double part : {0.25, 0.5, 0.75, 1.0}) {
     for (int k = 0; k < 64; ++k) {
@@ -85,28 +119,46 @@ Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool d
   return ray;
 }
 
-RayTable ray_table(const Lens& lens, bool distort) {
+std::optional<Eigen::Vector2d> project_through_port(const Lens& lens, const Eigen::Vector3d& point_m, bool distort) {
+  const FlatPort& port = *lens.port;
+  const double z = point_m.z(), reach_m = point_m.head<2>().norm();
+  if (!(z > port.distance_m + port.thickness_m)) return std::nullopt;
+  // r reach_ratio(r) grows with r, at least as fast as r times its limit for large r; the root lies between.
+  const double least = kWaterIndex, in_water_m = z - port.distance_m - port.thickness_m;
+  double low = reach_m / z, high = reach_m / z * least + reach_m / in_water_m * least + 1e-12;
+  while (high * reach_ratio(port, high, z) < reach_m) high *= 2;
+  for (int k = 0; k < 200 && high - low > 1e-14 * (1 + high); ++k) {
+    const double middle = 0.5 * (low + high);
+    (middle * reach_ratio(port, middle, z) < reach_m ? low : high) = middle;
+  }
+  const Eigen::Vector2d direction =
+      reach_m > 0 ? Eigen::Vector2d(point_m.head<2>() / reach_m) : Eigen::Vector2d::Zero();
+  return project(lens, high * direction, distort);
+}
+
+RayTable ray_table(const Lens& lens, bool distort, bool through_port) {
   RayTable table;
   const auto count = static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
   table.x.reserve(count);
   table.y.reserve(count);
   for (int v = 0; v < lens.height; ++v) {
     for (int u = 0; u < lens.width; ++u) {
-      const Eigen::Vector2d ray = unproject(lens, {u, v}, distort);
+      Eigen::Vector2d ray = unproject(lens, {u, v}, distort);
+      if (through_port) {
+        const double r = ray.norm();
+        const Eigen::Vector2d offset_m = reach_ratio(*lens.port, r, 0) * ray;
+        table.offset_x_m.push_back(static_cast<float>(offset_m.x()));
+        table.offset_y_m.push_back(static_cast<float>(offset_m.y()));
+        ray *= slope_ratio(r, kWaterIndex);
+      }
       table.x.push_back(static_cast<float>(ray.x()));
       table.y.push_back(static_cast<float>(ray.y()));
     }
   }
-  constexpr int kSide = 4;
-  for (int top = 0; top + kSide <= lens.height; top += kSide) {
-    for (int left = 0; left + kSide <= lens.width; left += kSide) {
-      for (int k = 0; k < kSide * kSide; ++k) {
-        const auto at = static_cast<std::size_t>((top + k / kSide) * lens.width + left + k % kSide);
-        table.block_x.push_back(table.x[at]);
-        table.block_y.push_back(table.y[at]);
-      }
-    }
-  }
+  table.block_x = by_blocks(table.x, lens);
+  table.block_y = by_blocks(table.y, lens);
+  table.block_offset_x_m = by_blocks(table.offset_x_m, lens);
+  table.block_offset_y_m = by_blocks(table.offset_y_m, lens);
   return table;
 }
 

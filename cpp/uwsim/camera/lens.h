@@ -1,19 +1,36 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace uwsim {
+
+/// A flat window between an air-filled housing and the water, across the optical axis. A ray at the angle a to the axis
+/// in air is at the angle w in water, sin a = n sin w (Snell), and is displaced on its way through the glass. So rays
+/// in water do not meet in one point, and the magnification grows with the angle: no distortion model of a central
+/// camera is exact (Treibitz, Schechner, Kunz and Singh 2012, "Flat Refractive Geometry", IEEE TPAMI 34:51;
+/// Jordt-Sedlazeck and Koch 2012, "Refractive Calibration of Underwater Cameras", ECCV).
+struct FlatPort {
+  double distance_m = 0;           ///< from the lens's centre of projection to the inside of the glass
+  double thickness_m = 0;          ///< of the glass
+  double refractive_index = 1.49;  ///< of the glass; acrylic
+
+  /// Throws InvalidValue that names the field.
+  void check() const;
+};
 
 /// A camera's geometry, as in OpenCV and sensor_msgs/CameraInfo: optical frame x right, y down, z ahead; pixel centres
 /// have integer coordinates. Distortion follows Brown and Conrady ("plumb_bob"; Brown 1971, "Close-range camera
 /// calibration"): with r^2 = x^2 + y^2 of the undistorted x = X/Z, y = Y/Z,
 ///   x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), y' likewise; u = fx x' + cx, v = fy y' + cy.
-/// Under water, the parameters must be those of the housed camera in water: refraction at a flat port is not modelled.
+/// Without a port the parameters are those of the housed camera where it is, in water as in air: that of a dome centred
+/// on the lens, or the central approximation of any other housing. With a flat port they are those of the lens in air.
 struct Lens {
   int width = 640, height = 360;
   double fx = 400, fy = 400, cx = 319.5, cy = 179.5;  ///< [pixels]
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  std::optional<FlatPort> port;
 
   /// Throws InvalidValue naming the field, also if the distortion folds the image over itself.
   void check() const;
@@ -23,15 +40,19 @@ inline constexpr int kLargestSide = 8192;
 
 /// Maps undistorted (x, y) to a pixel.
 Eigen::Vector2d project(const Lens& lens, const Eigen::Vector2d& ray, bool distort = true);
-/// Maps a pixel to undistorted (x, y), by Newton's method to 1e-12. Throws InvalidValue if it does not converge.
+/// The image of a point in water (x right, y down, z ahead of the lens's centre [m]) behind the lens's flat port; none
+/// if it is not beyond the glass.
+std::optional<Eigen::Vector2d> project_through_port(const Lens& lens, const Eigen::Vector3d& point_m, bool distort);
+/// From pixel to undistorted (x, y), by Newton's method to 1e-12. Throws InvalidValue if it does not converge.
 Eigen::Vector2d unproject(const Lens& lens, const Eigen::Vector2d& pixel, bool distort = true);
 
-/// Undistorted x and y of each pixel's centre, in row-major order.
+/// The ray through each pixel's centre, row by row: undistorted x and y, and behind a flat port, in water, also where
+/// the ray's line meets the plane z = 0; empty otherwise.
 struct RayTable {
-  std::vector<float> x, y;
+  std::vector<float> x, y, offset_x_m, offset_y_m;
   /// The same for each whole block of 4 x 4 pixels, sixteen values each; incomplete blocks at the edges are omitted.
-  std::vector<float> block_x, block_y;
+  std::vector<float> block_x, block_y, block_offset_x_m, block_offset_y_m;
 };
-RayTable ray_table(const Lens& lens, bool distort);
+RayTable ray_table(const Lens& lens, bool distort, bool through_port = false);
 
 }  // namespace uwsim

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace uwsim {
 namespace {
@@ -82,6 +83,7 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
   }();
   const Lens& lens = camera.lens();
   const bool distort = request.effects.has(Effect::kDistortion);
+  const double focal = view.has_offsets ? kWaterIndex * lens.fx : lens.fx;
   const double chance = optics.particles_per_m3 * kParticleCell_m * kParticleCell_m * kParticleCell_m;
   const std::uint64_t key = mixed(mixed(scene.seed() ^ 0x5eedca11) ^ static_cast<std::uint64_t>(generation.number));
   const auto first = ((lattice_eye.array() - kReach_m) / kParticleCell_m).floor().cast<std::int64_t>().eval();
@@ -102,9 +104,12 @@ void add_generation(const Generation& generation, const CameraScene& scene, cons
     if (seen.z() < kNearest_m || at.norm() > kReach_m || at.z() + eye.z() > view.surface_z) continue;
     const Eigen::Vector2d ray(seen.x() / seen.z(), seen.y() / seen.z());
     if (ray.norm() > 3) continue;
-    const Eigen::Vector2d pixel = project(lens, ray, distort);
+    const std::optional<Eigen::Vector2d> image =
+        view.has_offsets ? project_through_port(lens, seen, distort) : project(lens, ray, distort);
+    if (!image) continue;
+    const Eigen::Vector2d pixel = *image;
     const double size_m = 2e-4 * std::exp(1.6 * unit_of(more, 2));
-    const double sharp = lens.fx * size_m / seen.z(), blur = 0.8 + lens.fx * kAperture_rad_m / seen.z();
+    const double sharp = focal * size_m / seen.z(), blur = 0.8 + focal * kAperture_rad_m / seen.z();
     const double radius = sharp + blur;
     if (!(pixel.x() > -radius && pixel.y() > -radius && pixel.x() < lens.width + radius &&
           pixel.y() < lens.height + radius)) {

@@ -9,13 +9,15 @@
 #include "uwsim/camera/kernels/kernels.h"
 #include "uwsim/camera/lamp.h"
 #include "uwsim/camera/ray_record.h"
+#include "uwsim/core/body_state.h"
 #include "uwsim/core/pose.h"
 
 namespace uwsim {
 
 /// One picture to render: position, time, light and effects.
 struct PictureRequest {
-  Pose world_from_camera;
+  Pose world_from_camera;                       ///< in the middle of the middle row's exposure
+  Vector6d velocity_camera = Vector6d::Zero();  ///< of the camera, in its own frame [m/s, rad/s]
   double time_s = 0;
   std::uint64_t tick = 0;  ///< keys the noise
   Effects effects = Effects::all();

@@ -30,7 +30,6 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   const Effects& on = request.effects;
   const bool has_water = on.has(Effect::kAttenuation) || on.has(Effect::kBackscatter) || on.has(Effect::kSunlight) ||
                          on.has(Effect::kSurface);
-  set_rays(camera, request);
   set_terrain(scene.world());
   view.camera_z = static_cast<float>(anchor_world_m.z());
   view.surface_z =
@@ -39,6 +38,8 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
   view.texture_x = wrapped(anchor_world_m.x());
   view.texture_y = wrapped(anchor_world_m.y());
   view.camera_in_water = has_water && view.camera_z < view.surface_z;
+  set_rays(camera, request);
+  set_shutter(camera, request);
   view.has_surface = on.has(Effect::kSurface);
   if (has_water && !request.geometry_only) {
     view.waves = waves_.emplace(scene.world().water, anchor_world_m, request.time_s, request.threads).nodes();
@@ -61,7 +62,8 @@ PreparedView::PreparedView(const CameraScene& scene, const Camera& camera, const
 
 void PreparedView::set_rays(const Camera& camera, const PictureRequest& request) {
   const Lens& lens = camera.lens();
-  const RayTable& rays = camera.rays(request.effects.has(Effect::kDistortion));
+  const bool distort = request.effects.has(Effect::kDistortion);
+  const RayTable &rays = camera.rays(distort, view.camera_in_water), &inside = camera.rays(distort, false);
   const Eigen::Matrix3d turn = request.world_from_camera.rotation();
   view.width = lens.width;
   view.height = lens.height;
@@ -69,10 +71,31 @@ void PreparedView::set_rays(const Camera& camera, const PictureRequest& request)
   view.ray_y = rays.y.data();
   view.block_ray_x = rays.block_x.data();
   view.block_ray_y = rays.block_y.data();
+  view.lens_x = inside.x.data();
+  view.lens_y = inside.y.data();
+  view.has_offsets = !rays.offset_x_m.empty();
+  view.offset_x = rays.offset_x_m.data();
+  view.offset_y = rays.offset_y_m.data();
+  view.block_offset_x = rays.block_offset_x_m.data();
+  view.block_offset_y = rays.block_offset_y_m.data();
   assign(view.right, Eigen::Vector3d(-turn.col(1)));
   assign(view.down, Eigen::Vector3d(-turn.col(2)));
   assign(view.ahead, Eigen::Vector3d(turn.col(0)));
-  view.pixel_rad = static_cast<float>(1 / lens.fx);
+  view.pixel_rad = static_cast<float>(1 / (view.has_offsets ? kWaterIndex * lens.fx : lens.fx));
+}
+
+/// While it exposes and reads a picture, the camera keeps its velocity; everything else stands still.
+void PreparedView::set_shutter(const Camera& camera, const PictureRequest& request) {
+  const ImageSensor& sensor = camera.sensor();
+  const bool takes_time = sensor.shutter_s > 0 || sensor.readout_s > 0;
+  view.moves = takes_time && request.effects.has(Effect::kShutter) && !request.velocity_camera.isZero(0);
+  if (!view.moves) return;
+  const Eigen::Matrix3d turn = request.world_from_camera.rotation();
+  const Eigen::Vector3d spin = turn * request.velocity_camera.tail<3>();
+  assign(view.velocity, Eigen::Vector3d(turn * request.velocity_camera.head<3>()));
+  assign(view.spin_axis, Eigen::Vector3d(spin.norm() > 0 ? spin.normalized() : Eigen::Vector3d::UnitZ()));
+  view.spin_turns_per_s = static_cast<float>(spin.norm() / (2 * std::numbers::pi));
+  view.row_s = static_cast<float>(sensor.readout_s / view.height);
 }
 
 /// Rays bend only in water; rays from above bend at the surface, due to waves and ripples.

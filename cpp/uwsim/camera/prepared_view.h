@@ -24,6 +24,7 @@ class PreparedView {
 
  private:
   void set_rays(const Camera& camera, const PictureRequest& request);
+  void set_shutter(const Camera& camera, const PictureRequest& request);
   void set_wobble(const Camera& camera, const Optics& optics, const PictureRequest& request);
   void set_terrain(const World& world);
   void set_light(const Optics& optics, const Effects& effects);

@@ -6,6 +6,9 @@
 
 namespace uwsim {
 
+/// Of sea and fresh water for visible light, within 1 % (Quan and Fry 1995, Appl. Opt. 34:3477).
+inline constexpr double kWaterIndex = 1.333;
+
 /// Snell's law: the direction of a ray along unit `direction` after crossing a surface with unit `normal` (towards the
 /// side that the ray comes from), from refractive index n_from into n_to. Returns nullopt for total reflection.
 inline std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal,

@@ -5,6 +5,7 @@
 
 #include "uwsim/camera/block_mask.h"
 #include "uwsim/camera/development.h"
+#include "uwsim/camera/forward_scatter.h"
 #include "uwsim/camera/parallel_rows.h"
 #include "uwsim/camera/particles.h"
 #include "uwsim/camera/prepared_view.h"
@@ -21,6 +22,8 @@ using camera::kBlockPixels;
 using camera::kBlockSide;
 
 constexpr double kWorldEnd_m = 1e6;
+// Pictures of which a blurred one is the mean; an odd number, so that one of them is that of the middle.
+constexpr int kExposureParts = 15;
 
 /// The rendering of one picture. Rows of blocks are rendered in parallel, then rows of pixels are developed.
 class Rendering {
@@ -51,10 +54,23 @@ class Rendering {
     }
     const int rows = (view_.height + kBlockSide - 1) / kBlockSide;
     root_luminance_.assign(static_cast<std::size_t>(rows), 0.0);
-    for_rows(rows + 1, threads_, [&](int turn, int worker) {
-      RenderCost& own = costs_[static_cast<std::size_t>(worker)];
-      turn == 0 ? find_particles(own) : render_row(turn - 1, own);
-    });
+    const double shutter_s = camera_.sensor().shutter_s;
+    if (view_.moves && shutter_s > 0 && !request_.geometry_only) parts_ = kExposureParts;
+    for (int part = 0; part < parts_; ++part) {
+      view_.part_s = static_cast<float>(shutter_s * ((part + 0.5) / parts_ - 0.5));
+      is_middle_ = part == parts_ / 2;
+      for_rows(rows + 1, threads_, [&](int turn, int worker) {
+        RenderCost& own = costs_[static_cast<std::size_t>(worker)];
+        if (turn > 0) return render_row(turn - 1, own);
+        if (part == 0) find_particles(own);
+      });
+      if (parts_ > 1) add_exposure();
+    }
+    if (parts_ > 1) bands_.swap(exposed_);
+    if (scatters_) {
+      add_forward_scatter(direct_, view_.width, view_.height, static_cast<double>(view_.pixel_rad), optics_,
+                          {bands_[0], bands_[1], bands_[2]}, threads_);
+    }
     if (!request_.geometry_only) develop();
     if (cost != nullptr) *cost = total_cost();
     return std::move(picture_);
@@ -72,8 +88,21 @@ class Rendering {
     picture_.labels.resize(pixels);
     picture_.classes.resize(pixels);
     if (request_.geometry_only) return;
+    scatters_ = on(Effect::kForwardScatter) && optics_.forward_scatter_rad > 0 && view_.camera_in_water &&
+                view_.has_attenuation;
     for (ImageBuffer<float>& band : bands_) band.resize(pixels);
+    if (scatters_) direct_.resize(pixels);
     radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
+  }
+
+  /// Adds the picture of a part of the exposure to their mean.
+  void add_exposure() {
+    const float share = 1.0f / static_cast<float>(parts_);
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      if (exposed_[band].empty()) exposed_[band].assign(bands_[band].size(), 0.0f);
+      std::transform(bands_[band].begin(), bands_[band].end(), exposed_[band].begin(), exposed_[band].begin(),
+                     [share](float part, float sum) { return sum + share * part; });
+    }
   }
 
   void find_particles(RenderCost& cost) {
@@ -96,13 +125,14 @@ class Rendering {
       cost.primary_rays += count(block.active);
       timer.add(kPrimaryRays);
       locate_hits(hits, block);
-      kernels_.write_geometry(view_, left, top, block, geometry);
+      if (is_middle_) kernels_.write_geometry(view_, left, top, block, geometry);
       timer.add(kGeometry);
       if (request_.geometry_only) continue;
       const BlockMask pixels = block.active;
       kernels_.start_paths(view_, block);
       shade_segment(block, hits, true, cost, timer);
       if (any(block.onward)) continue_paths(block, hits, cost, timer);
+      if (scatters_) direct_.keep(view_, left, top, block, is_middle_, 1.0f / static_cast<float>(parts_));
       camera::BlockFloats root_luminance;
       kernels_.write_radiance(view_, left, top, block, radiance_, root_luminance);
       double& sum = root_luminance_[static_cast<std::size_t>(row)];
@@ -131,6 +161,7 @@ class Rendering {
   /// Adds the light from water, sky, daylight and lamps along one segment of each path and at its end.
   void shade_segment(Block& block, const HitPacket& hits, bool first, RenderCost& cost, TaskTimer& timer) {
     kernels_.apply_water(view_, block);
+    if (scatters_ && first) block.veil = block.radiance, block.first_reach = block.reach;
     kernels_.add_sky(view_, block);
     timer.add(kWater);
     if (any(block.lit)) {
@@ -147,7 +178,9 @@ class Rendering {
       }
     }
     if (first && view_.has_backscatter && view_.camera_in_water) {
+      const camera::BlockVectors before = block.radiance;
       for (int lamp = 0; lamp < view_.lamp_count; ++lamp) kernels_.add_lamp_backscatter(view_, lamp, block);
+      if (scatters_) camera::add_difference(block.radiance, before, block.veil);
       timer.add(kLampLight);
     }
   }
@@ -182,7 +215,9 @@ class Rendering {
 
   /// Converts radiance to bytes. Particles come last because they need the depth of the whole picture.
   void develop() {
-    picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_, picture_.depth_m.size());
+    radiance_ = {bands_[0].data(), bands_[1].data(), bands_[2].data()};
+    picture_.gain = exposure_gain(camera_.sensor(), request_.effects, root_luminance_,
+                                  picture_.depth_m.size() * static_cast<std::size_t>(parts_));
     picture_.rgb.resize(3 * picture_.depth_m.size());
     if (request_.keep_radiance) picture_.radiance.resize(picture_.rgb.size());
     const camera::Development development = development_of(camera_, request_, scene_.seed(), picture_.gain);
@@ -218,6 +253,8 @@ class Rendering {
   const Optics& optics_;
   const PictureRequest& request_;
   int threads_;
+  int parts_ = 1;                  // of the exposure
+  bool is_middle_ = true;          // of these
   std::vector<RenderCost> costs_;  // one per worker
   TaskTimer timer_;
   PreparedView prepared_;
@@ -226,7 +263,9 @@ class Rendering {
   const camera::Kernels& kernels_;
   std::vector<std::uint8_t> classes_;
   Picture picture_;
-  std::array<ImageBuffer<float>, 3> bands_;
+  std::array<ImageBuffer<float>, 3> bands_, exposed_;
+  bool scatters_ = false;
+  DirectLight direct_;
   camera::RadiancePlanes radiance_{};
   std::vector<float> shafts_;
   std::vector<Particle> particles_;

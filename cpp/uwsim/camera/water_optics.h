@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "uwsim/camera/refraction.h"
+
 namespace uwsim {
 
 /// A value for each of the camera's three bands: red, green and blue, at 600, 550 and 450 nm. These wavelengths are
@@ -18,7 +20,7 @@ struct WaterOptics {
   Bands diffuse_attenuation;  ///< Kd, of downwelling irradiance with depth
   Bands absorption;           ///< a
   Bands scattering;           ///< b
-  double refractive_index = 1.333;
+  double refractive_index = kWaterIndex;
 
   /// c = a + b, the attenuation of light between scene and camera.
   Bands beam_attenuation() const { return absorption + scattering; }

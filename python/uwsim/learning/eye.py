@@ -54,10 +54,11 @@ class Eye:
         def take(k: int) -> None:
             positions = np.array([motion.position_world_m[k] for motion in motions])
             orientations = np.array([motion.orientation_xyzw[k] for motion in motions])
+            velocities = np.array([motion.velocity_body[k] for motion in motions])
             first = self._first
             snapshot = Snapshot(
-                int(motions[0].time_ns[k]), positions, orientations, self._lights(positions, orientations),
-                first.optics, first.aims_rad,
+                int(motions[0].time_ns[k]), positions, orientations, velocities,
+                self._lights(positions, orientations), first.optics, first.aims_rad,
             )  # fmt: skip
             pictures[k] = self._camera.capture(EFFECTS, threads=1, at=snapshot).rgb
 

@@ -57,6 +57,12 @@ PictureRequest from(const Eigen::Vector3d& eye, double pitch_down_rad) {
   return request;
 }
 
+ImageSensor moving_sensor() {
+  ImageSensor sensor;
+  sensor.shutter_s = 0.02, sensor.readout_s = 0.03;
+  return sensor;
+}
+
 class Renderer : public ::testing::Test {
  protected:
   Renderer() : scene(world, std::make_shared<RayScene>(world), 7) {
@@ -124,13 +130,17 @@ TEST_F(Renderer, InactiveRaysAreFinite) {
 
 TEST_F(Renderer, EveryEffectChangesThePictureButNotItsGeometry) {
   PictureRequest request = from({-1, 0, -4.5}, 0.25);
+  request.velocity_camera << 0.5, 0.2, 0, 0, 0, 0.3;
+  camera = std::make_unique<Camera>("test", camera->lens(), moving_sensor());
+  optics.forward_scatter_rad = 0.03;
   const Picture whole = render(scene, *camera, optics, request);
   for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
     request.effects = Effects::all();
     request.effects.set(static_cast<Effect>(k), false);
     const Picture without = render(scene, *camera, optics, request);
     EXPECT_TRUE(whole.rgb != without.rgb) << kEffectNames[k];
-    const bool bends_rays = static_cast<Effect>(k) == Effect::kWobble || static_cast<Effect>(k) == Effect::kDistortion;
+    const auto effect = static_cast<Effect>(k);
+    const bool bends_rays = effect == Effect::kWobble || effect == Effect::kDistortion || effect == Effect::kShutter;
     EXPECT_EQ(whole.depth_m == without.depth_m, !bends_rays) << kEffectNames[k];
   }
   request.effects = Effects::all();

@@ -35,6 +35,7 @@ MAY_INCLUDE: dict[str, set[str]] = {
 # C++: a library's include pattern, and the files that may include it.
 LIBRARIES: dict[str, tuple[str, str]] = {
     "Eigen": (r"Eigen/", r"cpp/.*"),
+    "Eigen's FFT": (r"unsupported/Eigen/FFT", r"cpp/uwsim/camera/forward_scatter\.cpp"),
     "Embree": (r"embree\d*/", r"cpp/uwsim/rays/embree_(cast|float_cast|query|round|terrain|tree)\.cpp"),
     "Bullet": (
         r"bt\w+\.h|Bullet\w*/|LinearMath/",

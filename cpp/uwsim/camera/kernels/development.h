@@ -78,7 +78,7 @@ void develop_row(const View& view, const Development& d, const RadiancePlanes& p
     const int at = row * view.width + first;
     Vector light = {load_some(planes.red + at, count), load_some(planes.green + at, count),
                     load_some(planes.blue + at, count)};
-    const Float x = load_some(view.ray_x + at, count), y = load_some(view.ray_y + at, count);
+    const Float x = load_some(view.lens_x + at, count), y = load_some(view.lens_y + at, count);
     const Float cos2 = 1 / (1 + x * x + y * y);
     light = light * (d.gain * (1 - d.vignetting + d.vignetting * cos2 * cos2));
     if (d.has_noise) {

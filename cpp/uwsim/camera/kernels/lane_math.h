@@ -95,6 +95,9 @@ UWSIM_LANES Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y,
 UWSIM_LANES Vector operator*(Vector a, Float s) { return {a.x * s, a.y * s, a.z * s}; }
 UWSIM_LANES Vector operator*(Vector a, Vector b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 UWSIM_LANES Float dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+UWSIM_LANES Vector cross(Vector a, Vector b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 UWSIM_LANES Vector unit(Vector a) { return a * (1 / square_root(max(dot(a, a), splat(1e-30f)))); }
 UWSIM_LANES Vector select(Int mask, Vector a, Vector b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};

@@ -19,25 +19,50 @@ UWSIM_LANES void wobble(const View& view, Float& x, Float& y) {
   y += a * (second - 0.5f * third);
 }
 
-UWSIM_LANES void set_rays(const View& view, Float x, Float y, Block& block) {
+/// The number of each lane's row in its block.
+UWSIM_LANES Float lane_rows() {
+  Float rows;
+  for (int k = 0; k < kLanes; ++k) rows[k] = static_cast<float>(k / kBlockSide);
+  return rows;
+}
+
+/// Moves rays to where the camera is when it exposes their rows.
+UWSIM_LANES void move_rays(const View& view, Float row, Block& block) {
+  const Float time = (row - 0.5f * static_cast<float>(view.height - 1)) * view.row_s + view.part_s;
+  const Vector axis = broadcast(view.spin_axis);
+  const SineCosine angle = sine_cosine_of_turns(time * view.spin_turns_per_s);
+  const auto turned = [&](Vector v) {  // Rodrigues's formula
+    return v * angle.cosine + cross(axis, v) * angle.sine + axis * (dot(axis, v) * (1 - angle.cosine));
+  };
+  store(block.direction, turned(load(block.direction)));
+  store(block.origin, turned(load(block.origin)) + broadcast(view.velocity) * time);
+}
+
+/// Rays of rows from `top` on, `scale` rows apart, at the slopes x and y to the axis, from (offset_x, offset_y) across
+/// it.
+UWSIM_LANES void set_rays(const View& view, int top, int scale, Float x, Float y, Float offset_x, Float offset_y,
+                          Block& block) {
   if (view.wobble_rad > 0) wobble(view, x, y);
-  const Vector ray = broadcast(view.right) * x + broadcast(view.down) * y + broadcast(view.ahead);
-  store(block.direction, unit(ray));
-  store(block.origin, zero());
+  const Vector right = broadcast(view.right), down = broadcast(view.down);
+  store(block.direction, unit(right * x + down * y + broadcast(view.ahead)));
+  store(block.origin, view.has_offsets ? right * offset_x + down * offset_y : zero());
+  if (view.moves) move_rays(view, lane_rows() * static_cast<float>(scale) + static_cast<float>(top), block);
 }
 
 /// Lane k is pixel (left + scale (k % 4), top + scale (k / 4)). Lanes beyond the picture's edge are inactive and repeat
 /// the edge.
 void rays_through_pixels(const View& view, int left, int top, int scale, Block& block) {
-  Float x, y;
+  Float x, y, offset_x{}, offset_y{};
   for (int k = 0; k < kLanes; ++k) {
     const int u = left + scale * (k % kBlockSide), v = top + scale * (k / kBlockSide);
     block.active.at[k] = u < view.width && v < view.height ? -1 : 0;
     const int row = v < view.height ? v : view.height - 1, column = u < view.width ? u : view.width - 1;
-    x[k] = view.ray_x[row * view.width + column];
-    y[k] = view.ray_y[row * view.width + column];
+    const int at = row * view.width + column;
+    x[k] = view.ray_x[at];
+    y[k] = view.ray_y[at];
+    if (view.has_offsets) offset_x[k] = view.offset_x[at], offset_y[k] = view.offset_y[at];
   }
-  set_rays(view, x, y, block);
+  set_rays(view, top, scale, x, y, offset_x, offset_y, block);
 }
 
 /// Whether the whole block lies within the picture, as most blocks do: the rays of such blocks are tabulated block by
@@ -55,7 +80,9 @@ void primary_rays(const View& view, int left, int top, Block& block) {
   __builtin_prefetch(view.block_ray_x + at + kBlockPixels);
   __builtin_prefetch(view.block_ray_y + at + kBlockPixels);
   store(block.active.at, Int(-1));
-  set_rays(view, load(view.block_ray_x + at), load(view.block_ray_y + at), block);
+  Float offset_x{}, offset_y{};
+  if (view.has_offsets) offset_x = load(view.block_offset_x + at), offset_y = load(view.block_offset_y + at);
+  set_rays(view, top, 1, load(view.block_ray_x + at), load(view.block_ray_y + at), offset_x, offset_y, block);
 }
 
 void shaft_rays(const View& view, int left, int top, int scale, Block& block) {

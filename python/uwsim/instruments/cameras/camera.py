@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from uwsim import _core
 from uwsim.base.arguments import number
-from uwsim.base.quaternions import about_y, about_z, heading_rad, product
+from uwsim.base.quaternions import about_y, about_z, heading_rad, matrix, product
 from uwsim.base.sealed import Sealed
 from uwsim.instruments.cameras.effects import EFFECTS, effects_on
 from uwsim.instruments.cameras.frame import CameraInfo, Frame
@@ -66,7 +66,6 @@ class Camera(Sealed):
         """Create a camera. owner: its vehicle's name, None for the station. key: its name there, by default `name`."""
         self.name = name
         self.mount = mount
-        self.info = _camera_info(name, mount)
         self._scene = scene
         self._carrier = carrier
         self._owner, self._key = owner, key or name
@@ -74,7 +73,7 @@ class Camera(Sealed):
         self._head = PanTiltHead(name, mount.pan_tilt) if mount.pan_tilt is not None else None
         if self._head is not None:
             scene.heads[name] = self._head
-        self._lens = _Lens(name, mount)
+        self._refit(mount)
 
     def __repr__(self) -> str:
         return f"<Camera '{self.name}', {self.info.width} x {self.info.height} pixels>"
@@ -193,13 +192,21 @@ class Camera(Sealed):
         other._refit(mount)
         return other
 
-    def ray_table(self, *, distort: bool = True) -> NDArray[np.float32]:
+    def ray_table(self, *, distort: bool = True, in_water: bool = True) -> NDArray[np.float32]:
         """Return X/Z and Y/Z of the ray through each pixel's centre in the optical frame, (H, W, 2) float32.
 
         distort: whether the rays are distorted as by the effect `distortion`. The deflections of `wobble` are not
-        included.
+        included. in_water: whether they are refracted by the mount's flat port, if it has one; their lines then start
+        from `ray_offsets_m`.
         """
-        return self._lens.core.ray_table(distort)
+        return self._lens.core.ray_table(distort, in_water)
+
+    def ray_offsets_m(self) -> NDArray[np.float32]:
+        """Return X and Y at which the lines of rays in water meet the plane Z = 0 of the optical frame, (H, W, 2).
+
+        They are 0 without a flat port.
+        """
+        return self._lens.core.ray_offsets_m()
 
     def snapshot(self) -> Snapshot:
         """Return the current state, for a `capture` at a later time or on another thread."""
@@ -239,14 +246,15 @@ class Camera(Sealed):
             snapshot.orientations_xyzw,
             self._carrier if isinstance(self._carrier, int) and self.mount.follows == "body" else None,
             geometry_only=geometry_only,
+            velocity_camera=self._velocity(snapshot),
             threads=scene.threads if threads is None else threads,
             **options,
         )
         return picture, snapshot.time_ns, world_from_camera
 
     def _refit(self, mount: CameraMount) -> None:
-        self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount)}
         self._lens = _Lens(self.name, mount)
+        self.__dict__ |= {"mount": mount, "info": _camera_info(self.name, mount, self._lens)}
 
     def _pose(self, snapshot: Snapshot) -> tuple[Floats, Floats, Floats]:
         """Return the camera's position (3,), its orientation x, y, z, w (4,), and both as a matrix (4, 4)."""
@@ -255,6 +263,15 @@ class Camera(Sealed):
         if self.mount.follows == "heading":
             position[2] = world_from_camera[2, 3] = max(position[2], self._scene.ground_m(position) + CLEARANCE_M)
         return position, orientation, world_from_camera
+
+    def _velocity(self, snapshot: Snapshot) -> Floats:
+        """Return the camera's velocity (6,) in its own frame; zero for a camera that is not fixed to a vehicle."""
+        if not isinstance(self._carrier, int) or self.mount.follows == "heading":
+            return np.zeros(6)
+        linear, angular = snapshot.velocities_body[self._carrier].reshape(2, 3)
+        here = linear + np.cross(angular, self.mount.position_m)
+        turn = matrix(self.mounting_xyzw(snapshot))
+        return np.concatenate([here @ turn, angular @ turn])
 
     def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
         """Return the rotation from the camera's frame to its carrier's, x, y, z, w (4,).
@@ -273,13 +290,32 @@ class Camera(Sealed):
         return position, heading_xyzw(orientation) if self.mount.follows == "heading" else orientation
 
 
+def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
+    """Return the K (3, 3) and k1 k2 p1 p2 k3 (5,) that fit rays in water best, as a calibration of distant points does.
+
+    A pixel's distance from the principal point, f (x' y'), is linear in f and in f times each coefficient.
+    """
+    step = max(1, max(rays.shape[:2]) // 64)
+    v, u = np.mgrid[0 : rays.shape[0] : step, 0 : rays.shape[1] : step]
+    x, y = rays[::step, ::step].reshape(-1, 2).astype(np.float64).T
+    r2 = x * x + y * y
+    across = [x, x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3]
+    down = [y, y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3]
+    from_centre = np.hstack([u.ravel() - k[0, 2], v.ravel() - k[1, 2]])
+    (focal, *scaled), *_ = np.linalg.lstsq(np.hstack([across, down]).T, from_centre, rcond=None)
+    fitted = k.copy()
+    fitted[0, 0] = fitted[1, 1] = focal
+    return fitted, np.array(scaled) / focal
+
+
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
     """Return the rotation about the vertical from east to the heading of a body's x axis, x, y, z, w (4,)."""
     return about_z(heading_rad(orientation_xyzw))
 
 
-def _camera_info(name: str, mount: CameraMount) -> CameraInfo:
-    k = intrinsic_matrix(mount)
+def _camera_info(name: str, mount: CameraMount, lens: _Lens) -> CameraInfo:
+    k, d = intrinsic_matrix(mount), np.array(mount.distortion)
+    if mount.port is not None:
+        k, d = _calibrated(k, lens.core.ray_table())
     p = np.hstack([k, np.zeros((3, 1))])
-    d = np.array(mount.distortion)
     return CameraInfo(f"{name}_optical", mount.width, mount.height, "plumb_bob", d, k, np.eye(3), p)

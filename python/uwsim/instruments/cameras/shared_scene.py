@@ -25,13 +25,14 @@ Floats = NDArray[np.float64]
 class Snapshot:
     """The scene's variable state at one time.
 
-    positions_m (n, 3), orientations_xyzw (n, 4): poses of all vehicles. lamps: the lamps that are on. aims_rad: pan and
-    tilt of the cameras with a motor, by name.
+    positions_m (n, 3), orientations_xyzw (n, 4), velocities_body (n, 6): pose and velocity of each vehicle. lamps: the
+    lamps that are on. aims_rad: pan and tilt of the cameras with a motor, by name.
     """
 
     time_ns: int
     positions_m: Floats
     orientations_xyzw: Floats
+    velocities_body: Floats
     lamps: list[_core.SpotLamp]
     optics: Optics
     aims_rad: Mapping[str, tuple[float, float]]
@@ -142,4 +143,5 @@ class SharedScene:
             for light in lamp.lights(position, orientation)
         ]
         aims = {name: head.angles_rad(time_ns) for name, head in self.heads.items()}
-        return Snapshot(time_ns, positions, orientations, lamps, self.optics, aims)
+        velocities = np.array([state.velocity_body for state in states])
+        return Snapshot(time_ns, positions, orientations, velocities, lamps, self.optics, aims)

@@ -41,6 +41,7 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
         cx=float(k[0, 2]),
         cy=float(k[1, 2]),
         distortion=list(mount.distortion),
+        port=None if mount.port is None else _core.FlatPort(**mount.port.model_dump()),
     )
     return _core.Camera(
         name,
@@ -50,6 +51,8 @@ def core_camera(name: str, mount: CameraMount) -> _core.Camera:
         read_noise=mount.read_noise,
         vignetting=mount.vignetting,
         wobble_rad=None if mount.wobble_mrad is None else 1e-3 * mount.wobble_mrad,
+        shutter_s=1e-3 * mount.shutter_ms,
+        readout_s=1e-3 * mount.readout_ms,
     )
 
 

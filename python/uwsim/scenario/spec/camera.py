@@ -38,14 +38,30 @@ class PanTilt(Model):
         return self
 
 
+class FlatPort(Model):
+    """A flat window between the lens, in air, and the water, across the camera's axis.
+
+    distance_m: from the lens's centre of projection to the inside of the glass. thickness_m: of the glass.
+    refractive_index: of the glass, by default that of acrylic.
+    """
+
+    distance_m: Annotated[float, InRange(0, 1, "m")] = 0.0
+    thickness_m: Annotated[float, InRange(0, 1, "m")] = 0.0
+    refractive_index: Annotated[float, InRange(1, 3)] = 1.49
+
+
 class CameraMount(Model):
     """A camera: its mount, lens and image sensor.
 
     It looks along its x: yaw 90 turns it to port, pitch 90 down. position_m: in the frame of its carrier. width,
     height: in pixels, which are square. horizontal_fov_deg: field of view across the image's width, before distortion.
-    distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. exposure: a factor on the automatic or
+    distortion: k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV. port: a flat window, at which rays from the
+    water are refracted: field of view and distortion are then those of the lens in air. Without it they hold in water
+    as in air, as behind a dome, or after a calibration under water. exposure: a factor on the automatic or
     fixed exposure. full_well, read_noise: numbers of electrons at base gain. vignetting: fraction of the cos^4 law.
-    wobble_mrad: largest deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. follows: its
+    wobble_mrad: largest deflection of a ray by turbulence; by default derived from `optics.turbulence_k`. shutter_ms:
+    time for which each row collects light, during which the camera's own motion blurs the picture. readout_ms: time
+    from the first row's exposure to the last's, of a rolling shutter. The stamp is the middle of both. follows: its
     carrier; `body`: fixed to the hull, which does not appear in its pictures; `heading`: it follows the vehicle's
     position and heading from outside, level, and stays above the ground. pan_tilt: its motor, if any. on: a camera that
     is off produces black pictures.
@@ -57,11 +73,14 @@ class CameraMount(Model):
     height: Pixels = 360
     horizontal_fov_deg: Annotated[float, InRange(1, 170, "deg")] = 80.0
     distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    port: FlatPort | None = None
     exposure: Annotated[float, InRange(0.001, 1000)] = 1.0
     full_well: Annotated[float, InRange(1, 1e9, "electrons")] = 8000.0
     read_noise: Annotated[float, InRange(0, 1e6, "electrons")] = 6.0
     vignetting: Share = 0.5
     wobble_mrad: Annotated[float, InRange(0, 100, "mrad")] | None = None
+    shutter_ms: Annotated[float, InRange(0, 1000, "ms")] = 0.0
+    readout_ms: Annotated[float, InRange(0, 1000, "ms")] = 0.0
     follows: Literal["body", "heading"] = "body"
     pan_tilt: PanTilt | None = None
     on: StrictBool = True

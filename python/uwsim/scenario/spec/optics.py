@@ -51,6 +51,7 @@ class OpticsChanges(TypedDict, total=False):
     wind_heading_deg: float
     particles_per_m3: float
     turbulence_k: float
+    forward_scatter_mrad: float
 
 
 class Optics(Model):
@@ -61,7 +62,8 @@ class Optics(Model):
     wind_m_s, wind_heading_deg: speed and direction of the breeze that ripples the surface; the ripples only refract
     light: vehicles feel the waves of `water.surface`. particles_per_m3: density of particles large enough to be
     individually visible. turbulence_k: standard deviation of the temperature in the eddies that refract light (effect
-    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed.
+    `wobble`): 0 in water at rest, 0.1 in calm water, 2 where warm and cold water mix; assumed. forward_scatter_mrad:
+    mean angle by which particles scatter light on its way to the camera, which blurs the picture; 0: no blur.
     """
 
     jerlov: Annotated[str, BeforeValidator(_jerlov), OneOf(tuple(_core.jerlov_types()))] = "III"
@@ -72,6 +74,7 @@ class Optics(Model):
     wind_heading_deg: Degrees = 20.0
     particles_per_m3: Annotated[float, InRange(0, 64, "1/m3")] = 20.0
     turbulence_k: Annotated[float, InRange(0, 20, "K")] = 2.0
+    forward_scatter_mrad: Annotated[float, InRange(0, 200, "mrad")] = 0.0
 
     def with_changes(self, changes: Mapping[str, Any]) -> Optics:
         """Return a validated copy with some fields replaced. Raises ScenarioError."""

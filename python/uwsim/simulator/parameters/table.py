@@ -68,7 +68,7 @@ FIXED: dict[type[Model], frozenset[str]] = {
     SensorMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "noise_std", "parameters"}),
     SonarSetup: frozenset({"tilt_deg"}),
     CameraMount: frozenset(
-        ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "follows", "pan_tilt"]
+        ["position_m", "yaw_pitch_roll_deg", "width", "height", "distortion", "port", "follows", "pan_tilt"]
     ),
     Lamps: frozenset({"spots"}),
     ImagingMount: frozenset({"kind", "position_m", "yaw_pitch_roll_deg", "figures"}),
