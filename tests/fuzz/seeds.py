@@ -266,7 +266,7 @@ def _flight() -> list[bytes]:
 
 
 def _recordings() -> list[bytes]:
-    """Return one as it is written, and one without compression and checksums, so that mutations reach its content."""
+    """Return one as it is written, and one without compression or checksums, so that mutations reach its content."""
     from mcap.reader import make_reader
     from mcap.writer import CompressionType, Writer
 

@@ -31,7 +31,7 @@ FILES: dict[str, Callable[[Path], None]] = {
     "loop": lambda path: path.symlink_to(path.name),
     "secret": _secret,
 }
-"""Makers by the file's name without its suffix. fifo: without a writer. secret: readable only by root."""
+"""Functions that create the files, keyed by file stem. fifo: without a writer. secret: readable only by root."""
 
 
 def make(path: Path) -> None:

@@ -16,7 +16,7 @@ PACKAGES = {
     "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs", "sensor_msgs", "std_msgs",
     "std_srvs", "tf2_msgs",
 }  # fmt: skip
-"""The packages of a ROS that has none of ours."""
+"""The packages of a ROS installation without any of ours."""
 
 
 class RefusedError(ValueError):
@@ -24,7 +24,7 @@ class RefusedError(ValueError):
 
 
 def checked_type(name: str) -> str:
-    """Return a type with two parts, as rosbridge's loader splits it."""
+    """Return a type name if it has two parts, as rosbridge's loader requires."""
     parts = [part for part in name.split("/") if part]
     if len(parts) != 2:
         raise RefusedError(f"{name} is not a valid type string")

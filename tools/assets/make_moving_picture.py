@@ -1,7 +1,7 @@
 """Draw docs/station.webp, the animation in the README: the operator's station while a map grows.
 
-A mission connected over rosbridge flies from the dock to a pipeline in the lake and along it, watched by a page in
-headless Chromium. Needs the development installation (tools/setup --dev) and three minutes.
+A mission connected over rosbridge flies the vehicle from the dock to a pipeline in the lake and then along it, while a
+page in headless Chromium displays the flight. Needs the development installation (tools/setup --dev) and three minutes.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ def main(
     stalled: Annotated[float, typer.Option(min=0.5, help="Length of those of the steps' lateness [s].")] = 60.0,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
 ) -> None:
-    """Measure all cases in turn and print them."""
+    """Measure all cases in turn and print the results."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake", sonar_model=4)
     scan, picture = true_messages(sim)

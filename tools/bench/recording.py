@@ -38,7 +38,7 @@ def main(
     rounds: Annotated[int, typer.Option(min=1, help="Measurements of each case.")] = 3,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure both cases alternately and print them."""
+    """Measure both cases alternately and print the results."""
     sys.setswitchinterval(SWITCH_S)
     sim = Simulator("lake")
     load = true_channels(sim)

@@ -85,7 +85,7 @@ def main(
     memory_messages: Annotated[int, typer.Option(help="Messages after which memory is compared.")] = 100_000,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turn and print them."""
+    """Measure all cases in turn and print the results."""
     from fast_dds import BINARY
 
     if not BINARY.is_file():

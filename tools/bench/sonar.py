@@ -1,11 +1,13 @@
 """Pings per second on the lake, compared with the rays alone (the limit), Bullet, pybullet and trimesh with embreex.
 
 All cases alternate within one run, so that other load affects all of them equally; results are medians over the rounds,
-and medians of per-round ratios. Measured by one thread's processor time; ping_batch with threads by wall time.
+and medians of per-round ratios. Measured in single-thread CPU time, except multithreaded ping_batch, which is measured
+in wall time.
 
 All cases ping from the same poses: along the survey's lines, each close to the last, as in a real survey. From
-scattered poses, each ping waits for another part of the ray tree to be loaded from memory; this is reported separately.
-The limit is the best rate of Embree's packets here, with triangles or, as for our terrain, quads.
+scattered poses, each ping waits for a different part of the ray tree to be loaded from memory; this is reported
+separately. The limit is the best rate that Embree's ray packets reach in these cases, with triangles or, as for our
+terrain, quads.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def main(
     browser: Annotated[bool, typer.Option("--browser", help="Then also measure in a browser (station_page).")] = False,
     json_file: Annotated[Path | None, typer.Option("--json", help="Also write the values to this file.")] = None,
 ) -> None:
-    """Measure all cases in turn and print them with their goals."""
+    """Measure all cases in turn and print the results alongside their goals."""
     sys.setswitchinterval(SWITCH_S)
     cases = {}
     for name, pages in {

@@ -5,8 +5,8 @@
 A lap is 1.5 simulated hours: 33 minutes of a lake survey, 6 minutes of five pool surveys, 20 s of `uwsim fingerprint`
 (images, samples and pings of both modes), 1 minute of a mission that maps, 10 minutes with a ping each second, and idle
 flight for the rest; the last two use one simulator that is restored to its initial state. It takes about 22 s of
-processor time. Each lap must produce the bytes of the first. At the same time a rosbridge server with its own simulator
-runs on the wall clock for the clients of clients.py, which run in another process.
+processor time. Each lap's output must be byte-identical to the first's. At the same time, a rosbridge server with its
+own simulator runs on the wall clock for the clients of clients.py, which run in another process.
 
 One line is printed after each lap: simulated days, resident memory (after a garbage collection, before and after the C
 library has returned its freed blocks), memory allocated by malloc, the peak, and processor seconds per simulated hour,

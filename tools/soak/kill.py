@@ -4,8 +4,8 @@
 
 A kill is a kill -9 of the command and of all its workers. Half of the kill times are uniform over the job; a quarter
 are within milliseconds of a file being written (autosaves, renames, results), and a quarter while the final results are
-written. After each kill an existing map must open; the job is resumed, and killed again. Its final results must have
-the bytes of an undisturbed job. Exits with 1 if one of these rules is broken.
+written. After each kill an existing map must open; the job is resumed, and killed again. Its final results must be
+byte-identical to those of an uninterrupted job. Exits with 1 if one of these rules is broken.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ _READING = threading.Lock()  # NumPy parses headers with ast: not thread-safe in
 
 
 def read_npz(source: Path | bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an .npz file (a path or the content) by name. Raises ValueError if invalid, OSError."""
+    """Return the arrays of an .npz file (a path or the content) by name. Raises ValueError if invalid, or OSError."""
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
         with _READING, np.load(io.BytesIO(data), allow_pickle=False) as file:

@@ -137,7 +137,7 @@ def is_socket(request: Request) -> bool:
 
 
 def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
-    """Return the TLS context of a server, or None without a certificate. Raises ValueError, OSError."""
+    """Return the TLS context of a server, or None without a certificate. Raises ValueError or OSError."""
     if certfile is None:
         if keyfile is not None:
             raise ValueError("keyfile: needs certfile, too")

@@ -114,7 +114,7 @@ class Bridge:
     # To the simulator
 
     def apply(self, channel: Channel, message: Any) -> None:
-        """Apply a command. Raises ValueError, RuntimeError."""
+        """Apply a command. Raises ValueError or RuntimeError."""
         live = require_live(self.live)
         channel.apply(live, message)
         if channel.watch is not None:
@@ -150,7 +150,7 @@ class Bridge:
     def call(self, service: Service, request: dict[str, Any], answer: Answer) -> None:
         """Call a service on a separate thread, because it may block waiting for steps, and answer from that thread.
 
-        Vital services have their own thread, so that no other call delays them. Raises ValueError, RuntimeError.
+        Vital services have their own thread, so that no other call delays them. Raises ValueError or RuntimeError.
         """
         lane = self._vital if service.is_vital else self._usual
         lane.submit(partial(service.call, require_live(self.live), request), answer)

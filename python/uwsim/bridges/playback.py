@@ -31,7 +31,7 @@ def play(
     say: Callable[[str], object] = lambda text: None,
     **access: Any,
 ) -> None:
-    """Send every message once, at the pacer's speed; return after the last. Raises ValueError, OSError.
+    """Send every message once, at the pacer's speed; return after the last. Raises ValueError or OSError.
 
     from_s, until_s: simulated times; latched messages from before from_s are sent immediately. wait: whether to wait
     for the first client of rosbridge, or the first subscriber of another bridge. access: host, origins, token, certfile

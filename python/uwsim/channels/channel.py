@@ -26,7 +26,7 @@ def _no_command(live: LiveSimulator, message: Any) -> None:
 
 
 class Drops:
-    """The number of a channel's messages that did not reach a peer because it, or its network, was too slow."""
+    """The number of a channel's messages that did not reach a peer because the peer or its network was too slow."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -85,7 +85,7 @@ class Channel:
 
     @property
     def has_timeout(self) -> bool:
-        """Whether its command ends after a time without a further one."""
+        """Whether its command ends after a time without a further command."""
         return self.idle is not None
 
 

@@ -121,7 +121,7 @@ class PingMap:
         return self._changes_message(said[0], (said[1], None))[0]
 
     def go_on_from(self, path: Path) -> None:
-        """Continue a map from a file, before the first ping. Raises ValueError, OSError."""
+        """Continue a map from a file, before the first ping. Raises ValueError or OSError."""
         self._map = OccupancyMap.read(path, on_outside="count")
         self._worker.submit(self.changes.forget, self._map.resolution_m)
 
@@ -130,7 +130,7 @@ class PingMap:
         return self._worker.submit(self._points).result()
 
     def write(self, path: Path) -> None:
-        """Write the map with all pings so far. Raises ValueError if there is no map yet, OSError."""
+        """Write the map with all pings so far. Raises ValueError if there is no map yet, or OSError."""
         self._worker.submit(self._write, path).result()
 
     def to_bytes(self) -> bytes:

@@ -31,7 +31,7 @@ class Line(Generic[T]):
     """One topic's queue. length: the number of items that may wait.
 
     written: the number of messages written. drops: counts the messages that were dropped for newer ones or not
-    accepted; by default a count of its own.
+    accepted; by default, a new count.
     """
 
     def __init__(self, name: str, length: int, drops: Drops | None = None) -> None:
@@ -43,7 +43,7 @@ class Line(Generic[T]):
 
 
 class Turns(Generic[T]):
-    """The items of several lines, in order of arrival. Any thread may put, one thread takes; putting never blocks.
+    """The items of several lines, in order of arrival. Any thread may call `put`, which never blocks; one calls `take`.
 
     Each topic has its own line, so that frequent messages cannot displace the only message of a latched topic.
     """
@@ -59,11 +59,11 @@ class Turns(Generic[T]):
             if len(line.waiting) > line.length:
                 line.waiting.popleft()
                 line.drops.add()
-                return  # it takes the turn of the dropped message
+                return  # the new item takes the turn of the dropped one
         self._order.put(line)
 
     def take(self, *, wait: bool) -> tuple[Line[T], T] | None:
-        """Return the next item and its line; None if none is queued, or, while waiting, after `wake`."""
+        """Return the next item and its line; None if nothing is queued or, when waiting, after `wake`."""
         try:
             line = self._order.get(block=wait)
         except Empty:

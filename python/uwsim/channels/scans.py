@@ -34,7 +34,7 @@ class Head(Protocol):
 
 @dataclass(frozen=True)
 class PingTopic:
-    """A topic with one message for each ping; repeated at 50 Hz, as by the paper's node, maps would count it often.
+    """A topic with one message per ping: repeated at 50 Hz, as by the paper's node, maps would count each ping often.
 
     make: called with head, ping and frame; returns None for no message. packing: see Channel.
     """

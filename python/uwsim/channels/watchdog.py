@@ -12,28 +12,28 @@ from uwsim.simulator.simulator import Simulator
 
 CHECK_S = 0.05
 TOGETHER = ("cmd_thrusters", "cmd_fins")
-"""Ends of the names of channels whose commands do not replace each other."""
+"""Name endings of channels whose commands do not replace each other."""
 
 logger = logging.getLogger("uwsim.channels")
 
 
 class Watchdog:
-    """Watches the command channels of one vehicle for all bridges, which report to it what they apply.
+    """Monitors the command channels of one vehicle for all bridges, which report the commands that they apply.
 
-    A channel's command is in effect until a command of another kind replaces it. If the channel then neither brings a
-    further command for timeout_s simulated seconds nor keeps a publisher, its `abandoned` is called. timeout_s: returns
-    the limit; 0: commands are held in both cases. Channels without a limit, such as the published wire's, are held
-    through silence in any case.
+    A channel's command is in effect until a command of another kind replaces it. If the channel receives no further
+    command for timeout_s simulated seconds, or loses its last publisher, its `abandoned` is called. timeout_s: returns
+    the limit; 0: commands are held in both cases. Commands of channels without a limit, such as the published wire's,
+    are never ended by silence.
     """
 
     def __init__(self, timeout_s: Callable[[Simulator], float]) -> None:
         self._timeout_s = timeout_s
         self._lock = threading.Lock()
-        self._since_ns: dict[str, tuple[Channel, int]] = {}  # time of the last command, by the channels in effect
+        self._since_ns: dict[str, tuple[Channel, int]] = {}  # time of the last command, by channel in effect
         self._checks: Subscription | None = None
 
     def commanded(self, live: LiveSimulator, channel: Channel) -> None:
-        """Note that a command of a channel has been applied, on any thread."""
+        """Note that a channel's command has been applied, on any thread."""
         with self._lock:
             together = channel.name.endswith(TOGETHER)
             self._since_ns = {
@@ -44,7 +44,7 @@ class Watchdog:
                 self._checks = live.every(CHECK_S, lambda sim: sim.time_ns, lambda now_ns: self._check(live, now_ns))
 
     def left(self, live: LiveSimulator, channel: Channel) -> None:
-        """Note that a channel has no publisher any more, on any thread. Raises ValueError, RuntimeError."""
+        """Note that a channel no longer has a publisher, on any thread. Raises ValueError or RuntimeError."""
         with self._lock:
             is_in_effect = channel.name in self._since_ns
             if not is_in_effect or (channel.has_timeout and self._timeout_s(live.simulator) == 0.0):
@@ -53,12 +53,12 @@ class Watchdog:
         _stop(live, channel)
 
     def forget(self) -> None:
-        """Note that another way of commanding has replaced the channels' commands."""
+        """Note that a command from elsewhere has replaced the channels' commands."""
         with self._lock:
             self._since_ns = {}
 
     def _check(self, live: LiveSimulator, now_ns: int) -> None:
-        """Stop what has become silent, on the simulator's thread. A time in the future precedes a reset."""
+        """End the commands of silent channels, on the simulator's thread. A future time dates from before a reset."""
         timeout_ns = round(1e9 * self._timeout_s(live.simulator))
         with self._lock:
             timed = [entry for entry in self._since_ns.values() if entry[0].has_timeout]
@@ -72,7 +72,7 @@ class Watchdog:
             logger.info("topic '%s': no command for %g s: it is stopped", channel.name, 1e-9 * timeout_ns)
             try:
                 _stop(live, channel)
-            except (ValueError, NotRunningError) as error:  # such as an all stop, which has stopped it already
+            except (ValueError, NotRunningError) as error:  # for example, an all stop has stopped it already
                 logger.info("topic '%s': %s", channel.name, error)
 
 

@@ -1,4 +1,4 @@
-"""The log of a flight: one line of JSON per event, written to disk at once."""
+"""The log of a flight: one line of JSON per event, written to disk immediately."""
 
 from __future__ import annotations
 

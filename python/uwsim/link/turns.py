@@ -38,7 +38,7 @@ class Turn:
         self.due_tick = next_tick(tick, self._period_ns if is_sent else self._again_ns, self._step_ns)
 
     def jump(self, tick: int) -> None:
-        """Become due at once, because simulated time has jumped."""
+        """Become due immediately, because simulated time has jumped."""
         self.due_tick = tick
 
 

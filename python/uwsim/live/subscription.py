@@ -48,7 +48,7 @@ class Subscription:
         self._sim.agenda.remove(self)
 
     def jump(self, tick: int) -> None:
-        """Become due at once, because simulated time has jumped."""
+        """Become due immediately, because simulated time has jumped."""
         self.due_tick = tick
 
     def act(self, tick: int) -> None:

@@ -139,7 +139,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def lamps(self) -> Mapping[str, LampLike]:
-        """The lamps by the name of their switch."""
+        """The lamps, keyed by switch name."""
         return self._hull.lamps  # type: ignore[no-any-return]
 
     def _seen_by_estimate(self, view: Callable[[Any, Any, Any], Any], part: Any) -> Any:

@@ -36,7 +36,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
     """Return the scenario from the result of `pack`.
 
     Files at their original paths are used if they are unchanged, so that textures next to meshes are found; otherwise
-    they are written to the folder. Raises ValueError, OSError.
+    they are written to the folder. Raises ValueError or OSError.
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")

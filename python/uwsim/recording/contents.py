@@ -82,7 +82,7 @@ class Contents:
 
 
 def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]:
-    """Yield the messages of chunks. Raises ValueError if a chunk has changed since it was first read, OSError."""
+    """Yield the messages of chunks. Raises ValueError if a chunk has changed since it was first read, or OSError."""
     with path.open("rb") as file:
         for chunk in chunks:
             file.seek(chunk.start)
@@ -114,7 +114,7 @@ class DataReader:
         }
 
     def read(self) -> None:
-        """Read all records. Raises CutOffError, ValueError."""
+        """Read all records. Raises CutOffError or ValueError."""
         while not self.contents.is_whole:
             self._before = self._file.checksum
             record = self._file.record()

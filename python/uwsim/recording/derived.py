@@ -34,7 +34,7 @@ class Derived:
     """
 
     def __init__(self, recording: Recording) -> None:
-        """Take the multibeam from the recording's scenario. Raises ValueError, OSError."""
+        """Take the multibeam from the recording's scenario. Raises ValueError or OSError."""
         self._head = head = recorded_head(recording, NAME)
         rate_hz = recording.channels[NAME].rate_hz
         self.channels: dict[str, Channel] = {}

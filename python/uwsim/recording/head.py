@@ -40,7 +40,7 @@ class RecordedHead:
 
 
 def recorded_head(recording: Recording, topic: str) -> RecordedHead:
-    """Return the multibeam for a channel of pings. Raises ValueError, OSError."""
+    """Return the multibeam for a channel of pings. Raises ValueError or OSError."""
     name, _, _ = topic.rpartition("/")
     # receives meshes that are no longer at their original path
     with tempfile.TemporaryDirectory(prefix="uwsim-head-") as folder:

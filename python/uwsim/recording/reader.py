@@ -64,7 +64,7 @@ class Recording:
     """
 
     def __init__(self, path: str | Path) -> None:
-        """Read everything except the messages. Raises ValueError for a file that is not a recording, OSError."""
+        """Read everything except the messages. Raises ValueError for a file that is not a recording, or OSError."""
         self.path = Path(path)
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': ROS 1 bags cannot be read; record to .mcap instead")
@@ -265,7 +265,7 @@ def _fields(text: str) -> list[str]:
 
 
 def _read_contents(path: Path) -> Contents:
-    """Read a file to its end, or to where it is cut off. Raises ValueError if it is damaged, OSError."""
+    """Read a file to its end, or to where it is cut off. Raises ValueError if it is damaged, or OSError."""
     with path.open("rb") as opened:
         file = RecordFile(path, opened)
         data = DataReader(file)

@@ -126,7 +126,7 @@ class Recorder:
         return self._live is None or self._live.speed == "max"
 
     def start(self) -> Self:
-        """Create the file and start recording; return self. Raises OSError, ValueError."""
+        """Create the file and start recording; return self. Raises OSError or ValueError."""
         if self._queue is not None:
             raise RuntimeError("the recorder has been started already")
         self._on_simulator(self._begin)

@@ -153,7 +153,7 @@ class RecordFile:
         return self.position == self._size
 
     def record(self) -> Record:
-        """Read the next record. Raises CutOffError, ValueError."""
+        """Read the next record. Raises CutOffError or ValueError."""
         start = self.position
         if self._size - start < HEAD_BYTES:
             if self._ends_whole:

@@ -81,7 +81,7 @@ def replay(
 ) -> ReplayResult:
     """Repeat a recorded run and compare it with the recording, up to the first difference.
 
-    from_s, until_s: simulated times between which messages are compared. Raises ValueError, OSError.
+    from_s, until_s: simulated times between which messages are compared. Raises ValueError or OSError.
     """
     recording = recording if isinstance(recording, Recording) else Recording(recording)
     if until_s is not None and not from_s <= until_s:

@@ -25,11 +25,15 @@ ONCE_BY_DEFAULT = {(Water, "density_kg_m3"): 1000.0} | {
 fingerprint."""
 
 
+WITHOUT_EFFECT = ("wire",)
+"""Fields of a scenario that no result depends on."""
+
+
 def scenario_fingerprint(scenario: Scenario) -> str:
     """Return a digest of the scenario, including its seed and the contents of its files: 16 hexadecimal digits.
 
-    Fields with their default value are omitted, so that fields added in later versions do not change the digest. Raises
-    OSError if a file that the scenario names is gone.
+    Fields with their default value are omitted, so that fields added in later versions do not change the digest, and so
+    are the fields in WITHOUT_EFFECT. Raises OSError if a file that the scenario names is gone.
     """
     plain = _plain(scenario)
     return _digest(json.dumps(plain, sort_keys=True).encode())
@@ -60,7 +64,9 @@ def _plain(value: Any) -> Any:
     if isinstance(value, BaseModel):
         held = {name: _in_effect(value, name) for name in type(value).model_fields}
         return {
-            name: _plain(held[name]) for name, field in type(value).model_fields.items() if _counts(field, held[name])
+            name: _plain(held[name])
+            for name, field in type(value).model_fields.items()
+            if _counts(field, held[name]) and not (isinstance(value, Scenario) and name in WITHOUT_EFFECT)
         }
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}

@@ -35,7 +35,7 @@ class Vehicle(CommandedVehicle):
     """One vehicle of a simulator; see Simulator.vehicles.
 
     sensors: by name, such as "imu" or "depth". sonars: the multibeams by name; sonar: the first of them. cameras,
-    imaging_sonars: by name. lamps: by the name of their switch. control: the model and gains from its file, for a
+    imaging_sonars: by name. lamps: keyed by switch name. control: the model and gains from its file, for a
     Controller; later changes of parameters are not included. A docked vehicle's thrusters are off: if simulated time
     passes while it is commanded, a DockedWarning is issued once.
     """
@@ -217,7 +217,7 @@ class Vehicle(CommandedVehicle):
 
     @property
     def battery(self) -> _core.BatteryState:
-        """Voltage, current and charge of the battery; NaN, except for the percentage, if it is a mission time."""
+        """The battery's voltage, current and charge; if it is a mission time, all but the percentage are NaN."""
         return self._simulation.battery(self._index)
 
     def telemetry(self) -> _core.Telemetry:

@@ -1,4 +1,4 @@
-"""The paper's processing chain as processes over rosbridge: its map has the bytes of the single-process map."""
+"""The paper's processing chain as processes over rosbridge: its map is byte-identical to the single-process map."""
 
 import signal
 import subprocess

@@ -85,7 +85,7 @@ def test_a_publisher_that_leaves_the_domain_ends_its_command(node, live):
     def forces_n() -> list[float]:
         return [entry.arguments["force_body_n"][0] for entry in live.log if entry.name == "set_wrench"]
 
-    live.command("set_parameter", name="rov.command_timeout_s", value=1e6).result()  # silence does not matter
+    live.command("set_parameter", name="rov.command_timeout_s", value=1e6).result()  # rules out the timeout
     with peer(SETTINGS) as leaving:
         wrench = build.message("geometry_msgs/msg/Wrench", force=build.vector((50.0, 0.0, 0.0)))
         steering = leaving.writer("cmd_wrench", wrench.__msgtype__)

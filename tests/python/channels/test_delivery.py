@@ -38,7 +38,7 @@ def test_frequent_messages_displace_only_their_own_and_the_order_is_kept() -> No
 
 
 class BusyLoop:
-    """An event loop that does nothing until it is called upon."""
+    """An event loop that only queues its callbacks; the test runs them."""
 
     def __init__(self) -> None:
         self.waiting: list[Callable[[], object]] = []

@@ -33,7 +33,7 @@ KEY = build.pose((0.5, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 class Peers(Bridge):
-    """A bridge whose peers are the test."""
+    """A bridge whose peers are simulated by the test."""
 
     def __init__(self, live: LiveSimulator, channels: list[Channel]) -> None:
         super().__init__("test", live, channels)
@@ -69,7 +69,7 @@ def pushed(live: LiveSimulator) -> dict[str, bool]:
 
 
 def test_silence_ends_a_velocity_after_half_a_simulated_second(live: LiveSimulator, peers: Peers) -> None:
-    for _ in range(10):  # renewed in time, it is held
+    for _ in range(10):  # renewed in time, the command is held
         peers.say("scout/cmd_vel", twist(0.4))
         live.step(80)
     assert live.vehicles["scout"].velocity.linear_body_m_s[0] > 0.3
@@ -88,7 +88,7 @@ def test_silence_ends_forces_at_the_timeout_and_not_before(
     peers.say(name, message)
     live.step(99)
     assert pushed(live)[vehicle]
-    live.step(12)  # the timeout, and a period of the watchdog
+    live.step(12)  # the timeout and one period of the watchdog
     assert not pushed(live)[vehicle]
 
 
@@ -156,7 +156,7 @@ def test_thrusters_stop_although_the_fins_are_still_commanded(tmp_path: Path) ->
 
 
 def test_over_a_modem_the_station_watches_and_sends_the_end() -> None:
-    """Aboard, the pause between two messages may be the modem's."""
+    """Aboard, a pause between two messages may be due to the modem."""
     with LiveSimulator(Simulator("pool", link="tether"), speed="max", paused=True) as live:
         live.rov.release()
         table = Table(live.simulator)

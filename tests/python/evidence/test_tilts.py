@@ -18,7 +18,7 @@ LEVEL = [AXES.index(axis) for axis in ("surge", "sway", "heave")]
 
 @pytest.mark.parametrize("name", BLUEROVS)
 def test_a_bluerov2_stays_upright_up_to_full_effort(name: str) -> None:
-    """In an ideal fluid the Munk moment turns each of them over, ahead at full effort if not before."""
+    """In an ideal fluid, the Munk moment would turn each of them over ahead at full effort, or even at less."""
     model = load_vehicle(name)
     tilts_deg = largest_tilts_deg(model)
     assert tilts_deg[LEVEL].max() < UPRIGHT_DEG
@@ -30,7 +30,7 @@ def test_a_bluerov2_stays_upright_up_to_full_effort(name: str) -> None:
 @pytest.mark.parametrize("name", BLUEROVS)
 @pytest.mark.parametrize("share", [0.5, 1.2])
 def test_a_bluerov2s_controller_keeps_its_trim_beyond_the_demands_of_the_pages(name: str, share: float) -> None:
-    """docs/guides/control.md: up to 1 m/s, which is speed_max_m_s. bluerov2_heavy reaches 0.84 m/s."""
+    """docs/guides/control.md claims this up to 1 m/s, which is speed_max_m_s. bluerov2_heavy reaches 0.84 m/s."""
     model = load_vehicle(name)
     demand_m_s = share * model.control.speed_max_m_s
     sim = deep_water(model, density_kg_m3=model.mass_kg / model.volume_m3)

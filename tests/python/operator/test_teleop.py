@@ -24,7 +24,6 @@ from uwsim.operator.teleop.connection import Connection
 from uwsim.operator.teleop.fan import draw_fan, fan_scale_m
 from uwsim.operator.teleop.gamepad import FULL, Gamepads, shaped
 from uwsim.operator.teleop.hands import FIRST_HOLD_S, REPEAT_HOLD_S, ZERO, Hands
-from uwsim.operator.teleop.keys import DRIVING
 from uwsim.operator.teleop.readout import Readout, take_state_data
 from uwsim.operator.teleop.tapes import depth_tape, heading_tape
 from uwsim.operator.teleop.terminal import ReleaseParser
@@ -102,25 +101,6 @@ def test_where_releases_are_told_a_key_holds_until_it_is_let_go(hands, watch):
     watch.now_s += 1000.0
     assert hands.efforts()["heave"] == hands.share
     hands.let_go(" ")
-    assert hands.efforts() == ZERO
-
-
-PUBLISHED = {"w": "surge", "s": "-surge", "d": "-sway", "a": "sway", " ": "heave", "b": "-heave", "i": "pitch",
-             "k": "-pitch", "l": "roll", "j": "-roll", "e": "-yaw", "q": "yaw"}  # fmt: skip
-"""key_publisher.py of the published simulator; its wire's sway and yaw are positive to starboard, here to port."""
-
-
-def test_the_driving_keys_are_those_of_the_published_node():
-    assert {key: "-" * (sign < 0) + axis for key, (axis, sign) in DRIVING.items()} == PUBLISHED
-
-
-def test_published_keys_add_up_until_the_opposite_key(watch):
-    hands = Hands(watch, adds_up=True)
-    for key, expected in (("w", 1), ("w", 1), ("s", 0), ("s", -1), ("s", -1), ("w", 0), ("w", 1)):
-        hands.press(key)
-        watch.now_s += 1000.0
-        assert hands.efforts()["surge"] == expected * hands.share
-    hands.press("c")
     assert hands.efforts() == ZERO
 
 
@@ -280,7 +260,7 @@ def test_a_key_drives_the_vehicle_and_its_end_stops_it(live, server):
     hands.press("w")
     hands.press("q")
     until(lambda: live.rov.effort[0] == 0.5 and live.rov.effort[5] == 0.5)
-    until(lambda: not live.rov.effort.any())  # no key is pressed any more
+    until(lambda: not live.rov.effort.any())  # all keys have been released
     hands.press("d")
     until(lambda: live.rov.effort[1] == -0.5)
     connection.stop()

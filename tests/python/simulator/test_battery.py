@@ -1,4 +1,4 @@
-"""A battery of cells: charge by current, voltage by charge and load, thrust by voltage."""
+"""A battery of cells: current drains it, its voltage depends on charge and load, and thrust depends on the voltage."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from uwsim.scenario.spec.battery import load_battery
 SHEETS = Path(__file__).parents[4] / "shared/reality/t200/t200_10_14_16_20V.csv"
 N_PER_KGF = 9.80665
 WORST = {"force_kgf": 0.05, "current_a": 0.4, "rpm": 60.0}
-"""Root mean square differences that are allowed. The propeller starts with a jump of 300 rpm, at its own command."""
+"""Permitted root mean square differences. A propeller starts with a jump of 300 rpm; its command varies by sheet."""
 BATTERY = "{model: bluerov2_18ah, hotel_w: 40}"
 WORLD = """
 name: powered
@@ -49,7 +49,7 @@ def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def measured() -> dict[float, dict[str, np.ndarray]]:
-    """Return the maker's sheets by voltage: command, force, current and revolutions."""
+    """Return the manufacturer's sheets, keyed by voltage: command, force, current and revolutions."""
     if not SHEETS.is_file():
         pytest.skip(f"no {SHEETS}: the T200's sheets are from Blue Robotics' public performance data, September 2019")
     columns: dict[float, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
@@ -111,7 +111,7 @@ def test_an_idle_vehicle_lasts_as_long_as_its_charge_at_constant_power() -> None
     charges, volts = map(np.array, zip(*cells.open_circuit_v, strict=True))
     share = np.linspace(1.0, 0.0, 200_001)
     at_rest_v = np.interp(share, charges, volts)
-    with np.errstate(invalid="ignore"):  # below some charge it cannot give this power
+    with np.errstate(invalid="ignore"):  # at low charge, it cannot supply this power
         v = 0.5 * (at_rest_v + np.sqrt(at_rest_v**2 - 4.0 * cells.resistance_ohm * 2000.0))
     lasts = v >= cells.cutoff_v
     expected_s = np.sum(3600.0 * cells.capacity_ah * (share[0] - share[1]) * v[lasts] / 2000.0)

@@ -137,7 +137,7 @@ class FoxgloveServer(Bridge):
         self._offers.unsubscribe(offer_id, session.outbox)
 
     def command(self, channel: Channel, encoding: str, data: bytes) -> None:
-        """Apply a command. Raises ValueError, RuntimeError."""
+        """Apply a command. Raises ValueError or RuntimeError."""
         if encoding == "cdr":
             message = from_bytes(data, channel.type)
         else:  # two characters of JSON can create a message of a kilobyte
@@ -146,7 +146,7 @@ class FoxgloveServer(Bridge):
         self.apply(channel, message)
 
     def relinquish(self, channel: Channel) -> None:
-        """Notify a channel if no session advertises commands on it any more."""
+        """Notify a channel if sessions no longer advertise commands on it."""
         sessions = self._listener.sessions.values()
         named = [entry[0] for session in sessions for entry in session.advertised.values() if entry is not None]
         if all(one is not channel for one in named):

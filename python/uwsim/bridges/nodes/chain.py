@@ -151,4 +151,4 @@ def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
 NODES: dict[str, Callable[[Node, Path, str], None]] = {
     node.__name__: node for node in (string_decoder, scan_publisher, laser_to_cloud, tf_broadcaster, octomap)
 }
-"""Functions that set up a Node, by node name, with the file for the octomap node's map and decodedDepth's type."""
+"""Functions that set up a Node, keyed by node name. Arguments: node, map file (octomap), decodedDepth's type."""

@@ -52,7 +52,7 @@ class WebSocket:
         self._begin(self._send(frame)).result()
 
     def recv(self, wait_s: float) -> str | bytes:
-        """Return the next frame. Raises TimeoutError after wait_s, ConnectionClosed."""
+        """Return the next frame. Raises TimeoutError after wait_s, or ConnectionClosed."""
         return self._begin(self._receive(wait_s)).result()
 
     def close(self) -> None:

@@ -81,7 +81,7 @@ class RemoteConnection:
             raise OSError(f"{self.url}: {LOST}") from None
 
     def call(self, service: str, **arguments: Any) -> dict[str, Any]:
-        """Call a service and return its values. Raises ValueError with the reason if it failed, OSError."""
+        """Call a service and return its values. Raises ValueError, with the reason, if it failed, or OSError."""
         answers: list[dict[str, Any]] = []
 
         def take(answer: dict[str, Any]) -> None:

@@ -89,12 +89,12 @@ class RemotePicture:
 
     @cached_property
     def info(self) -> RemoteLens:
-        """The intrinsics, from camera_info. Raises ValueError if there is no such topic, OSError."""
+        """The intrinsics, from camera_info. Raises ValueError if there is no such topic, or OSError."""
         return self._lens()
 
     @cached_property
     def world_from_camera(self) -> NDArray[np.float64]:
-        """The camera's pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError, OSError."""
+        """The camera's pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError or OSError."""
         return self._pose()
 
 

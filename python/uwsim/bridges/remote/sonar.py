@@ -58,7 +58,7 @@ class RemoteSonar:
         self._last: tuple[Any, RemotePing] | None = None
 
     def aim(self, elevation_rad: float) -> None:
-        """Turn the head to an elevation; positive is up. Raises ValueError, OSError."""
+        """Turn the head to an elevation; positive is up. Raises ValueError or OSError."""
         if not abs(elevation_rad) <= 0.5 * math.pi:
             raise ValueError(f"elevation_rad = {elevation_rad} rad: must be in [-pi/2, pi/2]")
         self._connection.publish(f"{self._prefix}cmd_tilt", FLOAT, build.message(FLOAT, data=-float(elevation_rad)))
@@ -70,7 +70,7 @@ class RemoteSonar:
         return -float(joints.position[list(joints.name).index(f"{self._prefix}sonar_tilt")])
 
     def ping(self) -> RemotePing:
-        """Return the latest ping, with the head's pose at its time. Raises ValueError, OSError."""
+        """Return the latest ping, with the head's pose at its time. Raises ValueError or OSError."""
         scan = self._connection.newest(self._topic)
         if self._last is None or self._last[0] is not scan:
             ranges = np.asarray(scan.ranges, np.float32)

@@ -23,7 +23,7 @@ class RemoteTree:
     def world_from(self, frame: str, time_s: float) -> NDArray[np.float64]:
         """Return the pose (4, 4) of a frame in the world, from the message closest to a time.
 
-        Raises ValueError, OSError.
+        Raises ValueError or OSError.
         """
         self._connection.hear("tf", keep=True)
         fixed, moving = self._connection.newest("tf_static"), self._connection.newest("tf")

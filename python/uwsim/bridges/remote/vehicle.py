@@ -44,7 +44,7 @@ class RemoteVehicle(Commandable):
     """A vehicle behind a rosbridge server: motion from odometry, commands by services, efforts by the topic `key`.
 
     name: the vehicle's name, if there are several. odometry: the topic of its pose; a simulator's "odom" is the truth.
-    Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, OSError.
+    Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, or OSError.
     """
 
     def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
@@ -153,7 +153,7 @@ class RemoteVehicle(Commandable):
         return panel is not None and ALL_STOPPED in panel.alarms
 
     def command(self, name: str, /, **arguments: Any) -> Any:
-        """Issue a command of uwsim.commands: efforts on topic `key`, others by services. Raises ValueError, OSError.
+        """Issue a command of uwsim.commands: efforts on topic `key`, others by services. Raises ValueError or OSError.
 
         Efforts are not acknowledged. Other commands have taken effect, or been sent over a link, when this returns.
         """

@@ -126,7 +126,7 @@ DOMAINS = Domains()
 
 
 class Participant:
-    """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError, OSError.
+    """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError or OSError.
 
     `close` also deletes its writers and readers.
     """

@@ -187,7 +187,7 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other: a subscriber receives all changes that it lacks at once.
+    """A change to a topic whose messages build on each other: a subscriber receives all changes that it lacks together.
 
     catch_up: returns the message for a cursor (None: the subscriber has nothing), and the next cursor.
     """

@@ -53,7 +53,7 @@ class RosbridgeServer:
     ws://HOST:PORT/?token=TOKEN. certfile, keyfile: for wss. wire, origin: the selection of topics and the origin of
     odom, see uwsim.channels.Table, by default the scenario's; channels and services, such as those of a shared Table,
     replace them. feed: shared with other sinks. guests: other peers in this process. site: serves HTTP on the same
-    port, without a check of the token. Raises ValueError, OSError.
+    port, without a check of the token. Raises ValueError or OSError.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class RosbridgeServer:
 
     @property
     def sessions(self) -> dict[str, Session]:
-        """The clients' sessions, by their names in the graph."""
+        """The clients' sessions, keyed by their names in the graph."""
         return {seat.session.name: seat.session for seat in list(self._listener.sessions.values())}
 
     @property

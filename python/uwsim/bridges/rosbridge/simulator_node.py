@@ -24,7 +24,7 @@ from uwsim.live import LiveSimulator, NotRunningError
 
 LIVE, PLAYED = "/uwsim", "/playback"
 """The node's name in the graph for a live simulator, and for a recording."""
-WAITING = 10  # times the usual queue of a topic, since the network's thread may be busy for as long with one client
+WAITING = 10  # times a topic's usual queue, since one client may keep the network's thread busy for that long
 
 
 class SimulatorNode(Bridge):

@@ -37,7 +37,7 @@ def stamp(message: Any, given: Any, time_ns: Callable[[], int]) -> None:
 
 
 class Topics:
-    """A client's topics. name: the client's name in the graph. png: whether the client can decode this compression."""
+    """A client's topics. name: the client's name in the graph. png: whether it can decode PNG-compressed messages."""
 
     def __init__(
         self,

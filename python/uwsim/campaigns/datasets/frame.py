@@ -63,7 +63,7 @@ def file_name(spec: DatasetSpec, kind: str, number: int) -> str:
 
 
 def make_frame(job: FrameJob) -> dict[str, Any]:
-    """Render a frame, write its files and return its record. Raises ValueError if no pose can be found, OSError."""
+    """Render a frame, write its files and return its record. Raises ValueError if no pose can be found, or OSError."""
     studio, spec, number = studio_of(job.spec, job.threads, job.digest), job.spec, job.number
     values = studio.vary(number)
     if job.pose is None:

@@ -41,7 +41,7 @@ def read_track(path: str | Path) -> Track:
 
     Your own file needs position_world_m (n, 3), orientation_xyzw (n, 4) and optionally time_s (n,). A survey's track
     contains only the sonar's path: the vehicle is assumed to be at these positions, level and heading along the path.
-    Without times, poses are one second apart. Raises ValueError, OSError.
+    Without times, poses are one second apart. Raises ValueError or OSError.
     """
     file = Path(path)
     try:

@@ -74,7 +74,7 @@ def run_fleet(
     Each tile has a separate starting position, and is surveyed by a copy of the scenario's first vehicle in that part
     of the terrain. voxel_m, seed: override the scenario's. vehicles: the number of vehicles that share the tiles; it
     determines the fleet's total time, but not the map. workers, scheduler, resume, retry_failed: see
-    uwsim.campaigns.sweeps.run_sweep. Raises ScenarioError, ValueError, OSError.
+    uwsim.campaigns.sweeps.run_sweep. Raises ScenarioError, ValueError or OSError.
     """
     base = load(scenario)
     survey = required_survey(base)

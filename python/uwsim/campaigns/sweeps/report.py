@@ -33,7 +33,7 @@ class Figure(NamedTuple):
 
 
 def write_report(path: Path, name: str, spec: SweepSpec, rows: Rows, count: int, again: Mapping[int, Path]) -> None:
-    """Draw the pictures and write the page. again: the folders of repeated worst runs. Raises ValueError, OSError."""
+    """Draw the pictures and write the page. again: the folders of repeated worst runs. Raises ValueError or OSError."""
     shown = _shown(spec, rows)
     of = spec.objective.metric if spec.objective is not None else (shown[0] if shown else None)
     missed = rows.missed(spec.require)

@@ -150,7 +150,7 @@ def _report(sweep: Sweep, name: str, jobs: Jobs, show: Show) -> None:
 def fly_again(source: str | Path | Mapping[str, Any], number: int, folder: str | Path, *, report: str = "full") -> None:
     """Repeat one run of a sweep, and write its scenario, recording, map and report to a folder.
 
-    With the same build, the values are the same to the last bit. Raises ScenarioError, ValueError, OSError.
+    With the same build, the values are the same to the last bit. Raises ScenarioError, ValueError or OSError.
     """
     spec, _, beside = read_sweep(source)
     runs = runs_of(spec)

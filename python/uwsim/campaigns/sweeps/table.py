@@ -15,7 +15,7 @@ TABLE = "runs.parquet"
 
 
 def write_table(path: Path, rows: Rows, notes: Mapping[str, str]) -> None:
-    """Write the rows atomically. notes: the file's metadata. Raises OSError, MissingExtraError.
+    """Write the rows atomically. notes: the file's metadata. Raises OSError or MissingExtraError.
 
     The same rows give the same bytes with the same pyarrow. A column of mixed types becomes text.
     """

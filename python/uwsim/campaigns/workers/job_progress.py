@@ -12,7 +12,7 @@ from uwsim.base.stoppable import Stoppable
 
 
 class JobProgress(Stoppable):
-    """A progress bar for jobs on stderr. Ctrl-C stops the jobs; SIGTERM or a second Ctrl-C does so at once."""
+    """A progress bar for jobs on stderr. Ctrl-C stops the jobs; SIGTERM or a second Ctrl-C does so immediately."""
 
     def __init__(self, bar: Progress, task: TaskID, doing: str) -> None:
         self._bar, self._task, self._doing = bar, task, doing
@@ -29,7 +29,7 @@ class JobProgress(Stoppable):
         yield
 
     def stop(self, *, in_haste: bool = False) -> None:
-        """End early; jobs in progress are lost. in_haste: end at once, since finished jobs are on disk."""
+        """End early; jobs in progress are lost. in_haste: end immediately, since finished jobs are on disk."""
         super().stop(in_haste=in_haste)
         if in_haste:
             raise KeyboardInterrupt

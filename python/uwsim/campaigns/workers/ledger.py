@@ -34,7 +34,7 @@ class Ledger:
         self._write({"plan": dict(plan)})
 
     def resume(self, plan: Mapping[str, Any]) -> None:
-        """Read the finished jobs and continue. Raises ValueError if the ledger belongs to another plan, OSError."""
+        """Read the finished jobs and continue. Raises ValueError if the ledger belongs to another plan, or OSError."""
         found = self.read()
         for key, value in plan.items():
             if found.get(key) != value:
@@ -42,7 +42,7 @@ class Ledger:
         self._open("ab")
 
     def read(self) -> dict[str, Any]:
-        """Read the results and return the plan; an incomplete last line is dropped. Raises ValueError, OSError."""
+        """Read the results and return the plan; an incomplete last line is dropped. Raises ValueError or OSError."""
         content = self.path.read_bytes()
         whole = content.rfind(b"\n") + 1
         if whole < len(content):

@@ -81,9 +81,9 @@ class Flight:
 def bed_share(
     world: _core.World, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64], range_max_m: float
 ) -> float:
-    """Return the share of the bed within sonar range of a track that is mapped; all positions (n, 3) in the world.
+    """Return the mapped fraction of the bed within sonar range of a track; all positions (n, 3), world frame.
 
-    The bed is sampled at every metre; a sample is mapped if the centre of an occupied voxel is within half a metre.
+    The bed is sampled every metre; a sample is mapped if the centre of an occupied voxel is within half a metre.
     """
     low, high = (np.round(pick(track_m[:, :2], axis=0)) for pick in (np.min, np.max))
     x, y = np.meshgrid(*(np.arange(a - range_max_m, b + range_max_m) for a, b in zip(low, high, strict=True)))

@@ -39,7 +39,7 @@ class Light:
 
     @property
     def optics(self) -> _core.Optics:
-        """The native optics, without wind and particles."""
+        """The native optics, without wind or particles."""
         return _core.Optics(self.water, float(np.radians(self.sun_deg)), 0.7, 0.0, 0.0, 0.0, 0.0)
 
 

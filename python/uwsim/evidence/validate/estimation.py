@@ -1,4 +1,4 @@
-"""The estimation suite: the filter's errors against its covariance, and its drift without DVL and USBL.
+"""The estimation suite: the filter's errors against its covariance, and its drift without DVL or USBL.
 
 Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has the
 mean n (here n = 9: position, velocity, attitude), and N times its average is chi-square distributed with N n degrees of

@@ -6,9 +6,9 @@ the body's origin; P and L are the momenta of body and fluid together:
     P' = P x w + F        L' = L x w + P x v + T        (P, L) = (M_RB + M_A) (v, w)        R' = R [w]x
 
 F and T are due to gravity at the centre of mass, buoyancy at the centre of buoyancy, linear and quadratic damping and a
-constant wrench. In a separated flow a share of the Munk moment is left: the products with P lack (1 - share) of what
-the added mass along each axis has beyond its mean. Integrated by DOP853 (Hairer, Norsett, Wanner 1993), relative
-tolerance 1e-12.
+constant wrench. In a separated flow, only a fraction (munk_share) of the Munk moment is left: in the products with P,
+the added mass along each axis is reduced by (1 - munk_share) of its difference from the mean over the axes. Integrated
+by DOP853 (Hairer, Norsett, Wanner 1993), relative tolerance 1e-12.
 """
 
 from __future__ import annotations
@@ -115,9 +115,9 @@ def integrate(
 
 
 def crossflow_wrench(body: Coefficients, nu: Array) -> Array:
-    """Return what the strips of a hull add to the drag (6,) of its separate axes, by Gauss's rule between their zeros.
+    """Return the wrench (6,) that a hull's strips add to the drag of the separate axes, by piecewise Gauss quadrature.
 
-    The strips' length is the hull's, or less where their drag in turning would exceed the published one.
+    The strips cover crossflow_length_m, or less if their drag in turning would otherwise exceed the published drag.
     """
     wrench = np.zeros(6)
     for across, turn, sign in ((SWAY, YAW, 1.0), (HEAVE, PITCH, -1.0)):

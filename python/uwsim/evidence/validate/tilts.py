@@ -1,4 +1,4 @@
-"""How far a vehicle tilts under constant efforts, without control: from a slight tilt, in deep, still, fresh water."""
+"""How far a vehicle tilts under constant efforts without control, from a slight tilt in deep, still, fresh water."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.evidence.validate.flights import START_M, deep_scenario
 from uwsim.scenario import VehicleModel, load_vehicle
 
 EFFORTS = tuple(k / 10 for k in range(1, 11))
-START_TILT_DEG = 2.0  # in roll and in pitch, so that an unstable equilibrium is left
+START_TILT_DEG = 2.0  # in roll and in pitch, to start away from an unstable equilibrium
 FLIGHT_S, SAMPLE_S = 60.0, 0.1
 
 
 def largest_tilts_deg(model: VehicleModel) -> NDArray[np.float64]:
-    """Return the largest angle between the body's z and the vertical, (6, 10): a minute under each effort on each axis.
+    """Return the largest angle between the body's z and the vertical, (6, 10): in a minute of each effort on each axis.
 
-    Rows of axes along and about which nothing drives the vehicle are NaN.
+    Rows of axes on which the vehicle cannot be driven are NaN.
     """
     efforts = np.concatenate([np.outer(EFFORTS, axis) for axis in np.eye(6)])
     scenario = deep_scenario(model)

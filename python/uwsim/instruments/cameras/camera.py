@@ -222,7 +222,7 @@ class Camera(Sealed):
         return lambda: kept.capture(at=snapshot)
 
     def record_rays(self, *, geometry_only: bool = False) -> tuple[bytes, Floats]:
-        """Return the ray packets that a picture casts through the world, and their origin (3,), for benchmarks."""
+        """Return the ray packets that are cast to render a picture, and their origin (3,), for benchmarks."""
         picture, _, pose = self._render(list(EFFECTS), 1, None, geometry_only=geometry_only, record=True)
         return picture.packets, pose[:3, 3]
 

@@ -54,9 +54,9 @@ class _Native:
 class SharedScene:
     """The scene of a simulator's cameras.
 
-    optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps by the name of their switch. heads:
-    the motors of cameras, by the camera's name. The native scene is built for the first picture, so that simulators
-    that take no pictures do not pay for it.
+    optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps, keyed by switch name. heads: the
+    cameras' motors, keyed by camera name. The native scene is built for the first picture, so that simulators that take
+    no pictures do not pay for it.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ class FreeWater:
     """The free water of a map within a box, and the paths through it.
 
     low_world_m, high_world_m: corners of the box, (3,). clearance_m: distance that paths keep from everything that is
-    not known to be free. Raises ValueError for a negative clearance, or an empty or too large box.
+    not known to be free. Raises ValueError for a negative clearance, or for a box that is empty or too large.
     """
 
     def __init__(

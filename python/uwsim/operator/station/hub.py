@@ -114,7 +114,7 @@ class Station:
     # Simulators
 
     def start(self, choice: Values) -> None:
-        """Run a simulator for the user's choice, replacing the current one. Raises ChoiceError, RuntimeError."""
+        """Run a simulator for the user's choice, replacing the current one. Raises ChoiceError or RuntimeError."""
         if self.is_fixed:
             raise ValueError("this server runs one scenario: start `uwsim station` to choose")
         if choice.get("saved") is not None:
@@ -175,7 +175,7 @@ class Station:
             self._starting.release()
 
     def preview(self, scenario: str) -> bytes:
-        """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError, OSError."""
+        """Return a PNG of an offered scenario seen from above. Raises LookupError, ScenarioError or OSError."""
         if self.is_fixed or scenario not in scenarios(self.offered):
             raise LookupError(scenario)
         return self.prepared.afterwards(lambda: preview_png(scenario))  # preparing a simulator has priority

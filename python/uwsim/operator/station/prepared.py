@@ -48,7 +48,7 @@ class Prepared:
         return made.result()
 
     def afterwards(self, function: Callable[[], T]) -> T:
-        """Call a function once nothing is being prepared any more; return its result."""
+        """Call a function once all preparations have ended; return its result."""
         return self._worker.submit(function).result()
 
     def forget(self) -> None:

@@ -25,7 +25,7 @@ Points = NDArray[np.float64]
 
 @cache
 def preview_png(name: str) -> bytes:
-    """Return the picture of a scenario, by name; cached. Raises ScenarioError, OSError."""
+    """Return the picture of a scenario, by name; cached. Raises ScenarioError or OSError."""
     return draw(load(name))
 
 

@@ -107,7 +107,7 @@ class Running:
     def record(self, path: Path) -> None:
         """Start recording everything except pictures and maps, which would differ in a replay of this recording.
 
-        Raises ValueError, OSError.
+        Raises ValueError or OSError.
         """
         if self.recorder is not None:
             raise ValueError(f"{self.recorder.path.name} is being recorded already")

@@ -17,7 +17,7 @@ STATE = "state"
 
 
 def save(running: Running, target: Path) -> None:
-    """Write a session, either completely or not at all. Raises OSError, ValueError."""
+    """Write a session, either completely or not at all. Raises OSError or ValueError."""
     live = running.live
     state, tick, log = live.read(lambda sim: (sim.save_state(), sim.tick, list(live.log))).result()
     commands = {"tick": tick, "commands": [_plain(entry) for entry in log]}
@@ -45,7 +45,7 @@ def saved_names(folder: Path) -> list[str]:
 
 
 def load_saved(folder: Path, threads: int | None) -> Simulator:
-    """Return a session's simulator in its saved state. Raises ValueError, OSError."""
+    """Return a session's simulator in its saved state. Raises ValueError or OSError."""
     files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
     contents = {name: path.read_bytes() for name, path in files.items() if name == SCENARIO or "/" in name}
     sim = Simulator(unpack(contents, folder), threads=threads)

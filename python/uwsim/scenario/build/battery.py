@@ -7,7 +7,7 @@ from uwsim.scenario.spec.battery import BatterySetup
 
 
 def battery_spec(setup: BatterySetup) -> _core.BatterySpec:
-    """Return the battery's cells and their constant load."""
+    """Return the spec of a battery's cells and its constant load."""
     spec, cells = _core.BatterySpec(), setup.model
     spec.capacity_ah = cells.capacity_ah
     spec.charges, spec.open_circuit_v = map(list, zip(*cells.open_circuit_v, strict=True))

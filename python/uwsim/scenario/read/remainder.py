@@ -19,8 +19,8 @@ class Remainder:
 
     def __init__(self, values: Any) -> None:
         self.left_out: list[Path] = []
-        self._positions: dict[int, list[int]] = {}  # original indices of the remaining items, by the list's id
-        self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by the mapping's id
+        self._positions: dict[int, list[int]] = {}  # original indices of the remaining items, keyed by list id
+        self._spelt: dict[tuple[int, Key], Key] = {}  # the file's spelling of a key, by mapping id
         self.values = self._copy(values)
 
     def _copy(self, value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Reads a thruster's measured performance by supply voltage from a CSV file."""
+"""Reads a thruster's measured performance at several supply voltages from a CSV file."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class ThrusterType(Model):
         return commands, [thrust_n for _, thrust_n in self.thrust_n]
 
     def performance(self, gain: float = 1.0) -> _core.ThrusterSheets:
-        """Return the sheets. gain: a factor on the thrust. Raises ScenarioError if there are none, or invalid ones."""
+        """Return the sheets. gain: a factor on the thrust. Raises ScenarioError if they are missing or invalid."""
         if self.sheets is None:
             raise ScenarioError(f"thruster '{self.name}' has no `sheets` of its performance by voltage")
         centre, span = self._scale
@@ -86,11 +86,11 @@ class ThrusterType(Model):
 
     @property
     def _scale(self) -> tuple[float, float]:
-        """The tabulated values of command 0, and from there to command 1."""
+        """The tabulated value of command 0, and the difference between those of commands 1 and 0."""
         return (self.pwm.centre_us, self.pwm.span_us) if self.pwm else (0.0, 1.0)
 
 
-@lru_cache(maxsize=64)  # a vehicle's thrusters share a file, and its alarms ask for it twice a second
+@lru_cache(maxsize=64)  # a vehicle's thrusters share a file, which its alarms read twice a second
 def _performance(path: Path, _modified_ns: int, centre: float, span: float, gain: float) -> _core.ThrusterSheets:
     sheets = []
     for voltage_v, rows in groupby(read_sheet_rows(path), key=lambda row: row.voltage_v):

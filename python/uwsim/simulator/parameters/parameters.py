@@ -171,7 +171,7 @@ class Parameters(Mapping[str, Any]):
         self._note("reset_parameters", name=name)
 
     def save(self) -> dict[str, Any]:
-        """Return the state, as JSON values: `changes`."""
+        """Return the saved state, `changes`, as JSON values."""
         return self.changes
 
     def restore(self, state: Mapping[str, Any]) -> None:

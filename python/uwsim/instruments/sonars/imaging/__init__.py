@@ -21,7 +21,7 @@ from uwsim.instruments.sonars.poses import Matrix, checked_pose, pose_matrix
 KINDS: dict[str, ImagingKind] = {
     kind.model.kind: kind for kind in (forward_looking.KIND, side_scan.KIND, single_beam.KIND)
 }
-"""All kinds, by their names in YAML.
+"""All kinds, keyed by their names in YAML.
 
 A new kind needs a C++ file, a Python file, and an entry in each language's table.
 """
