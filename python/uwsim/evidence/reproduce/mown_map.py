@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from uwsim import _core
 from uwsim.bridges.nodes.chain import decode, to_cloud, to_scan, to_transform
-from uwsim.bridges.nodes.map_builder import MapBuilder
+from uwsim.bridges.nodes.map_builder import VOXEL_M, MapBuilder
 from uwsim.channels import build, channels
 from uwsim.channels.table import ORIGINS
 from uwsim.evidence.reproduce.figure import Figure
-from uwsim.figures.style import ACCENT, HEIGHTS, add_colour_bar, height_range, label_axes, new_figure, save_figure
+from uwsim.figures.truth_and_map import draw_truth_and_map, render_truth_and_map
 from uwsim.live import LiveSimulator
 from uwsim.mapping import ranging
 from uwsim.missions.published_mower import BEAMS, FULL_AHEAD, Key, Seen, published_mower
@@ -94,40 +94,33 @@ def bed_share(
     return float(np.mean(cKDTree(voxels_m).query(within)[0] < MAPPED_M))
 
 
-def _draw(path: Path, track_m: NDArray[np.float64], voxels_m: NDArray[np.float64]) -> None:
-    figure = new_figure(9.0, 7.0)
-    axes, limits = figure.add_axes((0.0, 0.0, 0.95, 1.0)), height_range(voxels_m[:, 2])
-    x, y, z = voxels_m[np.argsort(voxels_m[:, 2])].T  # the highest are drawn last
-    axes.scatter(x, y, c=z, s=3, marker="s", linewidths=0, cmap=HEIGHTS, norm=limits)
-    axes.plot(track_m[:, 0], track_m[:, 1], color=ACCENT, linewidth=1.0)
-    axes.plot(*track_m[0, :2], "o", color=ACCENT)
-    axes.set_aspect("equal")
-    label_axes(axes, "The map from above, and the lawn-mower's track", "x [m]", "y [m]")
-    add_colour_bar(figure, axes, limits, HEIGHTS, "height of occupied voxels, z [m]")
-    save_figure(figure, path)
-
-
 def mown_map(path: Path, map_file: Path) -> Figure:
-    """Draw Fig. 12, the map, and write the map to map_file."""
+    """Draw Fig. 12, the terrain beside the map, and write the map to map_file."""
     with LiveSimulator("paper", paused=True) as live:
         flight = Flight(live)
         keys = flight.fly()
         seconds, collisions = live.simulator.time_s, live.rov.collisions
         flight.builder.write(map_file)
         track, voxels = np.array(flight.track_m), flight.builder.map.occupied_voxels()
-        mapped = bed_share(live.simulator.world, track - ORIGIN_M, voxels - ORIGIN_M, live.rov.sonar.model.range_max_m)
-    _draw(path, track, voxels)
+        sim, track_m, voxels_m = live.simulator, track - ORIGIN_M, voxels - ORIGIN_M
+        mapped = bed_share(sim.world, track_m, voxels_m, live.rov.sonar.model.range_max_m)
+        low, high = np.quantile(voxels_m[:, :2], (0.01, 0.99), axis=0)
+        corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+        draw_truth_and_map(path, render_truth_and_map(sim.world, sim.scene, corners, voxels_m, VOXEL_M), track_m)
     first = next(number for number, key in enumerate(keys) if key.surge == FULL_AHEAD)
     depth_m = ORIGIN_M[2] - track[first:, 2]
     ahead = [key.surge == FULL_AHEAD for key in keys[1:]]
     lanes = sum(now and not before for before, now in zip([False, *ahead], ahead, strict=False))
     length_m = float(np.linalg.norm(np.diff(track, axis=0), axis=1).sum())
     return Figure(
-        12, "The map", "The OctoMap that the published lawn-mower leaves, in odom; its surface is at z = 75.3 m.",
+        12, "The terrain and the 3D occupancy map",
+        "The true terrain beside the OctoMap that the published lawn-mower leaves, in one view with the same colours "
+        "by height. Theirs shows a terrain that may not be copied; the map's own frame has the surface at z = 75.3 m.",
+        True,
         values={"simulated_s": round(seconds, 1), "lanes": lanes, "pings": flight.builder.inserted,
                 "path_m": round(length_m, 1), "collisions": collisions,
                 "least_depth_m": round(float(depth_m.min()), 2), "greatest_depth_m": round(float(depth_m.max()), 2),
-                "occupied_voxels": len(voxels), "voxel_m": 0.2, "bed_mapped_percent": round(100.0 * mapped, 1)},
+                "occupied_voxels": len(voxels), "voxel_m": VOXEL_M, "bed_mapped_percent": round(100.0 * mapped, 1)},
         columns=("x [m]", "y [m]", "z [m]"),
         rows=[tuple(round(value, 3) for value in point) for point in track[:: math.ceil(len(track) / 200)].tolist()],
     )  # fmt: skip
