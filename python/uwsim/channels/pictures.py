@@ -84,7 +84,7 @@ class Pictures:
         self._may_wait = may_wait
         self._streams: dict[str, Stream] = {}
         self._jobs: dict[str, list[_Job]] = {}
-        self._last_slot: dict[str, int] = {}  # of each camera's last reading
+        self._last: dict[str, tuple[int, int]] = {}  # period of each camera's last reading, and its gap to the previous
         self._worker = ThreadPoolExecutor(1, "uwsim-pictures")
 
     @property
@@ -124,9 +124,11 @@ class Pictures:
         stream, slot = self.stream(name), int(sim.time_ns * RATE_HZ // 1_000_000_000)
         jobs = [job for job in self._jobs.get(name, []) if job.slot <= slot]  # time may have gone back
         waits, pause = self._may_wait(), 1 + RATE_HZ / stream.rate_hz
-        if not waits and slot - self._last_slot.get(name, slot) > pause:
+        last, gap_before = self._last.get(name, (slot, 0))
+        gap = slot - last
+        if not waits and gap > max(pause, 2 * gap_before):  # a rare reader, such as a modem's, gets its last picture
             jobs = []
-        self._last_slot[name] = slot
+        self._last[name] = slot, gap
         is_first = not jobs or slot - jobs[-1].slot > pause
         is_due = (is_first or stream.is_due(slot)) and stream.enabled and not (jobs and jobs[-1].slot == slot)
         if is_due and (waits or not jobs or jobs[-1].picture.done()):
