@@ -136,7 +136,8 @@ def place_deviation_m(ping: _core.Ping | _core.PhysicsPing) -> NDArray[np.float3
     """
     if not isinstance(ping, _core.PhysicsPing):
         return None
-    return np.hypot(ping.vertical_deviation_m, ping.horizontal_deviation_m)
+    deviation_m: NDArray[np.float32] = np.hypot(ping.vertical_deviation_m, ping.horizontal_deviation_m)
+    return deviation_m
 
 
 def reject_uncertain(ranges_m: ArrayLike, deviation_m: ArrayLike, max_uncertainty_m: float) -> NDArray[np.float32]:
