@@ -1,4 +1,4 @@
-"""Missions: Python programs that fly a vehicle, in simulated time. docs/guides/missions.md shows how to write one."""
+"""Missions: Python programs that fly a vehicle in simulated time. See docs/guides/missions.md for how to write one."""
 
 from uwsim.missions.lanes import Lane, lawn_mower_lanes
 from uwsim.missions.lawn_mower import COVERED, AdaptiveLawnMower

@@ -1,4 +1,4 @@
-"""Sonars and cameras whose readings are placed in the world by the vehicle's estimated pose instead of the true one."""
+"""Sonars and cameras whose readings are georeferenced by the vehicle's estimated pose instead of the true one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.navigation.control.protocols import PoseLike
 
 
 def believed(world_from_part: NDArray[np.float64], truth: PoseLike, estimate: PoseLike) -> NDArray[np.float64]:
-    """Return the world pose (4, 4) of a sensor on the vehicle, assuming that the vehicle is at its estimated pose."""
+    """Return a vehicle sensor's world pose (4, 4), assuming that the vehicle is at its estimated pose."""
     true_body, body = np.asarray(truth.world_from_body), np.asarray(estimate.world_from_body)
     return np.asarray(body @ np.linalg.inv(true_body) @ world_from_part, np.float64)
 
@@ -34,7 +34,7 @@ class EstimatedSonar:
         self._sonar, self._hull, self._estimate = sonar, hull, estimate
 
     def ping(self) -> EstimatedPing:
-        """Ping; see uwsim.instruments.sonars.multibeam."""
+        """Send a ping; see uwsim.instruments.sonars.multibeam."""
         ping = self._sonar.ping()
         return EstimatedPing(ping, believed(ping.world_from_sonar, self._hull.pose, self._estimate.pose))
 
@@ -43,13 +43,13 @@ class EstimatedSonar:
 
 
 class EstimatedCamera:
-    """A camera on a vehicle that relies on its estimate; only the poses of its frames differ from the camera's."""
+    """A camera on a vehicle that relies on its estimate; its frames differ from the camera's only in their poses."""
 
     def __init__(self, camera: Any, hull: Any, estimate: Any) -> None:
         self._camera, self._hull, self._estimate = camera, hull, estimate
 
     def capture(self, *arguments: Any, **options: Any) -> Any:
-        """Take a picture; see uwsim.instruments.cameras.Camera."""
+        """Capture a picture; see uwsim.instruments.cameras.Camera."""
         frame = self._camera.capture(*arguments, **options)
         pose = believed(frame.world_from_camera, self._hull.pose, self._estimate.pose)
         return replace(frame, world_from_camera=pose)

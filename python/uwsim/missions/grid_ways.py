@@ -27,12 +27,12 @@ class Grid:
     shape: tuple[int, ...]
 
     def cells_of(self, points_m: Floats) -> Cells:
-        """Return the cells (n, d) of points (n, d), which may lie outside the grid."""
+        """Return the cells (n, d) that contain the points (n, d), which may lie outside the grid."""
         cells: Cells = np.floor((points_m - self.low_m) / self.edge_m).astype(np.int64)
         return cells
 
     def holds(self, cells: Cells) -> NDArray[np.bool_]:
-        """Return whether each of the cells (n, d) is inside the grid."""
+        """Return a mask (n,) of the cells (n, d) that are inside the grid."""
         return np.asarray(((cells >= 0) & (cells < self.shape)).all(axis=1))
 
     def centres(self, cells: NDArray[Any]) -> Floats:
@@ -58,7 +58,7 @@ class GridWays:
     """
 
     def __init__(self, cost: Floats, sources: Cells, *, diagonal: bool = True) -> None:
-        from scipy.sparse.csgraph import dijkstra  # imported here: slow to import, and needed by few missions
+        from scipy.sparse.csgraph import dijkstra  # imported here because it is slow to import and few missions need it
 
         costs, self._before, _ = dijkstra(
             _graph(cost, diagonal),
@@ -81,7 +81,7 @@ class GridWays:
 
 
 def straightened(points: Floats, clear: Callable[[Floats, Floats], bool]) -> Floats:
-    """Remove points from a path (n, d) wherever a straight line between the remaining ones is clear."""
+    """Drop points from a path (n, d) wherever the straight line that bypasses them is clear."""
     kept, k = [points[0]], 0
     while k < len(points) - 1:
         k = next((j for j in range(len(points) - 1, k + 1, -1) if clear(points[k], points[j])), k + 1)
@@ -90,7 +90,7 @@ def straightened(points: Floats, clear: Callable[[Floats, Floats], bool]) -> Flo
 
 
 def _graph(cost: Floats, diagonal: bool) -> csr_array:
-    """Return the graph of cells; each cell has edges to those neighbours that come after it."""
+    """Return the graph of cells, in which each cell has edges only to the neighbours that come after it."""
     from scipy.sparse import coo_array
 
     number = np.arange(cost.size).reshape(cost.shape)

@@ -1,4 +1,4 @@
-"""Parallel lanes that cover a polygon, flown like a lawn-mower."""
+"""Parallel lanes that cover a polygon, flown in a lawn-mower pattern."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """A straight line to fly, from start_m to end_m, each (2,)."""
+    """A straight line to fly from start_m to end_m, (2,) each."""
 
     start_m: Point
     end_m: Point
@@ -28,7 +28,7 @@ class Lane:
 
     @cached_property
     def heading_rad(self) -> float:
-        """Direction of the lane, counter-clockwise from east."""
+        """Direction of the lane, counterclockwise from east."""
         return math.atan2(self.direction[1], self.direction[0])
 
     @cached_property
@@ -53,10 +53,10 @@ def lawn_mower_lanes(
 ) -> list[Lane]:
     """Cover a simple polygon with parallel lanes, flown back and forth from the corner nearest to near_m.
 
-    Where the polygon is concave, a line across it is split into several lanes, which are grouped into cells that are
-    flown one after the other. The lanes run parallel to the polygon's longest edge, at most spacing_m apart and at most
-    spacing_m / 2 from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking sonar sees the
-    polygon's rim. Raises ValueError if no lane fits.
+    Where the polygon is concave, a line across it is split into several lanes; the lanes are then grouped into cells,
+    which are flown one after the other. The lanes run parallel to the polygon's longest edge, at most spacing_m apart
+    and at most spacing_m / 2 from its sides, and extend run_out_m beyond it at both ends, so that a forward-looking
+    sonar sees the polygon's rim. Raises ValueError if no lane fits.
     """
     area = np.asarray(area_m, np.float64)
     edges = np.roll(area, -1, axis=0) - area
@@ -80,9 +80,9 @@ def lawn_mower_lanes(
 
 
 def spans(along: Point, across: Point, offset: float) -> list[Span]:
-    """Return the intervals of the line at `offset` that lie inside a polygon.
+    """Return the intervals of the line at `offset` that lie inside the polygon.
 
-    along, across: the polygon's corners, in coordinates along and across the line.
+    along, across: along-line and across-line coordinates of the polygon's corners.
     """
     crossings = []
     for k in range(len(along)):
@@ -94,7 +94,7 @@ def spans(along: Point, across: Point, offset: float) -> list[Span]:
 
 
 def cells_of(sweeps: Sequence[tuple[float, list[Span]]]) -> list[list[tuple[float, Span]]]:
-    """Group the spans of neighbouring lines into cells; a cell ends where the polygon splits or merges."""
+    """Group the spans of successive lines into cells; a cell ends where the polygon splits or merges."""
     cells: list[list[tuple[float, Span]]] = []
     open_cells: list[list[tuple[float, Span]]] = []
     for offset, here in sweeps:
@@ -117,7 +117,7 @@ def _overlap(a: Span, b: Span) -> bool:
 
 
 def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
-    """Return the lanes in flight order: each cell is followed by the one with the nearest possible start."""
+    """Return the lanes in flight order: after each cell, the one whose start is nearest comes next."""
     flown: list[Lane] = []
     here, left = near_m, list(cells)
     while left:
@@ -130,7 +130,7 @@ def ordered(cells: Sequence[list[Lane]], near_m: Point) -> list[Lane]:
 
 
 def _ways_to_fly(lanes: list[Lane]) -> list[list[Lane]]:
-    """Return the lanes in alternating directions, starting at either end of the first or the last lane."""
+    """Return the possible flight orders: alternating directions, from either end of the first or the last lane."""
     turned = [Lane(lane.end_m, lane.start_m) for lane in lanes]
     both = [(lanes, turned), (lanes[::-1], turned[::-1]), (turned, lanes), (turned[::-1], lanes[::-1])]
     return [[pair[k % 2] for k, pair in enumerate(zip(*ways, strict=True))] for ways in both]

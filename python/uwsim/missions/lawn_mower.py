@@ -1,10 +1,10 @@
-"""The seed paper's adaptive lawn-mower over a polygon, written only against a vehicle's public interface.
+"""The seed paper's adaptive lawn-mower over a polygon, using only a vehicle's public interface.
 
-As published: release; go to the start; go forward while any of the first, the middle and the last beam reads more than
-7 m; turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less
-than 7 m at a turn. This version adds the polygon (a lane ends at its edge, and the mission after the last lane), stays
-at a height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over.
-It can serve as a template for other missions.
+As published: release; go to the start; go forward while any of the first, middle and last beams reads more than 7 m;
+turn by 180 degrees; side-step; repeat, turning the other way each time; stop when the proximity sensor reads less than
+7 m at a turn. This version adds the polygon (a lane ends at its edge, and the mission after the last lane), stays at a
+height above the bed and above obstacles that the sonar sees ahead, and goes around shoals too high to pass over. It can
+serve as a template for other missions.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ COVERED = "all lanes are flown"  # the result of run() if nothing stopped the mi
 TURN_RANGE_M = 7.0  # as published, for the beams and for the proximity sensor
 UNDOCK_M, UNDOCK_SPEED_M_S = 6.0, 0.5
 ARRIVED_M = 0.5  # a point counts as reached within this distance
-PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle goes around
-HALF_WIDTH_M = 3.0  # half the width of the corridor ahead whose obstacles it stays above
+PASSABLE_Z_M = HIGHEST_Z_M - 2.0  # anything higher is a shoal, which the vehicle avoids
+HALF_WIDTH_M = 3.0  # half the width of the corridor ahead in which the vehicle climbs over obstacles
 LOOK_AHEAD_M = 6.0  # a lane ends this far in front of a shoal
-SIDE_STEPS = 3.0  # line spacings; a lane farther away is reached by a transit, facing the direction of travel
+SIDE_STEPS = 3.0  # in line spacings; a lane farther away is reached by a transit, facing the direction of travel
 STUCK_AFTER_S = 60.0
 TURN_FIRST_RAD = math.radians(30.0)
 
 
 class AdaptiveLawnMower(Sealed):
-    """Flies a plan with a vehicle and a clock, as defined in `navigation/control/protocols.py`.
+    """Flies a survey plan, given a vehicle and a clock as defined in `navigation/control/protocols.py`.
 
     `run` needs a clock that can wait. The legs are "undock", "approach" and "tilt", then "turn", "abreast" and "mow"
     for each lane; a distant lane is preceded by a "transit" and another "tilt". During a long transit the sonar looks
-    farther ahead than on lanes. Everything carried from one control period to the next is in `state`, so `save` and
-    `restore` are possible at any time.
+    farther ahead than on the lanes. `state` holds everything carried from one control period to the next, so `save` and
+    `restore` may be called at any time.
     """
 
     vehicle: SurveyVehicle
@@ -89,7 +89,7 @@ class AdaptiveLawnMower(Sealed):
 
     @property
     def state(self) -> MowerState:
-        """The progress of the mission."""
+        """The mission's progress."""
         return self._state
 
     @property
@@ -103,7 +103,7 @@ class AdaptiveLawnMower(Sealed):
         return min(1.0, (self._length_before_m[self.state.lane] + self.state.along_m) / self._length_before_m[-1])
 
     def save(self) -> dict[str, Any]:
-        """Return all state that the rest of the mission depends on, except vehicle and clock, as JSON values."""
+        """Return, as JSON values, all state that the rest of the mission depends on, except vehicle and clock."""
         seen = self.lookout
         peaks = [(x, y, z) for x, y, z in seen.obstacles.peaks_world_m.tolist()]
         return asdict(SavedMission(self.state, memory_of(self.autopilot), peaks, seen.shoals.cells))
@@ -118,13 +118,13 @@ class AdaptiveLawnMower(Sealed):
         self.lookout.shoals.restore(saved.shoals)
 
     def run(self) -> str:
-        """Fly until the last lane ends (COVERED) or the mission stops for another reason; return the reason."""
+        """Fly until the last lane ends (COVERED) or the mission stops early; return the reason."""
         if not hasattr(self.clock, "wait"):
             raise ValueError("run: the clock cannot wait: use `yield from mower.steps()`")
         return drive(self.steps(), cast(Clock, self.clock))
 
     def steps(self) -> Steps[str]:
-        """Return the mission as steps, equivalent to `run`: `ended = yield from mower.steps()`."""
+        """Return the mission as steps; `ended = yield from mower.steps()` is equivalent to `run`."""
         legs: dict[LegName, Callable[[LegStart], Steps[LegName]]] = {
             "undock": self._undock,
             "approach": self._approach,
@@ -164,7 +164,7 @@ class AdaptiveLawnMower(Sealed):
         self.vehicle.sonar.aim(-min(tilt_rad, math.radians(self.plan.tilt_deg)))
 
     def _back_to(self, start: LegStart) -> tuple[float, float]:
-        """Return a horizontal velocity towards the position where the leg began."""
+        """Return a horizontal velocity back towards the position where the leg began."""
         x, y, _ = self._position().tolist()
         return 0.3 * (start.position_world_m[0] - x), 0.3 * (start.position_world_m[1] - y)
 
@@ -185,19 +185,19 @@ class AdaptiveLawnMower(Sealed):
         return "approach"
 
     def _approach(self, start: LegStart) -> Steps[LegName]:
-        """Go to the first lane, facing it."""
+        """Travel to the first lane, facing it."""
         if not (yield from self._go_to(self.lanes[self.state.lane].start_m, start, heading_rad=None)):
             return self._skip_lane("approach")
         return "tilt"
 
     def _skip_lane(self, leg: LegName) -> LegName:
-        """Skip a lane that cannot be reached because of shoals, and return the leg that leads to the next one."""
+        """Skip a lane that shoals make unreachable, and return the leg that leads to the next one."""
         self.state.lane += 1
         self.state.skipped += 1
         return leg
 
     def _wait_for_tilt(self, start: LegStart) -> Steps[LegName]:
-        """Wait on the spot until the sonar's head reaches its elevation, if the sonar reports it."""
+        """Wait on the spot until the sonar head reaches its elevation, provided that the sonar reports it."""
         target_rad = -math.radians(self.plan.tilt_deg)
         while not is_at(self.vehicle.sonar, target_rad):
             if self.clock.time_s > start.time_s + STUCK_AFTER_S:
@@ -206,7 +206,7 @@ class AdaptiveLawnMower(Sealed):
         return "turn"
 
     def _turn(self, start: LegStart) -> Steps[LegName]:
-        """Turn on the spot to the lane's heading; half turns alternate between port and starboard."""
+        """Turn on the spot to the lane heading; half turns alternate between port and starboard."""
         lane = self.lanes[self.state.lane]
         direction = 1.0 if self.state.lane % 2 == 0 else -1.0
         while abs(left := wrap_angle(lane.heading_rad - self.vehicle.pose.yaw_rad)) > math.radians(5.0):
@@ -220,13 +220,13 @@ class AdaptiveLawnMower(Sealed):
         return "abreast"
 
     def _require_clearance_to_port(self) -> None:
-        """Stop, as in the paper, if there is an obstacle close to port at a turn."""
+        """Stop, as in the paper, if an obstacle is close to port during a turn."""
         port_m = self.vehicle.sensors["proximity_port"].read()
         if port_m < TURN_RANGE_M:
             raise StoppedError(f"the proximity sensor reads {port_m:.1f} m at a turn")
 
     def _side_step(self, start: LegStart) -> Steps[LegName]:
-        """Side-step to the lane: to its start, or to a point further along if the last lane was cut short."""
+        """Side-step to the start of the lane, or to a point further along it if the last lane was cut short."""
         point_m = self._nearest_on_lane(start)
         if math.dist(point_m, start.position_world_m[:2]) > SIDE_STEPS * self.plan.line_spacing_m:
             return "transit"
@@ -235,19 +235,19 @@ class AdaptiveLawnMower(Sealed):
         return "mow"
 
     def _transit(self, start: LegStart) -> Steps[LegName]:
-        """Go to a distant lane, facing the direction of travel."""
+        """Travel to a distant lane, facing the direction of travel."""
         if not (yield from self._go_to(self._nearest_on_lane(start), start, heading_rad=None)):
             return self._skip_lane("tilt")
         return "tilt"
 
     def _nearest_on_lane(self, start: LegStart) -> NDArray[np.float64]:
-        """Return the point on the lane nearest to where the leg began."""
+        """Return the point on the lane nearest to the position where the leg began."""
         lane = self.lanes[self.state.lane]
         along_m = _clip(lane.locate(np.array(start.position_world_m))[0], 0.0, lane.length_m)
         return lane.start_m + along_m * lane.direction
 
     def _mow(self, start: LegStart) -> Steps[LegName]:
-        """Go forward along the lane as long as there is water ahead."""
+        """Move forward along the lane as long as there is water ahead."""
         state, lane = self.state, self.lanes[self.state.lane]
         (ahead_x, ahead_y), speed = lane.direction.tolist(), self.plan.speed_m_s
         while True:
@@ -262,14 +262,14 @@ class AdaptiveLawnMower(Sealed):
                 state.furthest_m, state.furthest_s = along, self.clock.time_s
             elif self.clock.time_s > state.furthest_s + STUCK_AFTER_S:
                 raise StoppedError(f"stuck {along:.0f} m into a lane")
-            port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # back to the line
+            port_m_s = -0.5 * _clip(across, -2.0, 2.0)  # steers back to the line
             velocity = (speed * ahead_x - port_m_s * ahead_y, speed * ahead_y + port_m_s * ahead_x)
             yield from self.lookout.steer(lane.heading_rad, velocity)
         state.lane, state.along_m = state.lane + 1, 0.0
         return "turn"
 
     def _water_ahead(self, ping: PingLike) -> bool:
-        """Apply the published rule: the first, the middle or the last beam reads more than 7 m."""
+        """Apply the published rule: the first, middle or last beam reads more than 7 m."""
         ranges = ping.ranges_m
         first, middle, last = ranges[0], ranges[len(ranges) // 2], ranges[-1]
         return bool(first > TURN_RANGE_M or middle > TURN_RANGE_M or last > TURN_RANGE_M)
@@ -280,9 +280,9 @@ class AdaptiveLawnMower(Sealed):
         return self.lookout.shoals.blocks((x, y), (x + LOOK_AHEAD_M * ahead_x, y + LOOK_AHEAD_M * ahead_y))
 
     def _go_to(self, point_m: NDArray[np.float64], start: LegStart, heading_rad: float | None) -> Steps[bool]:
-        """Go to a point, around shoals; return False if there is no path.
+        """Travel to a point, going around shoals; return False if there is no path.
 
-        In a long transit the sonar looks farther ahead. If heading_rad is set, the vehicle holds it as long as the path
+        On a long transit the sonar looks farther ahead. If heading_rad is set, the vehicle holds it as long as the path
         is straight; otherwise it faces the direction of travel.
         """
         to_x, to_y = point_m.tolist()

@@ -9,15 +9,15 @@ import numpy as np
 
 from uwsim.missions.lanes import Lane
 
-TRANSIT_VIEW_S = 20.0  # in transits the fan hits a flat bed this many seconds ahead, so that a rise is seen in time
+TRANSIT_VIEW_S = 20.0  # on transits the fan hits a flat bed this many seconds ahead, early enough to see a rise
 
 
 @dataclass(frozen=True)
 class LawnMowerPlan:
-    """How to survey an area in lanes.
+    """How to survey an area in parallel lanes.
 
     area_m: the polygon's corners (k, 2). altitude_m: height above the bed. tilt_deg: the sonar's tilt, nose down.
-    lanes: flown in this order; by default, lanes that cover the whole area.
+    lanes: the lanes in flight order; by default, lanes that cover the whole area.
     """
 
     area_m: Sequence[Sequence[float]]

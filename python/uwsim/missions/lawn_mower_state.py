@@ -1,4 +1,4 @@
-"""The state of an adaptive lawn-mower: plain data that another process can continue from."""
+"""The state of an adaptive lawn-mower, as plain data from which another process can continue."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class LegStart:
 
 @dataclass(slots=True)
 class MowerState:
-    """The progress of a mission.
+    """A mission's progress.
 
     lanes_near_m: position at the start of the mission, which determines the order of the lanes. lane: index of the
     current lane. leg: the leg being flown for that lane. leg_start: None until the leg has begun. along_m: current
-    distance along the lane. furthest_m: the largest such distance so far, reached at furthest_s. skipped: number of
-    unreachable lanes.
+    distance along the lane. furthest_m: the largest along_m so far, reached at furthest_s. skipped: number of lanes
+    skipped as unreachable.
     """
 
     lanes_near_m: tuple[float, float]
@@ -41,7 +41,7 @@ class MowerState:
 
 @dataclass
 class SavedMission:
-    """A saved lawn-mower: its own state, and that of its pilot, obstacle memory and shoal chart."""
+    """A saved lawn-mower: its own state, plus that of its pilot, obstacle memory and shoal chart."""
 
     mower: MowerState
     autopilot: tuple[float, ...]

@@ -1,4 +1,4 @@
-"""Lookout: how high and how fast to fly over obstacles that the sonar has seen, and which shoals are in the way."""
+"""Lookout: decides how high and how fast to fly over obstacles seen by the sonar, and charts shoals in the way."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from uwsim.navigation.control.protocols import PingLike
 
 HIGHEST_Z_M = -1.5
 """The lookout never makes the vehicle climb above this height."""
-CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # a larger remaining climb reduces the speed, to zero over the second value
+CLIMBS_WITHIN_M, CLIMB_BRAKE_M = 1.0, 4.0  # more remaining climb reduces the speed, to zero at the second value
 SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 
 class Lookout(Sealed):
-    """Steers a vehicle altitude_m above the bed and above obstacles its sonar has seen ahead, and charts shoals.
+    """Steers a vehicle altitude_m above the bed and above obstacles that its sonar has seen ahead, and charts shoals.
 
-    The vehicle needs a sonar and a sensor 'altitude'. half_width_m, ahead_m: size of the corridor in which echoes
-    count. passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which the vehicle turns before
-    moving. most_climb_m: limit on the height error used for steering. autopilot: by default the vehicle's own. Raises
-    ValueError if the altitude sensor is missing.
+    The vehicle needs a sonar and an 'altitude' sensor. half_width_m, ahead_m: size of the corridor in which echoes are
+    considered. passable_z_m: anything higher is a shoal. turn_first_rad: heading error above which the vehicle turns
+    before moving. most_climb_m: limit on the height error used for steering. autopilot: defaults to the vehicle's own.
+    Raises ValueError if the altitude sensor is missing.
     """
 
     vehicle: OwnVehicle
@@ -68,7 +68,7 @@ class Lookout(Sealed):
         yield from self.steer(heading, (speed_m_s * (to_x - x) / away_m, speed_m_s * (to_y - y) / away_m))
 
     def steer(self, heading_rad: float, velocity_world_m_s: tuple[float, float]) -> Steps[None]:
-        """Look ahead, then fly one control period at a heading and a velocity (2,), more slowly before a climb."""
+        """Look ahead, then fly one control period at a heading and a velocity (2,), slowing down before a climb."""
         self.look()
         z_m = self.safe_height_m()
         share = self.share_of_speed(z_m)
@@ -76,21 +76,21 @@ class Lookout(Sealed):
         yield from self.steer_at(heading_rad, (share * east, share * north), z_m)
 
     def steer_at(self, heading_rad: float, velocity_world_m_s: tuple[float, float], z_world_m: float) -> Steps[None]:
-        """Fly one control period at a heading, a velocity (2,) and a height z, without looking ahead."""
+        """Fly one control period at a heading, velocity (2,) and height z, without looking ahead."""
         return steer(
             self.vehicle, heading_rad, velocity_world_m_s, z_world_m, most_climb_m=self._most_climb_m,
             autopilot=self._autopilot,
         )  # fmt: skip
 
     def look(self) -> PingLike:
-        """Ping, and record the obstacles and shoals ahead; called by `steer`."""
+        """Ping, and record obstacles and shoals ahead; called by `steer`."""
         ping, pose = self.vehicle.sonar.ping(), self.vehicle.pose
         self.obstacles.add(ping, pose.position_world_m, pose.yaw_rad)
         self.shoals.add(ping)
         return ping
 
     def safe_height_m(self) -> float:
-        """Return the height z that is altitude_m above both the bed below and the obstacles known ahead."""
+        """Return the height z that is altitude_m above both the bed below and any known obstacle ahead."""
         pose = self.vehicle.pose
         z_m = float(pose.position_world_m[2])
         bed_m = z_m - float(self.vehicle.sensors["altitude"].read())
@@ -98,6 +98,6 @@ class Lookout(Sealed):
         return min(wanted_m if math.isfinite(wanted_m) else z_m, HIGHEST_Z_M)
 
     def share_of_speed(self, z_world_m: float) -> float:
-        """Return the fraction of full speed at which the vehicle reaches a height in time: below 1 during a climb."""
+        """Return the fraction of full speed that lets the vehicle reach a height in time; below 1 during a climb."""
         climb_m = z_world_m - float(self.vehicle.pose.position_world_m[2])
         return min(max(1.0 - (climb_m - CLIMBS_WITHIN_M) / CLIMB_BRAKE_M, SLOWEST), 1.0)

@@ -1,4 +1,4 @@
-"""The interface of a mission: the steps that fly it, and a saved state that another process can continue from."""
+"""The mission interface: the steps that fly a mission, and a saved state from which another process can continue it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from uwsim.missions.steps import Steps
 
 
 class SteppedMission(Protocol):
-    """A mission flown by its steps. A mission that cannot be restored may simply be a generator function."""
+    """A mission flown by its steps. A mission that need not be restored may simply be a generator function."""
 
     def steps(self) -> Steps[Any]:
-        """Return a generator of steps, which yields waits and returns the mission's result."""
+        """Return a generator of steps that yields waits and returns the mission's result."""
 
 
 class Mission(SteppedMission, Protocol):
@@ -23,7 +23,7 @@ class Mission(SteppedMission, Protocol):
         """Fraction of the mission flown so far, 0..1."""
 
     def run(self) -> str:
-        """Fly all steps with a clock that can wait; return the reason why the mission ended."""
+        """Fly all steps with a clock that can wait; return why the mission ended."""
 
 
 @runtime_checkable
@@ -31,13 +31,14 @@ class ResumableMission(Protocol):
     """A mission that another process can continue. Any other mission is resumed by flying it again from the start."""
 
     def save(self) -> dict[str, Any]:
-        """Return, as JSON values, all state that the rest of the mission depends on except that of vehicle and clock.
+        """Return, as JSON values, all state that the rest of the mission depends on, except that of vehicle and clock.
 
-        Called while `steps` is suspended at a `yield`; the mission's further actions must depend only on this state.
+        Called while `steps` is suspended at a `yield`; everything the mission does afterwards must depend only on this
+        state.
         """
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Load a state returned by `save`: `steps` then continues as if that `yield` had just returned.
+        """Load a state returned by `save`; `steps` then continues as if that `yield` had just returned.
 
         Raises ValueError for an invalid state.
         """

@@ -1,4 +1,4 @@
-"""Steps that move a vehicle: goto, hold, turn_to, dive_to, follow. All steer by the vehicle's estimate.
+"""Steps that move a vehicle: goto, hold, turn_to, dive_to, follow. All steer by the vehicle's estimated pose.
 
 They do not avoid obstacles: the path must be clear. They raise StoppedError if the vehicle is stuck, its battery is
 empty or it has capsized. Positions are in the world frame (ENU, z up).
@@ -22,11 +22,11 @@ from uwsim.navigation.control.autopilot import Autopilot, wrap_angle
 from uwsim.navigation.control.controller import Controller
 
 Point = Sequence[float] | NDArray[Any]
-GRACE_S = 60.0  # added to the time limit of a move, three times its nominal duration
+GRACE_S = 60.0  # added to a move's time limit, which is otherwise three times its nominal duration
 SLOWEST_M_S, SLOW_DOWN_PER_S = 0.1, 0.4  # speed near the end: SLOWEST + SLOW_DOWN x distance
-FACE_FROM_M = 1.0  # farther from its target, the vehicle faces the direction of travel
+FACE_FROM_M = 1.0  # the vehicle faces the direction of travel while farther than this from its target
 TURN_FIRST_RAD = math.radians(45.0)
-BACK_PER_S = 0.5  # speed back to a point or a line, per metre of distance
+BACK_PER_S = 0.5  # speed back to a point or a line, per metre of offset
 CAPSIZED_COSINE = 0.3  # cosine of the tilt from upright below which the vehicle counts as capsized
 CLIMB_M = 1.0  # limit on the height error used for steering: fast dives under way make slender vehicles pitch over
 
@@ -40,9 +40,9 @@ def goto(
     speed_m_s: float = 0.5,
     within_m: float = 0.5,
 ) -> Steps[None]:
-    """Go straight to a position (3,), or (2,) with altitude_m above the bed, and stop within within_m of it.
+    """Move straight to a position (3,), or (2,) with altitude_m above the bed, and stop within within_m of it.
 
-    heading_rad: heading to hold on the way; by default the direction of travel.
+    heading_rad: heading to hold on the way; defaults to the direction of travel.
     """
     x, y, height = _target(vehicle, "goto", position_world_m, altitude_m)
     require_positive("goto", speed_m_s=speed_m_s, within_m=within_m)
@@ -77,7 +77,7 @@ def hold(
     position_world_m: Point | None = None,
     heading_rad: float | None = None,
 ) -> Steps[None]:
-    """Hold a position (3,) and heading, by default the current ones, for duration_s, by default forever.
+    """Hold a position (3,) and heading (default: the current ones) for duration_s (default: forever).
 
     A hold that directly follows another keeps the same position, so that repeated holds do not drift.
     """
@@ -100,7 +100,7 @@ def hold(
 
 
 def turn_to(vehicle: OwnVehicle, heading_rad: float, *, within_rad: float = math.radians(3.0)) -> Steps[None]:
-    """Turn on the spot to a heading, measured counter-clockwise from east."""
+    """Turn on the spot to a heading, measured counterclockwise from east."""
     require_positive("turn_to", within_rad=within_rad)
     x, y, z = vehicle.pose.position_world_m.tolist()
     deadline_s = vehicle.time_s + GRACE_S
@@ -129,7 +129,7 @@ def follow(
     altitude_m: float | None = None,
     speed_m_s: float = 0.5,
 ) -> Steps[None]:
-    """Follow straight legs through points (n, 3), or (n, 2) with altitude_m above the bed, starting at the first."""
+    """Follow straight legs through points (n, 3), or (n, 2) with altitude_m above the bed, beginning at the first."""
     points = np.asarray(path_world_m, np.float64)
     if points.ndim != 2 or len(points) < 2:
         raise ValueError(f"follow: path_world_m.shape = {points.shape}: must be (n, 3) or (n, 2), n at least 2")
@@ -169,7 +169,7 @@ def _along(
 def _target(
     vehicle: OwnVehicle, step: str, position_world_m: Point, altitude_m: float | None = None
 ) -> tuple[float, float, Callable[[], float]]:
-    """Return x, y and a function that returns the height z to keep. Raises ValueError for an invalid target."""
+    """Return x, y and a function that returns the height z to maintain. Raises ValueError for an invalid target."""
     point = np.asarray(position_world_m, np.float64)
     expected = (3,) if altitude_m is None else (2,)
     if point.shape != expected or not np.isfinite(point).all():
@@ -193,7 +193,7 @@ def _target(
 
 
 def _back_to(vehicle: OwnVehicle, x: float, y: float) -> tuple[float, float]:
-    """Return a velocity towards a nearby point."""
+    """Return a velocity that leads back to a nearby point."""
     at_x, at_y, _ = vehicle.pose.position_world_m.tolist()
     share = min(BACK_PER_S, 0.5 / max(math.hypot(x - at_x, y - at_y), 1e-9))
     return share * (x - at_x), share * (y - at_y)
@@ -210,7 +210,7 @@ def steer(
 ) -> Steps[None]:
     """Steer for one control period, with the height error limited to most_climb_m either way.
 
-    autopilot: by default the vehicle's own. Raises StoppedError if the vehicle cannot move.
+    autopilot: defaults to the vehicle's own. Raises StoppedError if the vehicle cannot move.
     """
     _require_able(vehicle)
     if most_climb_m < math.inf:

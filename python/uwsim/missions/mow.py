@@ -10,7 +10,7 @@ from uwsim.missions.stopped import StoppedError
 
 
 def mow(vehicle: OwnVehicle, plan: LawnMowerPlan) -> Steps[None]:
-    """Fly a plan's lanes with the adaptive lawn-mower. Raises StoppedError unless all lanes are flown."""
+    """Fly the lanes of a plan with the adaptive lawn-mower. Raises StoppedError unless all lanes are flown."""
     ended = yield from AdaptiveLawnMower(vehicle, vehicle, plan).steps()
     if ended != COVERED:
         raise StoppedError(ended)

@@ -1,4 +1,4 @@
-"""Memory of obstacles that the sonar has seen ahead; it determines how high to fly."""
+"""A memory of the obstacles that the sonar has seen ahead, used to decide how high to fly."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import PingLike
 
 Vector = NDArray[np.float64]
-WORLD = np.eye(4)  # the pose for points that are already in world coordinates
+WORLD = np.eye(4)  # the pose of points that are already in world coordinates
 
 
 class ObstacleMemory(Sealed):
-    """Stores, for each ping, its highest echo in the corridor ahead of the vehicle.
+    """Stores each ping's highest echo in the corridor ahead of the vehicle.
 
     The corridor extends from half_width_m behind the vehicle to ahead_m in front of it, and half_width_m to either
-    side. pings: capacity; after that, the oldest echo is overwritten.
+    side. pings: capacity; once it is full, each new echo overwrites the oldest.
     """
 
     half_width_m: float
@@ -41,7 +41,7 @@ class ObstacleMemory(Sealed):
         return np.roll(self._ring, -next_place, axis=0)[-held:] if held == len(self._ring) else self._ring[:held].copy()
 
     def restore(self, peaks_world_m: Sequence[Sequence[float]] | Vector) -> None:
-        """Replace the stored echoes by peaks_world_m (n, 3), oldest first.
+        """Replace the stored echoes with peaks_world_m (n, 3), oldest first.
 
         Raises ValueError if there are too many echoes, or if any is not finite.
         """

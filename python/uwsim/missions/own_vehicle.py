@@ -1,4 +1,4 @@
-"""OwnVehicle: the Vehicle passed to a mission, built from a simulated or remote one, a clock and an estimate."""
+"""OwnVehicle: the Vehicle passed to a mission, built from a simulated or remote vehicle, a clock and an estimate."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Held = tuple[NDArray[np.float64], float]
 
 
 class Event(NamedTuple):
-    """An entry of a mission's log."""
+    """An entry in a mission's log."""
 
     time_s: float
     vehicle: str
@@ -39,8 +39,8 @@ class Event(NamedTuple):
 class OwnVehicle(Sealed, Commandable):
     """A mission's vehicle; see Vehicle.
 
-    hull: a vehicle of a Simulator, a LiveSimulator or a rosbridge. clock: provides time_s. estimate: by default the
-    hull itself, that is, the truth. hear: called with each logged event.
+    hull: a vehicle from a Simulator, a LiveSimulator or a rosbridge connection. clock: provides time_s. estimate:
+    defaults to the hull itself, that is, the truth. hear: called with each logged event.
     """
 
     name: str
@@ -87,15 +87,15 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def autopilot(self) -> Autopilot | Controller:
-        """The autopilot shared by goto, hold and the other moves, so that its estimates of trim and current persist.
+        """The autopilot shared by goto, hold and the other moves, so that its trim and current estimates persist.
 
-        A Controller with the model and gains from the vehicle's file; an Autopilot for a remote vehicle, which provides
-        neither. Both have `steer` and `period_s`.
+        A Controller with the model and gains from the vehicle file, or an Autopilot for a remote vehicle, which
+        provides neither. Both have `steer` and `period_s`.
         """
         return self._autopilot
 
     def held(self) -> Held | None:
-        """Return the place that `hold` has held until now, or None if the vehicle has done anything else since."""
+        """Return the place that `hold` has been holding, or None if the vehicle has done anything else since."""
         return self._held[1] if self._held is not None and abs(self.time_s - self._held[0]) < SAME_TIME_S else None
 
     def note_held(self, held: Held) -> None:
@@ -104,17 +104,17 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def authority(self) -> Any:
-        """The effect of full effort on each axis, (6,), or None if unknown; see uwsim.simulator.vehicle.Vehicle."""
+        """The effect of full effort on each axis, (6,); None if unknown. See uwsim.simulator.vehicle.Vehicle."""
         return getattr(self._hull, "authority", None)
 
     @property
     def control(self) -> Any:
-        """The model and gains from the vehicle's file, for a Controller; None if unknown."""
+        """The model and gains from the vehicle file, for a Controller; None if unknown."""
         return getattr(self._hull, "control", None)
 
     @property
     def sensors(self) -> Mapping[str, SensorLike]:
-        """The sensors by name."""
+        """The sensors, keyed by name."""
         return self._hull.sensors  # type: ignore[no-any-return]
 
     @property
@@ -124,17 +124,17 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def sonars(self) -> Mapping[str, SonarLike]:
-        """The multibeam sonars by name."""
+        """The multibeam sonars, keyed by name."""
         return self._all_by_estimate(EstimatedSonar, self._hull.sonars)  # type: ignore[no-any-return]
 
     @property
     def imaging_sonars(self) -> Mapping[str, Any]:
-        """The imaging sonars by name."""
+        """The imaging sonars, keyed by name."""
         return self._hull.imaging_sonars  # type: ignore[no-any-return]
 
     @property
     def cameras(self) -> Mapping[str, CameraLike]:
-        """The cameras by name."""
+        """The cameras, keyed by name."""
         return self._all_by_estimate(EstimatedCamera, self._hull.cameras)  # type: ignore[no-any-return]
 
     @property
@@ -166,11 +166,11 @@ class OwnVehicle(Sealed, Commandable):
             method = self._methods[name] = self._method(name)
         result = method(**arguments)
         if name == "set_effort":
-            self.__dict__["_efforts"] = arguments  # faster than by __setattr__, which checks names
+            self.__dict__["_efforts"] = arguments  # faster than __setattr__, which checks names
         return result
 
     def _method(self, name: str) -> Callable[..., Any]:
-        """Return the hull's method for a command. Raises ValueError if missions may not issue it."""
+        """Return the hull's method for a command. Raises ValueError if missions may not issue that command."""
         if not command_named(name).crosses_link:
             raise ValueError(f"vehicle '{self.name}': {name}: not available to missions: real vehicles do not have it")
         found = getattr(self._hull, name) if hasattr(Commandable, name) else partial(self._hull.command, name)
@@ -178,7 +178,7 @@ class OwnVehicle(Sealed, Commandable):
 
     @property
     def effort(self) -> tuple[float, ...]:
-        """Surge, sway, heave, roll, pitch and yaw as last commanded by this mission."""
+        """The surge, sway, heave, roll, pitch and yaw efforts last commanded by this mission."""
         return tuple(self._efforts.get(axis, 0.0) for axis in AXES)
 
     def telemetry(self) -> Panel:

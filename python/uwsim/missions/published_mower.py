@@ -1,8 +1,8 @@
-"""The published simulator's adaptive lawn-mower, as its ROS node flies it: observations in, commands out.
+"""The published simulator's adaptive lawn-mower as flown by its ROS node: observations in, commands out.
 
 Source: UWRoboticsSimulator, ROS/controllerpkg/src/lawn_mower.py. The node steers by three beams of the level sonar and
-by the distance to port, with the sign conventions of the published messages. It uses neither depth nor a polygon,
-assumes that the yaw is 0 at the start, and ends each turn 5 degrees early.
+the distance to port, in the sign conventions of the published messages. It uses neither depth nor a polygon, assumes
+that the yaw is 0 at the start, and ends each turn 5 degrees early.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Seen(NamedTuple):
 
 
 class Key(NamedTuple):
-    """A `key` message: efforts in the published sign convention (sway and yaw to starboard), and the function code."""
+    """A `key` message: efforts in the published sign convention (sway and yaw to starboard) and the function code."""
 
     surge: float = 0.0
     sway: float = 0.0
@@ -49,7 +49,7 @@ RELEASE = Key(function=1.0)
 def published_mower(start_m: tuple[float, float, float] = START_M) -> Generator[Key, Seen, None]:
     """Yield one key message per control period, given that period's observation; return at the end of the last lane.
 
-    start_m: where the lanes begin, in the frame of propPos.
+    start_m: start of the lanes, in the propPos frame.
     """
     seen = yield RELEASE
     seen = yield from _go_to(start_m, seen)

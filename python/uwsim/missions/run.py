@@ -1,4 +1,4 @@
-"""run: flies a mission with a clock and one or several vehicles."""
+"""run: flies a mission with a clock and one or more vehicles."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def run(
     *,
     hear: Callable[[Event], object] = lambda event: None,
 ) -> Any:
-    """Fly a mission to its end; return its result.
+    """Fly a mission to its end and return its result.
 
-    mission: see `begin`. vehicles: one vehicle of a Simulator, a LiveSimulator or a rosbridge, or a dict of several.
-    hear: called with each event that the mission logs.
+    mission: see `begin`. vehicles: one vehicle from a Simulator, a LiveSimulator or a rosbridge connection, or a dict
+    of several. hear: called with each event that the mission logs.
     """
     hulls = vehicles if isinstance(vehicles, Mapping) else {getattr(vehicles, "name", "vehicle"): vehicles}
     own = {
@@ -37,12 +37,12 @@ def run(
 
 
 def begin(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> Steps[Any]:
-    """Return the steps of a mission from its start; see `made` for the permitted missions."""
+    """Return the steps of a mission from its start; see `made` for which missions are accepted."""
     return steps_of(made(mission, vehicles))
 
 
 def made(mission: MissionFunction, vehicles: Mapping[str, OwnVehicle]) -> list[Steps[Any] | SteppedMission]:
-    """Return one mission for all vehicles if its first parameter is called `vehicles`, otherwise one per vehicle.
+    """Return one mission for all vehicles if its first parameter is named `vehicles`, otherwise one per vehicle.
 
     A ResumableMission may be restored before it is flown. Raises ValueError for anything other than a generator
     function of one argument, or a class of one argument with `steps`.

@@ -16,7 +16,7 @@ Point = tuple[float, float]
 Cell = tuple[int, int]
 
 CELL_M = 4.0
-ECHOES_IN_A_CELL = 4  # needed in one ping, since a single echo may be a false detection
+ECHOES_IN_A_CELL = 4  # minimum echoes in one ping, since a single echo may be a false detection
 # cost of a cell next to a shoal: high, so that such cells are crossed only to leave a shoal
 BESIDE_A_SHOAL = 20.0
 MARGIN_CELLS = 15  # margin of the search grid around start, goal and shoals
@@ -40,11 +40,11 @@ class ShoalChart(Sealed):
 
     @property
     def cells(self) -> list[Cell]:
-        """The indices (east, north) of all shoal cells, sorted."""
+        """The (east, north) indices of all shoal cells, sorted."""
         return sorted(self._shoals)
 
     def restore(self, cells: Iterable[Cell]) -> None:
-        """Replace the charted shoals by the given cells."""
+        """Replace the charted shoals with the given cells."""
         self._shoals, self._near = set(), set()
         self._chart(cells)
 
@@ -57,7 +57,7 @@ class ShoalChart(Sealed):
         self._chart((int(i), int(j)) for i, j in cells[echoes >= ECHOES_IN_A_CELL])
 
     def close(self, point_m: Point) -> None:
-        """Chart the cell of a point that the vehicle cannot enter for a reason other than its height."""
+        """Chart a point's cell, which the vehicle cannot enter for a reason other than height."""
         self._chart([_cell(point_m)])
 
     def blocks(self, start_m: Point, end_m: Point) -> bool:
@@ -78,7 +78,7 @@ class ShoalChart(Sealed):
         return False
 
     def next_point(self, start_m: Point, goal_m: Point) -> Point | None:
-        """Return the point to head for: the goal, or the last visible point of a path around shoals.
+        """Return the point to head for: the goal, or the last visible point on a path around shoals.
 
         Returns None if there is no path.
         """

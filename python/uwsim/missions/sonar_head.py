@@ -1,4 +1,4 @@
-"""Helpers that wait for a sonar head to tilt."""
+"""Helpers that wait for a sonar head to reach its tilt."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TIMEOUT_S = 60.0
 
 
 def is_at(sonar: Any, elevation_rad: float) -> bool:
-    """Return whether the head has reached an elevation; always true for a sonar that does not report one."""
+    """Return whether the head has reached an elevation; always True for a sonar that does not report its elevation."""
     return bool(abs(getattr(sonar, "elevation_rad", elevation_rad) - elevation_rad) <= TOLERANCE_RAD)
 
 

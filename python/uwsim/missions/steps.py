@@ -47,7 +47,7 @@ Steps = Generator[Wait, None, T]
 def wait(duration_s: float) -> Wait:
     """Return a pause, during which simulated time advances when a mission yields it.
 
-    A simulator rounds it to whole steps, at least one. Raises ValueError unless 1e-9 <= duration_s <= LONGEST_S.
+    The simulator rounds it to whole steps, at least one. Raises ValueError unless 1e-9 <= duration_s <= LONGEST_S.
     """
     if not 1e-9 <= duration_s <= LONGEST_S:  # false for NaN as well
         raise ValueError(f"wait: duration_s = {duration_s} s: must be positive and at most {LONGEST_S:g} s")
@@ -83,7 +83,7 @@ def race(*branches: Steps[Any]) -> Steps[tuple[int, Any]]:
 
 
 def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, Any]]:
-    """Run branches, each at its own wake-up times, until `enough` have ended; return their results by index."""
+    """Run branches, waking each at its own times, until `enough` have ended; return their results by index."""
     now_ns, results = 0, dict[int, Any]()
     agenda = [(now_ns, k) for k in range(len(branches))]  # a heap: at equal times, the first branch goes first
     try:
@@ -105,7 +105,7 @@ def _at_once(branches: tuple[Steps[Any], ...], enough: int) -> Steps[dict[int, A
 
 
 def checked_wait(yielded: Any) -> Wait:
-    """Return the yielded wait. Raises TypeError, with the correct form, if a mission yielded something else."""
+    """Return the yielded wait. Raises TypeError, showing the correct form, if a mission yielded something else."""
     if isinstance(yielded, Wait):
         return yielded
     if isinstance(yielded, Generator):
@@ -115,7 +115,7 @@ def checked_wait(yielded: Any) -> Wait:
 
 
 def drive(steps: Steps[T], clock: Clock) -> T:
-    """Run the steps to their end, letting the clock's time pass for each wait that they yield; return their result."""
+    """Run the steps to their end, advancing the clock by each wait that they yield; return their result."""
     try:
         while True:
             try:
@@ -125,4 +125,4 @@ def drive(steps: Steps[T], clock: Clock) -> T:
                 return result
             clock.wait(pause.duration_s)
     finally:
-        steps.close()  # runs its `finally` blocks now, however it ended
+        steps.close()  # runs the `finally` blocks now, regardless of how it ended

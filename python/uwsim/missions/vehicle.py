@@ -13,7 +13,7 @@ from uwsim.navigation.control.protocols import EstimateLike, PanelLike, PoseLike
 
 
 class Panel(PanelLike, Protocol):
-    """The vehicle's panel; NaN for values that a remote vehicle does not report."""
+    """The vehicle's panel; values that a remote vehicle does not report are NaN."""
 
     @property
     def depth_m(self) -> float: ...
@@ -38,7 +38,7 @@ class LampLike(Protocol):
 
 
 class LensLike(Protocol):
-    """The intrinsics of a picture in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
+    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
 
     @property
     def width(self) -> int: ...
@@ -51,7 +51,7 @@ class LensLike(Protocol):
 
 
 class PictureLike(Protocol):
-    """A picture: rgb (height, width, 3); world_from_camera (4, 4), x ahead, y left, z up."""
+    """A picture: rgb (height, width, 3) and world_from_camera (4, 4), x ahead, y left, z up."""
 
     @property
     def rgb(self) -> NDArray[np.uint8]: ...
@@ -65,14 +65,15 @@ class CameraLike(Protocol):
     """A camera."""
 
     def capture(self) -> PictureLike:
-        """Take a picture; see uwsim.instruments.cameras.Camera."""
+        """Capture a picture; see uwsim.instruments.cameras.Camera."""
 
 
 class Vehicle(Commandable, Protocol):
     """A vehicle as missions see it: readings and commands. Reading takes no simulated time; only `yield` does.
 
-    estimate: position and motion to the best of the vehicle's knowledge: the truth, or a filter's estimate. pose,
-    velocity: those of the estimate. sonar: the first multibeam. sonars, sensors, cameras, lamps: dictionaries by name.
+    estimate: position and motion to the best of the vehicle's knowledge, either the truth or a filter's estimate. pose,
+    velocity: taken from the estimate. sonar: the first multibeam. sonars, sensors, cameras, lamps: dictionaries keyed
+    by name.
     """
 
     @property
@@ -105,4 +106,4 @@ class Vehicle(Commandable, Protocol):
         """Read the vehicle's panel."""
 
     def log(self, event: str, **values: Any) -> None:
-        """Write an event to the mission's log; its values must be of JSON types."""
+        """Write an event to the mission's log. The values must be of JSON types."""

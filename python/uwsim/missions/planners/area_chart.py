@@ -1,8 +1,8 @@
-"""AreaChart: where a vehicle may go in an area, according to its sonar so far, and the paths there.
+"""AreaChart: where in an area a vehicle may go, as far as its sonar has shown, and the paths there.
 
-A raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from everything too
-high to pass over; unknown water is open. Paths are found with Dijkstra's algorithm over open cells, and straightened
-wherever a straight line stays in them, so that no path leaves the area, concave or not.
+The chart is a raster of the area's bounding box. A cell is open if it lies in the area and is at least KEEP_M from
+everything too high to pass over; unknown water is open. Paths are found with Dijkstra's algorithm over open cells, and
+straightened wherever a straight line stays in them, so that no path leaves the area, concave or not.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from uwsim.missions.grid_ways import Grid, GridWays, straightened
 Floats = NDArray[np.float64]
 BEYOND_M = 2.0  # how far outside the area paths may lead
 KEEP_M = 3.5  # distance from anything that cannot be passed over
-FINEST_M, MOST_CELLS = 1.0, 300  # smallest edge of a cell, and largest number of cells along a side
+FINEST_M, MOST_CELLS = 1.0, 300  # minimum edge length of a cell, and maximum number of cells along a side
 PATCH_M = 3.0
-ECHOES_IN_A_CELL = 3  # fewer echoes in one ping may be false detections
+ECHOES_IN_A_CELL = 3  # fewer echoes in a ping may be false detections
 
 
 class AreaChart:
     """The chart of a polygon (k, 2). Nothing higher than top_z_m can be passed over.
 
-    start_m: the vehicle's position, (2,). If this is outside the area, the vehicle may approach through the convex hull
-    of the area and start_m until it has reached the area.
+    start_m: the vehicle's position, (2,). If it is outside the area, the vehicle may approach through the convex hull
+    of the area and start_m.
     """
 
     def __init__(self, area_m: Sequence[Sequence[float]] | Floats, top_z_m: float, start_m: Floats) -> None:
@@ -54,7 +54,7 @@ class AreaChart:
         self.visit(start_m)
 
     def visit(self, point_m: Floats) -> None:
-        """Record the vehicle's position, (2,); once it has been in the area, paths no longer leave it."""
+        """Record the vehicle's position, (2,); once the vehicle has been in the area, paths no longer leave it."""
         (cell,), (held,) = self.cells_of(point_m[None])
         if held:
             self._been[tuple(cell)] = True
@@ -71,7 +71,7 @@ class AreaChart:
             self._close(found[counts >= ECHOES_IN_A_CELL])
 
     def add_map(self, occupancy: OccupancyMap) -> None:
-        """Chart everything in a map that is too high, by casting rays down from the surface, a voxel apart."""
+        """Chart everything too high in a map, by casting rays down from the surface, one voxel apart."""
         step_m = min(occupancy.resolution_m, self.grid.edge_m)
         counts = np.ceil(np.array(self._shoal.shape) * self.grid.edge_m / step_m).astype(int)
         places = Grid(self.grid.low_m, step_m, tuple(counts.tolist())).all_centres()
@@ -86,11 +86,11 @@ class AreaChart:
         self._close(cells[held])
 
     def open_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Return whether a vehicle may be at points (n, 2), as far as known."""
+        """Return a mask (n,) of the points (n, 2) where a vehicle may be, as far as is known."""
         return self._at(self._allowed & ~self._near, points_m)
 
     def seen_at(self, points_m: Floats) -> NDArray[np.bool_]:
-        """Return whether the sonar has received an echo in the cells of points (n, 2)."""
+        """Return a mask (n,) of the points (n, 2) in cells from which the sonar has received an echo."""
         return self._at(self._seen, points_m)
 
     def open_places(self) -> Floats:
@@ -98,7 +98,7 @@ class AreaChart:
         return self.grid.centres(np.argwhere(self._allowed & ~self._near))
 
     def unseen_patches(self) -> Floats:
-        """Return the centres (n, 2) of squares of PATCH_M in the area whose open cells are at least half unseen."""
+        """Return the centres (n, 2) of the PATCH_M squares in the area whose open cells are at least half unseen."""
         wanted = self._inner & ~self._near
         size = max(1, round(PATCH_M / self.grid.edge_m))
         cells = np.argwhere(wanted)
@@ -109,11 +109,11 @@ class AreaChart:
         return self.grid.centres(middles[wanted[tuple(middles.T)]])
 
     def patch_seen(self, middle_m: Floats) -> bool:
-        """Return whether a square from `unseen_patches` has been seen since."""
+        """Return whether a square returned by `unseen_patches` has been seen since."""
         return not any((middle_m == other).all() for other in self.unseen_patches())
 
     def straight(self, start_m: Floats, end_m: Floats) -> bool:
-        """Return whether a straight line between two points (2,) stays on open or visited cells."""
+        """Return whether the straight line between two points (2,) stays on open or visited cells."""
         return bool(self._in(self._passable, self.grid.line(start_m, end_m)).all())
 
     def ways_from(self, start_m: Floats) -> AreaWays:
@@ -129,7 +129,7 @@ class AreaChart:
         return (self._allowed & ~self._near) | (self._been & ~self._shoal)
 
     def cells_of(self, points_m: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return the cells (n, 2) of points (n, 2), and whether each lies inside the raster."""
+        """Return the cells (n, 2) of points (n, 2), and a mask (n,) of those inside the raster."""
         cells = self.grid.cells_of(points_m)
         return cells, self.grid.holds(cells)
 
@@ -145,7 +145,7 @@ class AreaChart:
         return self._in(raster, self.grid.cells_of(points_m))
 
     def _in(self, raster: NDArray[np.bool_], cells: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return the values of a raster at cells (n, 2); False outside."""
+        """Return a raster's values at cells (n, 2), or False for cells outside it."""
         held = self.grid.holds(cells)
         found = np.zeros(len(cells), bool)
         found[held] = raster[tuple(cells[held].T)]
@@ -161,14 +161,14 @@ class AreaWays:
         self._ways = GridWays(np.where(open_cells, 1.0, np.inf), inside[None])
 
     def lengths_m(self, points_m: Floats) -> Floats:
-        """Return the lengths (n,) of the paths to points (n, 2); inf if there is none."""
+        """Return the lengths (n,) of the paths to points (n, 2); inf where there is none."""
         cells, held = self._chart.cells_of(points_m)
         lengths = np.full(len(points_m), np.inf)
         lengths[held] = self._ways.costs[tuple(cells[held].T)]
         return np.asarray(lengths * self._chart.grid.edge_m)
 
     def to(self, goal_m: Floats) -> Floats | None:
-        """Return the waypoints (n, 2) of a path to a point (2,), starting at the first cell, None if none exists."""
+        """Return the waypoints (n, 2) of a path from the first cell to a point (2,), or None if there is none."""
         (cell,), (held,) = self._chart.cells_of(goal_m[None])
         cells = self._ways.to(cell) if held else None
         if cells is None:

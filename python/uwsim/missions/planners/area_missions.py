@@ -1,4 +1,4 @@
-"""The planners that cover an area, as missions with a common task: cover all water within bound_m of their start."""
+"""The area coverage planners as missions with a common task: cover all water within bound_m of the start."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CORNERS = 16  # of the polygon that approximates the circle
 def unknown_water(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[MownWater]:
-    """Mow with no prior knowledge except the bound."""
+    """Mow with no prior knowledge other than the bound."""
     _leave_station(vehicle)
     return (yield from mow_unknown_water(vehicle, bound_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
 
@@ -24,7 +24,7 @@ def unknown_water(
 def frontier(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[Explored]:
-    """Explore by going to the frontiers of the live map."""
+    """Explore by travelling to the frontiers of the live map."""
     _leave_station(vehicle)
     return (yield from explore(vehicle, bound_m, altitude_m=altitude_m, speed_m_s=speed_m_s))
 
@@ -32,7 +32,7 @@ def frontier(
 def boustrophedon(
     vehicle: OwnVehicle, bound_m: float = 20.0, altitude_m: float = 3.0, speed_m_s: float = 0.6
 ) -> Steps[MownArea]:
-    """Mow the circle of radius bound_m as a polygon, whether or not it contains land."""
+    """Mow the circle of radius bound_m as a polygon, even if it contains land."""
     _leave_station(vehicle)
     x, y, _ = vehicle.pose.position_world_m.tolist()
     angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS)]

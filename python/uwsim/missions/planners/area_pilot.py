@@ -1,4 +1,4 @@
-"""AreaPilot: goes from place to place in an area using its chart, and changes its path when the sonar reveals more."""
+"""AreaPilot: travels between places in an area by its chart, and replans when the sonar reveals more."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CLIMB_S = 20.0  # time allowed to climb over an obstacle
 
 
 class AreaPilot:
-    """Flies by means of a lookout whose echoes are passed to the chart."""
+    """Flies with a lookout whose echoes are added to the chart."""
 
     def __init__(self, lookout: Wayfinder, chart: AreaChart) -> None:
         self.lookout, self.chart = lookout, chart
@@ -33,10 +33,10 @@ class AreaPilot:
     def go_to(
         self, goal: Floats, most_m: float = math.inf, enough: Callable[[], bool] = lambda: False
     ) -> Steps[bool | None]:
-        """Go to a point (2,) through open water until it is reached or `enough` is true; return the outcome.
+        """Travel to a point (2,) through open water until it is reached or `enough` returns true; return the outcome.
 
-        The outcome is False if the point was closed or time ran out first, and None if the remaining path turned out to
-        be longer than most_m.
+        Returns False if the point was closed or time ran out first, and None if the remaining path turned out to be
+        longer than most_m.
         """
         here, vehicle = self.here(), self.lookout.vehicle
         way, last = self.chart.ways_from(here).to(goal), here
@@ -61,7 +61,7 @@ class AreaPilot:
         return True
 
     def clear(self) -> Steps[bool]:
-        """Climb over an obstacle close ahead; if this takes too long, mark it as closed and return False."""
+        """Climb over an obstacle close ahead; if this takes too long, mark it closed and return False."""
         lookout, vehicle = self.lookout, self.lookout.vehicle
         end_s = vehicle.time_s + CLIMB_S
         while lookout.must_stop:

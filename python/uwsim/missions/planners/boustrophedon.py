@@ -1,4 +1,4 @@
-"""Boustrophedon coverage of any simple polygon, with lane spacing from swath and overlap, at a constant altitude.
+"""Boustrophedon coverage of any simple polygon at constant altitude, with lane spacing from swath and overlap.
 
 Lanes are parallel to the side of the polygon that minimises their number (Huang, "Optimal line-sweep-based
 decompositions for coverage algorithms", ICRA 2001). Where the polygon is concave, they are grouped into cells that are
@@ -50,12 +50,12 @@ def mow_area(
     speed_m_s: float = 0.6,
     known: OccupancyMap | None = None,
 ) -> Steps[MownArea]:
-    """Mow a polygon (k, 2) at altitude_m above the bed, around everything that cannot be passed over.
+    """Mow a polygon (k, 2) at altitude_m above the bed, going around everything that cannot be passed over.
 
-    The vehicle stays in the polygon: paths extend at most BEYOND_M outside it, except the one that leads into it.
-    overlap: fraction of the swath that neighbouring lanes share, in [0, 0.9]. known: a map from an earlier visit; parts
-    that it shows to be too high are excluded before the flight. Patches not seen from the lanes are visited at the end.
-    See fly_lanes for its log entries; `shallow` is logged where the water is too shallow for the altitude. Raises
+    The vehicle stays in the polygon: paths extend at most BEYOND_M outside it, except the initial approach. overlap:
+    fraction of the swath shared by neighbouring lanes, in [0, 0.9]. known: a map from an earlier visit; parts that it
+    shows to be too high are excluded before the flight. Patches not seen from the lanes are visited at the end. See
+    fly_lanes for its log entries; `shallow` is logged where the water is too shallow for the altitude. Raises
     ValueError for invalid arguments, and StoppedError if no part of the area can be flown.
     """
     if not 0.0 <= overlap <= 0.9:
@@ -83,7 +83,7 @@ def mow_area(
 def boustrophedon_lanes(area_m: Sequence[Sequence[float]] | Floats, spacing_m: float, near_m: Floats) -> list[Lane]:
     """Cover a simple polygon (k, 2), concave or not, with lanes at most spacing_m apart, in flight order.
 
-    Raises ValueError for a polygon without area, or a spacing that is not positive.
+    Raises ValueError for a polygon without area or a non-positive spacing.
     """
     area = checked_area(area_m)
     require_positive(spacing_m=spacing_m)
@@ -113,7 +113,7 @@ def checked_area(area_m: Sequence[Sequence[float]] | Floats) -> Floats:
 
 
 def _direction(area: Floats) -> Floats:
-    """Return the unit vector along the side for which the polygon's width is smallest."""
+    """Return the unit vector along the side across which the polygon is narrowest."""
     sides = np.roll(area, -1, axis=0) - area
     lengths = np.linalg.norm(sides, axis=1)
     units = sides[lengths > 1e-9] / lengths[lengths > 1e-9, None]
@@ -124,8 +124,7 @@ def _direction(area: Floats) -> Floats:
 def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float, list[Span]]]:
     """Return parallel lines at most spacing_m apart, each with its intervals inside the polygon.
 
-    The outermost lines are at most half of spacing_m from the polygon's ends and from its inner corners, where cells
-    meet.
+    The outermost lines are at most spacing_m / 2 from the polygon's ends and from its inner corners, where cells meet.
     """
     sweeps = []
     for low, high in pairwise(_ends_and_inner_corners(along, across)):
@@ -136,7 +135,7 @@ def _sweeps(along: Floats, across: Floats, spacing_m: float) -> list[tuple[float
 
 
 def _ends_and_inner_corners(along: Floats, across: Floats) -> list[float]:
-    """Return the sorted offsets of the polygon's ends and concave corners."""
+    """Return the sorted offsets of the polygon's ends and its concave corners."""
     into = along - np.roll(along, 1), across - np.roll(across, 1)
     out = np.roll(along, -1) - along, np.roll(across, -1) - across
     turns = into[0] * out[1] - into[1] * out[0]

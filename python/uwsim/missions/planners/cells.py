@@ -1,4 +1,4 @@
-"""Square cells of the horizontal plane, and the shortest path over them to the nearest cell of interest."""
+"""Square cells in the horizontal plane, and the shortest path over them to the nearest cell of interest."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Cells:
         self.edge_m = edge_m
 
     def middle_m(self, cell: Cell) -> tuple[float, float]:
-        """Return the centre of a cell in the world."""
+        """Return the world position of a cell's centre."""
         along, across = cell[0] * self.edge_m, cell[1] * self.edge_m
         x, y = self._origin
         return x + self._cos * along - self._sin * across, y + self._sin * along + self._cos * across
@@ -47,15 +47,15 @@ class Cells:
 def nearest(start: Cell, wanted: Callable[[Cell], bool], passable: Collection[Cell]) -> list[Cell] | None:
     """Return the shortest path from a cell to the nearest wanted one over passable cells, including both ends.
 
-    Returns None if there is no path. A wanted cell need not be passable. Of several shortest paths, the one that keeps
-    to the first direction in NEIGHBOURS for as long as possible is chosen, then to the second, and so on.
+    Returns None if there is no path. A wanted cell need not be passable. Ties between shortest paths are broken in
+    favour of the one that keeps to the first direction in NEIGHBOURS for longest, then to the second, and so on.
     """
     ground = {start, *passable}
     goals = {cell for here in ground for cell in _around(here) if cell != start and wanted(cell)}
     if not goals:
         return None
     cells = np.array([*ground, *goals])
-    low = cells.min(axis=0) - 1  # one cell of margin, so that all neighbours of a cell are in the grid
+    low = cells.min(axis=0) - 1  # a margin of one cell, so that all neighbours of a cell are in the grid
     cost = np.full(tuple((cells.max(axis=0) - low + 2).tolist()), np.inf)
     cost[tuple((cells - low).T)] = 1.0
     steps_left = GridWays(cost, np.array(sorted(goals)) - low, diagonal=False).costs

@@ -1,6 +1,6 @@
-"""Flight through waypoints on Dubins paths or splines, for smooth tracks or vehicles that cannot turn on the spot.
+"""Flight through waypoints on Dubins paths or splines, for smooth tracks and for vehicles that cannot turn on the spot.
 
-A Dubins path is the shortest one made of arcs of one radius and straight lines (Dubins, "On curves of minimal length
+A Dubins path is the shortest path made of straight lines and arcs of one radius (Dubins, "On curves of minimal length
 with a constraint on average curvature", 1957), computed by OMPL. The spline is a cubic through all points, parametrised
 by chord length, computed by SciPy; its curvature is not limited.
 """
@@ -27,7 +27,7 @@ from uwsim.missions.stopped import StoppedError
 Floats = NDArray[np.float64]
 Curve = Literal["dubins", "spline"]
 LOOK_PERIOD_S = 0.2
-UNDER_WAY_M_S = 0.1  # below this speed it is turning on the spot, and objects ahead are not in its way
+UNDER_WAY_M_S = 0.1  # at lower speeds it is turning on the spot, and objects ahead are not in its way
 
 
 def fly_through(
@@ -39,12 +39,12 @@ def fly_through(
     altitude_m: float | None = None,
     speed_m_s: float = 0.5,
 ) -> Steps[Floats]:
-    """Fly on a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
+    """Fly a curve from the vehicle's position through points (n, 3), or (n, 2) with altitude_m above the bed.
 
-    radius_m: turning radius of the Dubins path, which begins at the vehicle's heading. Returns the path that was
-    followed, (m, 3) or (m, 2). The path does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and a
-    sensor 'altitude' looks ahead, and stops before obstacles at its height. Raises ValueError for invalid arguments,
-    StoppedError if stopped.
+    radius_m: turning radius of the Dubins path, which begins at the vehicle's heading. Returns the path followed, (m,
+    3) or (m, 2). The path does not avoid obstacles. If altitude_m is set, a vehicle with a sonar and an 'altitude'
+    sensor looks ahead and stops before obstacles at its height. Raises ValueError for invalid arguments, StoppedError
+    if stopped.
     """
     width = 3 if altitude_m is None else 2
     points = np.asarray(points_world_m, np.float64)
@@ -69,7 +69,7 @@ def fly_through(
 
 
 def _stop_before_things(lookout: Wayfinder) -> Steps[None]:
-    """Look ahead forever. Raises StoppedError if a moving vehicle has an obstacle in its way."""
+    """Look ahead forever. Raises StoppedError if an obstacle is in the way of the moving vehicle."""
     while True:
         lookout.look()
         if lookout.must_stop and float(lookout.vehicle.velocity.linear_body_m_s[0]) > UNDER_WAY_M_S:

@@ -1,4 +1,4 @@
-"""Frontier exploration of the live OctoMap: always go to the nearest column that is unknown in the map.
+"""Frontier exploration of the live OctoMap: always travel to the nearest column that is unknown in the map.
 
 Yamauchi, "A frontier-based approach for autonomous exploration", CIRA 1997, applied to columns of the map: a column is
 known if any voxel in it is occupied (at least the bed), and closed if an occupied voxel is too high for the vehicle to
@@ -20,12 +20,12 @@ from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, TURN_FIRST_RAD, Wayf
 from uwsim.missions.steps import Steps
 from uwsim.navigation.control.autopilot import wrap_angle
 
-STUCK_S = 30.0  # added to the time limit of a path, four times its nominal duration
+STUCK_S = 30.0  # added to a path's time limit, which is otherwise four times its nominal duration
 
 
 @dataclass(frozen=True, eq=False)
 class Explored:
-    """The outcome of `explore`. map: as built in the flight. known_m2: area of the known columns within the bound.
+    """The outcome of `explore`. map: built in flight. known_m2: area of the known columns within the bound.
 
     given_up: centres of the columns that remained unknown.
     """
@@ -44,9 +44,9 @@ def explore(
     resolution_m: float = 0.5,
     cell_m: float = 2.0,
 ) -> Steps[Explored]:
-    """Explore all water that can be reached within bound_m of the start, until all of it is in the map.
+    """Explore all water that can be reached within bound_m of the start, until the map contains all of it.
 
-    resolution_m: resolution of the live map. cell_m: edge length of a column. Logs `frontier` for each target,
+    resolution_m: resolution of the live map. cell_m: edge length of a column. Logs `frontier` for each target, and also
     `given_up` and `explored`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     if not resolution_m <= cell_m <= bound_m < math.inf:
@@ -71,7 +71,7 @@ def explore(
 class _Search:
     """The progress of `explore`.
 
-    given_up: columns that remain unknown. _closed: known columns that cannot be entered for another reason.
+    given_up: columns that remain unknown. _closed: known columns that cannot be entered for some other reason.
     """
 
     def __init__(self, lookout: Wayfinder, live: LiveMap, cells: Cells, bound_m: float) -> None:
@@ -96,7 +96,7 @@ class _Search:
         return nearest(self._here, self._unknown, [cell for cell in self._live.tops_m if self._open(cell)])
 
     def go(self, way: list[Cell]) -> Steps[None]:
-        """Follow a path until its last column is known; otherwise give that column up, or close the one in the way."""
+        """Follow a path until its last column is known; otherwise give up that column, or close the one in the way."""
         vehicle, frontier = self._vehicle, way[-1]
         vehicle.log("frontier", position_m=list(self._cells.middle_m(frontier)), cells_away=len(way) - 1)
         end_s = vehicle.time_s + STUCK_S + 4.0 * len(way) * self._cells.edge_m / self._lookout.speed_m_s
@@ -125,7 +125,7 @@ class _Search:
         return abs(off_rad) < TURN_FIRST_RAD
 
     def _close(self, cell: Cell, frontier: Cell) -> None:
-        """Close the column that the vehicle was heading for; if it is the unknown one, give it up instead."""
+        """Close the column that the vehicle was heading for, or give it up if it is the unknown one."""
         if cell in (frontier, self._here):
             self._give_up(frontier)
         else:

@@ -1,8 +1,8 @@
-"""Gate passing by sonar: finds two posts in a level ping, goes to a point in front of them, and passes between.
+"""Gate passing by sonar: finds two posts in a level ping, moves to a point in front of them, and passes between them.
 
 A post is a narrow group of neighbouring beams whose echoes are nearer than those on both sides. Two posts whose
-distance matches the gate's width are the gate; its position is the median over several pings. The gate is measured from
-afar, and again from directly in front of it.
+separation matches the gate's width are taken as the gate; its position is the median over several pings. The gate is
+measured from afar, and again from directly in front of it.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from uwsim.navigation.control.protocols import PingLike
 
 Floats = NDArray[np.float64]
 STAND_OFF_M = 6.0  # in front of and behind the gate
-STEPS_OUT_M = 1.0  # minimum by which a post is nearer than its surroundings
+STEPS_OUT_M = 1.0  # a post is nearer than its surroundings by at least this much
 WIDEST_POST_M = 0.8
 WIDTH_TOLERANCE = 0.2  # fraction of the gate's width
 LOOKS, LOOK_PERIOD_S = 8, 0.3
-NEAR_M = 8.0  # largest distance between the gate and its expected position
-SEARCH_RAD = math.radians(30.0)  # how far to search to both sides if the gate is not seen ahead
+NEAR_M = 8.0  # maximum distance between the gate and its expected position
+SEARCH_RAD = math.radians(30.0)  # how far to search on both sides if the gate is not seen ahead
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def pass_gate(
 
 
 def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate]:
-    """Look towards the expected position of the gate, then to both sides of it."""
+    """Look towards the gate's expected position, then to both sides of it."""
     x, y, _ = vehicle.pose.position_world_m.tolist()
     towards_rad = math.atan2(place[1] - y, place[0] - x)
     for aside_rad in (0.0, SEARCH_RAD, -SEARCH_RAD):
@@ -94,7 +94,7 @@ def _found(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float
 
 
 def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: float) -> Steps[Gate | None]:
-    """Return the gate as the median over several pings from one place, or None if fewer than half of them show it."""
+    """Return the gate's median over several pings from one place, or None if fewer than half of them show it."""
     seen = []
     x, y, z = vehicle.pose.position_world_m.tolist()
     here = (x, y, z - float(vehicle.sensors["altitude"].read()) + altitude_m)  # the vehicle may still be sinking
@@ -114,7 +114,7 @@ def _measured(vehicle: OwnVehicle, place: Floats, width_m: float, altitude_m: fl
 
 
 def posts(ping: PingLike) -> Floats:
-    """Return the posts in a ping, ordered from starboard to port, (k, 2), world frame; see the module's docstring."""
+    """Return the posts (k, 2) in a ping, from starboard to port, in the world frame; see the module docstring."""
     ranges = np.where(np.isfinite(ping.ranges_m), ping.ranges_m, np.inf).astype(np.float64)
     nearer = np.flatnonzero(ranges[:-1] - ranges[1:] > STEPS_OUT_M) + 1  # first beams of groups
     points = np.asarray(ping.points_sonar_m, np.float64)
@@ -131,7 +131,7 @@ def posts(ping: PingLike) -> Floats:
 
 
 def gate_posts(found: Floats, place: Floats, width_m: float) -> Floats | None:
-    """Return the two posts, port first, of the gate of this width nearest to a place, or None if there is none."""
+    """Return the two posts, port first, of the gate of this width nearest to a place, or None if there is no match."""
     pairs = [
         np.array([port, starboard])
         for starboard, port in combinations(found, 2)

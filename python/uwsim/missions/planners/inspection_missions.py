@@ -1,4 +1,4 @@
-"""The planners that inspect a single object, as missions for the objects in the packaged scenario `cove`."""
+"""The planners that inspect a single object, as missions for the objects in the packaged `cove` scenario."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def pipeline(vehicle: OwnVehicle, start_m: tuple[float, float] = (-19.0, -5.0)) 
 
 
 def gate(vehicle: OwnVehicle, near_m: tuple[float, float] = (-4.0, 2.0)) -> Steps[Gate]:
-    """Pass the gate eastwards."""
+    """Pass through the gate eastwards."""
     _leave_station(vehicle)
     yield from goto(vehicle, (near_m[0] - 9.0, near_m[1] - 2.0), altitude_m=3.0)
     return (yield from pass_gate(vehicle, near_m, 4.0, 4.0))
 
 
 def wall(vehicle: OwnVehicle, length_m: float = 5.0) -> Steps[list[WallPass]]:
-    """Scan the quay's southern face."""
+    """Scan the southern face of the quay."""
     _leave_station(vehicle)
     yield from goto(vehicle, (-8.0, 11.0, -3.0), speed_m_s=0.8)
     yield from turn_to(vehicle, 0.5 * math.pi)

@@ -1,8 +1,8 @@
-"""fly_lanes: flies the lanes of an area without leaving it, going around everything that the sonar shows is too high.
+"""fly_lanes: flies an area's lanes without leaving the area, around everything that the sonar shows to be too high.
 
-A lane is a row of points. The part covered by a shoal is trimmed. The part behind a shoal is flown at once if the
-detour is short; otherwise after the other lanes, with everything that has been charted by then. Points that the sonar
-has seen from elsewhere are skipped.
+A lane is a row of points. The part covered by a shoal is trimmed. The part behind a shoal is flown immediately if the
+detour is short, and otherwise after the other lanes, using everything charted by then. Points that the sonar has seen
+from elsewhere are skipped.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from uwsim.missions.steps import Steps
 Floats = NDArray[np.float64]
 POINT_M = 1.0  # distance between the points of a lane
 PASSED_M = 2.0  # a point passed within this distance counts as flown
-AIM_M, LOOK_M = 3.0, 6.0  # distance ahead on the lane to steer to, and over which the lane must be open
-ROUND, ROUND_M = 2.5, 8.0  # a detour is short up to ROUND times the straight distance, or that plus ROUND_M
+AIM_M, LOOK_M = 3.0, 6.0  # distance ahead on the lane to steer for, over which the lane must be open
+ROUND, ROUND_M = 2.5, 8.0  # a detour is short if it is at most ROUND times the straight distance, or that plus ROUND_M
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class FlownLanes:
     """The outcome of `fly_lanes`.
 
     left_out: indices of the lanes that were not flown at all. trimmed_m: total length too close to shoals. unreached_m:
-    length to which there was no path in the area. seen_m: length not flown, but seen from elsewhere.
+    length that no path in the area led to. seen_m: length not flown but seen from elsewhere.
     """
 
     left_out: tuple[int, ...]
@@ -42,11 +42,11 @@ class FlownLanes:
 
 
 def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> Steps[FlownLanes]:
-    """Fly lanes in order, then the parts that were left over.
+    """Fly lanes in order, then the parts left over.
 
     Logs `trimmed` for parts known to be too high before the flight, `lane` at the beginning of each lane, `left_over`
-    when the vehicle returns to one, and `left_out`. The lookout must pass its echoes to the chart. Raises StoppedError
-    if the vehicle cannot continue.
+    when the vehicle returns to a lane, and `left_out`. The lookout must pass its echoes to the chart. Raises
+    StoppedError if the vehicle cannot continue.
     """
     return (yield from _LaneFlight(lookout, lanes, chart).steps())
 
@@ -54,8 +54,8 @@ def fly_lanes(lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> St
 class _LaneFlight:
     """The progress of `fly_lanes`.
 
-    _left: for each lane, which of its points are still to be flown. _flown: how many points were flown. _next: for each
-    lane, the index after the last flown point.
+    _left: for each lane, the points still to be flown. _flown: number of points flown. _next: for each lane, the index
+    after the last flown point.
     """
 
     def __init__(self, lookout: Wayfinder, lanes: Sequence[Lane], chart: AreaChart) -> None:
@@ -83,14 +83,14 @@ class _LaneFlight:
         return FlownLanes(left_out, self._trimmed * POINT_M, self._unreached * POINT_M, self._seen * POINT_M)
 
     def _trim(self, k: int) -> int:
-        """Drop the points known to be too high; return their number."""
+        """Drop the points known to be too high; return how many were dropped."""
         closed = self._left[k] & ~self._chart.open_at(self._points[k])
         self._left[k] &= ~closed
         self._trimmed += int(closed.sum())
         return int(closed.sum())
 
     def _lane(self, k: int) -> Steps[None]:
-        """Fly a lane for the first time while detours around shoals are short: in order, or from its nearest point."""
+        """Fly a lane for the first time, in order or from its nearest point, while detours around shoals are short."""
         in_order = True
         while True:
             self._trim(k)
@@ -124,15 +124,15 @@ class _LaneFlight:
         return nearest
 
     def _first(self, k: int, here: Floats, *, in_order: bool) -> tuple[Floats, float]:
-        """Return the point of a lane to start at, the next or the nearest remaining one, and the path length to it."""
+        """Return the point of a lane to start at (the next or the nearest remaining one) and the path length to it."""
         lengths_m = np.where(self._left[k], self._chart.ways_from(here).lengths_m(self._points[k]), np.inf)
         at = self._next[k] + int(np.argmax(self._left[k][self._next[k] :])) if in_order else int(np.argmin(lengths_m))
         return self._points[k][at], float(lengths_m[at])
 
     def _piece(self, k: int, in_order: bool, short_m: float = math.inf) -> Steps[bool]:
-        """Go to the remaining part of a lane, and fly along it until it ends or an obstacle is in the way.
+        """Travel to the remaining part of a lane, and fly along it until it ends or an obstacle is in the way.
 
-        Return False if the path to it turned out to be longer than short_m.
+        Returns False if the path to it turned out to be longer than short_m.
         """
         goal = self._first(k, self._pilot.here(), in_order=in_order)[0]
         at = int(np.argmin(np.linalg.norm(self._points[k] - goal, axis=1)))

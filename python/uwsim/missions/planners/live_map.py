@@ -1,4 +1,4 @@
-"""LiveMap: the OctoMap that a mission builds from its own pings in flight, with queries by column of water."""
+"""LiveMap: the OctoMap that a mission builds in flight from its own pings, with queries by water column."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from uwsim.missions.planners.cells import Cell, Cells
 from uwsim.navigation.control.protocols import PingLike
 
 PING_PERIOD_S, LOOK_PERIOD_S = 0.5, 2.0
-LONGEST_RAY_M = 30.0  # for echoes farther away, water up to this distance is marked as free
+LONGEST_RAY_M = 30.0  # for echoes farther away, water is marked as free up to this distance
 
 
 class LiveMap:
-    """Builds a map from pings at the vehicle's estimated poses, and from the bed straight below.
+    """Builds a map from pings at the vehicle's estimated poses and from the bed directly below.
 
-    cells: the columns used by `tops_m` and `certainty`. period_s: minimum time between two inserted pings.
+    cells: the columns used by `tops_m` and `certainty`. period_s: minimum time between inserted pings.
     """
 
     def __init__(self, vehicle: OwnVehicle, resolution_m: float, cells: Cells, period_s: float = PING_PERIOD_S) -> None:
@@ -42,14 +42,14 @@ class LiveMap:
 
     @property
     def tops_m(self) -> dict[Cell, float]:
-        """Height of the highest occupied voxel in each column that has any; at most LOOK_PERIOD_S old."""
+        """Height of the highest occupied voxel in each column that has one; at most LOOK_PERIOD_S old."""
         if self._vehicle.time_s >= self._next_look_s:
             self._next_look_s = self._vehicle.time_s + LOOK_PERIOD_S
             self._tops = self._read_tops()
         return self._tops
 
     def certainty(self) -> dict[Cell, float]:
-        """Return, for each column with occupied voxels, the highest occupancy probability."""
+        """Return the highest occupancy probability in each column with occupied voxels."""
         voxels = self.map.occupied_voxels()
         probabilities = self.map.probability_at(voxels)
         order = np.argsort(probabilities, kind="stable")  # the most certain last: later entries replace earlier ones

@@ -1,4 +1,4 @@
-"""Paths through an OctoMap: the shortest over voxels that are known to be free and far enough from all others.
+"""Paths through an OctoMap: the shortest over voxels known to be free and far enough from all others.
 
 Unknown water counts as an obstacle. The clearance of a voxel is its distance from the nearest one that is not free (an
 exact Euclidean distance transform). Paths are found with Dijkstra's algorithm over the 26 neighbours of voxels with
@@ -69,7 +69,7 @@ class FreeWater:
         return np.vstack([*ends[:-1], inner, *ends_there[1:]])
 
     def _near(self, point: Floats, centre: Floats) -> bool:
-        """Return whether a point lies in the voxel with this centre."""
+        """Return whether a point lies in the voxel centred at `centre`."""
         return bool((np.abs(point - centre) < 0.5 * self._grid.edge_m).all())
 
     def _nearest_open(self, point: Floats) -> NDArray[np.int64]:
@@ -79,7 +79,7 @@ class FreeWater:
         return np.asarray(voxels[int(np.argmin(away))])
 
     def _clear(self, a: Floats, b: Floats) -> bool:
-        """Return whether a straight line keeps the clearance."""
+        """Return whether a straight line maintains the clearance."""
         return bool(self._open[tuple(self._grid.line(a, b).T)].all())
 
 
@@ -92,7 +92,7 @@ def go_by_map(
     margin_m: float = 15.0,
     speed_m_s: float = 0.4,
 ) -> Steps[Floats]:
-    """Go to a position (3,) through water that is free in a map; return the path's waypoints (n, 3).
+    """Travel to a position (3,) through water that is free in a map; return the path's waypoints (n, 3).
 
     margin_m: how far the path may extend beyond the box around start and goal. Raises StoppedError if there is no path.
     """

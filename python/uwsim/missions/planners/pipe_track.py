@@ -1,9 +1,9 @@
-"""The track of a pipe that a vehicle follows, from observations by its sonar and its camera.
+"""The track of a pipe that a vehicle follows, from sonar and camera observations.
 
 The sonar sees where the pipe crosses its fan, a few metres ahead; the camera sees the pipe below. Each new point beyond
 the track's end, from either instrument, extends the track. If the camera sees the pipe to the side of the track laid
-out by the sonar, the difference is the drift of the vehicle's position since then: the part of the track ahead is
-shifted by a fraction of it, which is the gain of a scalar Kalman filter for that offset.
+out by the sonar, the vehicle's position estimate has drifted by that offset since then: the part of the track ahead is
+shifted by a fraction of the offset, the gain of a scalar Kalman filter.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ STANDS_OUT = 0.35  # minimum height of a bump above the bed, in diameters
 NARROWEST, WIDEST = 0.3, 3.0  # width of a bump, in diameters
 BED_WINDOW = 6.0  # width of the running median, in diameters
 FEWEST_BEAMS = 20
-FIRST_REACH_M = 4.0  # how far to the side of the path the first sighting may be
-JUMP_M = 1.5  # how far a sighting may be from the extrapolated track
-STEEPEST = math.cos(math.radians(50.0))  # cosine of the largest angle between pipe in the picture and track
-NEW_M = 0.3  # minimum distance beyond the track's end of a point added by the camera
-PURSUED_M = 3.0  # distance ahead on the track at which the vehicle aims
-TRACK_M = 6.0  # length of the last part of the track, which determines its direction
-BESIDE_M = 2.0  # how far along the track its points are compared with the camera's sighting
-SONAR_M, CAMERA_M = 0.25, 0.15  # standard deviations of a sighting across the pipe
-DRIFT = 0.03  # drift of the vehicle's position, relative to the distance travelled
+FIRST_REACH_M = 4.0  # maximum distance of the first sighting from the path
+JUMP_M = 1.5  # maximum distance of a sighting from the extrapolated track
+STEEPEST = math.cos(math.radians(50.0))  # cosine of the maximum angle between the pipe in the picture and the track
+NEW_M = 0.3  # minimum distance past the track's end of a point added by the camera
+PURSUED_M = 3.0  # distance ahead on the track that the vehicle aims for
+TRACK_M = 6.0  # length of the final part of the track that determines its direction
+BESIDE_M = 2.0  # distance along the track within which its points are compared with the camera's sighting
+SONAR_M, CAMERA_M = 0.25, 0.15  # across-pipe standard deviations of a sighting
+DRIFT = 0.03  # drift of the vehicle's position estimate, relative to the distance travelled
 
 
 class PipeTrack:
@@ -45,11 +45,11 @@ class PipeTrack:
         self.length_m = 0.0
 
     def beyond_m(self, position: Floats) -> float:
-        """Return how far past the track's end a position is, along its direction."""
+        """Return how far a position is past the track's end, along the track's direction."""
         return float((position - self._end) @ self._direction)
 
     def ahead(self, position: Floats) -> Floats:
-        """Return the point to aim at, PURSUED_M ahead on the track or on its extension."""
+        """Return the point to aim for, PURSUED_M ahead on the track or on its extension."""
         for place in self.places[-50:]:
             away = place - position
             if float(away @ self._direction) > 0.0 and float(np.linalg.norm(away)) >= PURSUED_M:
@@ -71,7 +71,7 @@ class PipeTrack:
     def add_picture(self, pipe: SeenPipe | None) -> bool:
         """Correct and extend the track from the pipe in a picture (None if none is seen); return whether it fits.
 
-        Two consecutive pictures must show the pipe, since a single picture of caustics may look like it.
+        Two consecutive pictures must show the pipe, since caustics in a single picture may look like one.
         """
         before, self._seen_before = self._seen_before, False
         if pipe is None or abs(along := float(pipe.direction @ self._direction)) < STEEPEST:
@@ -91,7 +91,7 @@ class PipeTrack:
         return bool(self.places)
 
     def _aside_m(self, points: Floats) -> Floats:
-        """Return how far (n,) the points (n, 2) are to the side of the extrapolated track."""
+        """Return the distances (n,) of the points (n, 2) to the side of the extrapolated track."""
         return np.asarray(np.abs((points - self._end) @ (-self._direction[1], self._direction[0])))
 
     def _fits(self, place: Floats) -> bool:
@@ -110,7 +110,7 @@ class PipeTrack:
             self._direction = _direction(np.array(near), self._direction)
 
     def _shift(self, offset_m: Floats, since: Floats) -> None:
-        """Shift the part of the track ahead of a point by an offset times the filter's gain."""
+        """Shift the part of the track ahead of a point by the filter gain times an offset."""
         gain = self._variance_m2 / (self._variance_m2 + CAMERA_M**2)
         self._variance_m2 *= 1.0 - gain
         moved = [
@@ -123,8 +123,8 @@ class PipeTrack:
 def crossings(echoes_world_m: Floats, diameter_m: float) -> Floats:
     """Return the positions (k, 2) where echoes (n, 3), in beam order, show a bump on the bed as wide as a pipe.
 
-    The fan hits the bed along a line across the direction of travel. After subtracting the running median, which is the
-    bed, a pipe is a bump.
+    The fan hits the bed along a line across the direction of travel. The bed is the running median; after subtracting
+    it, a pipe appears as a bump.
     """
     if len(echoes_world_m) < FEWEST_BEAMS:
         return np.empty((0, 2))

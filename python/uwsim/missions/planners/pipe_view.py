@@ -1,11 +1,11 @@
-"""Finds a pipe in a picture of the bed: a straight bar of about its width that differs from the bed on both sides.
+"""Finds a pipe in a picture of the bed: a straight bar of the right width that differs from the bed on both sides.
 
-The picture is projected onto the level of the pipe's axis, so that lengths are in metres regardless of lens, height and
-tilt. For each direction, values are averaged along all parallel lines (a Radon transform), and each bar as wide as the
-pipe is compared with the strips on both sides. The bar that differs most is the pipe. The comparison uses the
-logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics, shadows
-and lamps brighten and darken all colours together, so they count little compared with a difference of hue. The method
-needs light, water that is clear down to the bed, and both sides of the pipe in the picture.
+The picture is projected onto the horizontal plane of the pipe's axis, so that lengths are in metres regardless of lens,
+height and tilt. For each direction, values are averaged along all parallel lines (a Radon transform), and each bar as
+wide as the pipe is compared with the strips on both sides. The bar that differs most is the pipe. The comparison uses
+the logarithms of the three colours, whitened by their covariance in the picture (Mahalanobis distance): caustics,
+shadows and lamps brighten and darken all colours together, so they count little compared with a difference of hue. The
+method needs light, water that is clear down to the bed, and both sides of the pipe in the picture.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ DIRECTIONS = 36
 CELLS = 8  # across the pipe's width
 # in cells: half the bar's width, and the gap to the strips of half its width on both sides
 HALF, GAP = CELLS // 2, 1
-FARTHEST = 1.2  # how far around the camera to search, in multiples of its height above the pipe's axis
+FARTHEST = 1.2  # search radius around the camera, in multiples of its height above the pipe's axis
 SHARPEST = 1.25  # minimum contrast of a pipe, in standard deviations
-SHORTEST = 2.0  # minimum length of the bar in the picture, in widths
-LEAST_DEVIATION = 0.01  # standard deviation of a colour's logarithm below which it is sensor noise
-DARK = 2.0  # of 255; a picture with a lower median is too dark
+SHORTEST = 2.0  # minimum length of the bar in the picture, in pipe widths
+LEAST_DEVIATION = 0.01  # a smaller standard deviation of a colour's logarithm is sensor noise
+DARK = 2.0  # out of 255; a picture with a lower median is too dark
 
 
 @dataclass(frozen=True, eq=False)
 class SeenPipe:
-    """A pipe in a picture. point_world_m: (2,), the point on its axis nearest to the point below the camera.
+    """A pipe in a picture. point_world_m: (2,), the point on the pipe's axis nearest to the point below the camera.
 
     direction (2,): unit vector along the pipe, of either sign. reach_m: the visible interval along it, relative to that
     point. contrast: in standard deviations.
@@ -68,7 +68,7 @@ def pipe_in_picture(frame: PictureLike, bed_z_m: float, diameter_m: float) -> Se
 
 
 def pixels_of(points_world_m: Floats, info: LensLike, world_from_camera: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """Project points (n, 3) into a picture: return (n, 2) column and row, and (n,) whether each is inside it.
+    """Project points (n, 3) into a picture; return (column, row), (n, 2), and a mask (n,) of points inside it.
 
     The lens model is Brown and Conrady's (OpenCV's "plumb_bob"). world_from_camera: x ahead, y left, z up.
     """
@@ -98,7 +98,7 @@ def _qualities(rgb: NDArray[np.uint8], pixels: Floats) -> Floats:
 
 
 def _strongest_bar(x: Floats, y: Floats, values: Floats, edge_m: float, below_m: Floats) -> SeenPipe | None:
-    """Return the pipe, if any, from the values (3, n) at x and y (n,), relative to the point below the camera."""
+    """Return the pipe, if any, found in the values (3, n) at x and y (n,), relative to the point below the camera."""
     best, contrast = (0, 0), 0.0
     for k in range(DIRECTIONS):
         line, first = _lines(x, y, k, edge_m)
@@ -125,7 +125,7 @@ def _lines(x: Floats, y: Floats, k: int, edge_m: float) -> tuple[NDArray[np.int6
 
 
 def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tuple[float, float]:
-    """Return the interval along a bar in which the values are closer to the bar's own mean than to that of its sides.
+    """Return the interval along a bar where the values are closer to the bar's mean than to that of its sides.
 
     aside: distance from the bar's centre line, in cells.
     """
@@ -142,7 +142,7 @@ def _reach(along_m: Floats, aside: Floats, values: Floats, edge_m: float) -> tup
 
 
 def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
-    """Return the contrast of the bar on each line, from the line indices of all points (n,) and their values (3, n)."""
+    """Return the contrast of the bar on each line, given the line indices (n,) and values (3, n) of all points."""
     count = np.bincount(line).astype(np.float64)
     sums = np.array([np.bincount(line, weights=row) for row in values])
     inner = np.arange(-HALF, HALF + 1)
@@ -155,7 +155,7 @@ def _bars(line: NDArray[np.int64], values: Floats) -> Floats:
 
 
 def _mean(sums: Floats, count: Floats, shifts: NDArray[np.int64]) -> Floats:
-    """Return the means over the lines at these shifts from each line, (3, lines); NaN if too little of any is seen."""
+    """Return each line's means (3, lines) over the lines at these shifts from it; NaN where too little is seen."""
     total, seen = np.zeros_like(sums), np.zeros_like(count)
     enough = np.ones(len(count), bool)
     for shift in shifts:

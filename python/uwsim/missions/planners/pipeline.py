@@ -1,10 +1,10 @@
-"""Pipeline following: steers by bumps on the bed in the sonar's pings, and by the pipe in camera pictures.
+"""Pipeline following: steers by bumps on the bed in sonar pings and by the pipe in camera pictures.
 
 The tilted fan crosses the pipe a few metres ahead, and the camera sees it below (`pipe_view`). The pipe's track
-(`pipe_track`) is built from both, or from one alone if the other sees nothing. The vehicle pursues the track (Coulter,
-"Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992). Neither charts nor labels are
-used. A pipe that crosses the path at more than about 60 degrees fills the fan and does not appear as a bump: start
-roughly along it.
+(`pipe_track`) is built from both, or from one alone if the other sees nothing. The vehicle follows the track by pure
+pursuit (Coulter, "Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992). Neither charts
+nor labels are used. A pipe that crosses the path at more than about 60 degrees fills the fan and does not appear as a
+bump: start roughly along it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ BLIND_S = 15.0  # time without a sighting after which an instrument counts as no
 class PipelineTrack:
     """The outcome of `follow_pipeline`.
 
-    crossings_m: positions where the pipe was seen, in order, (n, 2). by_sonar, by_camera: numbers of sightings.
+    crossings_m: positions where the pipe was seen, in order, (n, 2). by_sonar, by_camera: number of sightings by each.
     pictures: number of pictures taken along length_m.
     """
 
@@ -61,11 +61,11 @@ def follow_pipeline(
     camera: str | None = "down",
     picture_every_m: float = 5.0,
 ) -> Steps[PipelineTrack]:
-    """Go to start_m (2,), search for a pipe along heading_rad, and follow it until it is not seen for search_m.
+    """Travel to start_m (2,), search for a pipe along heading_rad, and follow it until it is not seen for search_m.
 
-    camera: a camera that looks down; it is also used for steering, and takes a picture every picture_every_m. None: no
-    camera. Logs `pipe_found`, `picture` with the mean and the standard deviation of its grey levels (0..255) as
-    brightness and contrast, `unseen` if sonar or camera have not seen the pipe for some time, and `pipe_lost`. Raises
+    camera: a downward-looking camera, also used for steering, that takes a picture every picture_every_m; None for no
+    camera. Logs `pipe_found`, `picture` with the mean and standard deviation of its grey levels (0..255) as brightness
+    and contrast, `unseen` if the sonar or camera has not seen the pipe for some time, and `pipe_lost`. Raises
     StoppedError if no pipe is found within search_m, and ValueError for invalid arguments.
     """
     require_positive(diameter_m=diameter_m, search_m=search_m, picture_every_m=picture_every_m)
@@ -99,7 +99,7 @@ def follow_pipeline(
 
 
 class _Look:
-    """Looks for the pipe with sonar and camera whenever each is due. sights: sightings by each of them."""
+    """Looks for the pipe with sonar and camera whenever either is due. sights: number of sightings by each."""
 
     def __init__(self, vehicle: OwnVehicle, lookout: Wayfinder, eye: Any, track: PipeTrack, diameter_m: float) -> None:
         self._vehicle, self._lookout, self._track, self._diameter_m = vehicle, lookout, track, diameter_m
@@ -134,7 +134,7 @@ class _Look:
             self.sights[name] += 1
             self._seen_s[name] = now_s
         elif now_s - self._seen_s[name] > BLIND_S:
-            self._seen_s[name] = math.inf  # logged once, until it is seen again
+            self._seen_s[name] = math.inf  # logged only once until it is seen again
             self._vehicle.log("unseen", **{name: True})
 
 

@@ -1,7 +1,7 @@
-"""A digital twin: map an area while mowing it, revisit where the map is thin or uncertain, return and dock.
+"""A digital twin: map an area while mowing it, revisit places where the map is thin or uncertain, return and dock.
 
 A column of the map is thin if no voxel in it is occupied. It is uncertain if none is occupied with a probability of at
-least `certain`: its observations contradict each other, or only one or two were made, from afar.
+least `certain`, either because observations contradict each other or because only one or two were made, from afar.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from uwsim.missions.stopped import StoppedError
 from uwsim.navigation.control.protocols import PingLike, PoseLike
 
 PING_PERIOD_S = 0.2
-PATCH = 3  # columns along each side of the patches that are revisited
+PATCH = 3  # number of columns along each side of the patches that are revisited
 DOCK_AHEAD_M, DOCK_SPEED_M_S, SETTLE_S = 0.8, 0.2, 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """The outcome of `make_twin`. map: built in the whole flight; first_map: as it was before any revisit.
+    """The outcome of `make_twin`. map: built during the whole flight; first_map: the map before any revisit.
 
     weak_before, weak_after: fraction of the area's columns that were thin or uncertain, before and after. patches:
     number of patches revisited. docked: whether the vehicle is back in the station's dock.
@@ -61,7 +61,7 @@ def make_twin(
     certain: float = 0.8,
     most_patches: int = 20,
 ) -> Steps[Twin]:
-    """Build the twin of an area (k, 2); a docked vehicle first leaves its dock, and docks again at the end.
+    """Build the twin of an area (k, 2); a docked vehicle first undocks, and docks again at the end.
 
     Logs `weak` with the fraction of weak columns after each stage, `patch` for each revisited patch, and `docked`.
     Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
@@ -123,7 +123,7 @@ def return_and_dock(lookout: Wayfinder, dock: PoseLike, exit_world_m: NDArray[np
 
 
 def _columns(cells: Cells, lanes: Sequence[Lane]) -> set[Cell]:
-    """Return the columns inside the polygon, from lanes across it that are one column apart."""
+    """Return the columns inside the polygon, using lanes across it that are one column apart."""
     points = []
     for lane in lanes:
         steps = np.arange(0.0, lane.length_m, 0.5 * cells.edge_m)
@@ -143,7 +143,7 @@ def _worst(weak: set[Cell], tried: set[Cell], cells: Cells, vehicle: OwnVehicle)
 
 
 def _middle(patch: Cell, cells: Cells) -> tuple[float, float]:
-    """Return the centre of a patch in the world."""
+    """Return the world position of a patch's centre."""
     corners = [
         cells.middle_m((PATCH * patch[0] + a, PATCH * patch[1] + b)) for a, b in product((0, PATCH - 1), repeat=2)
     ]

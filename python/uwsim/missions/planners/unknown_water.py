@@ -1,14 +1,14 @@
-"""The adaptive lawn-mower for unknown water: without polygon or chart, it turns where the sonar sees an obstacle.
+"""The adaptive lawn-mower for unknown water: with neither polygon nor chart, it turns where the sonar sees an obstacle.
 
 It flies lanes back and forth, one line spacing apart. A lane ends where the sonar sees anything ahead that cannot be
-passed over; then the vehicle steps aside and turns. If no unflown water is left next to it, it returns over flown water
+passed over; the vehicle then side-steps and turns. If no unflown water is left next to it, it returns over flown water
 to the nearest opening, and continues mowing from there. The mission is complete when no opening is left within the
 bound.
 
-The rule for turning is the published simulator's; returning to openings is BA* (Viet, Dang, Laskar and Chung, "BA*: an
-online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line spacing.
-The mission leaves out cells containing anything higher than the vehicle may fly, and water that is connected only by
-passages narrower than about two cells.
+The turning rule is the published simulator's; the return to openings follows BA* (Viet, Dang, Laskar and Chung, "BA*:
+an online complete coverage algorithm for cleaning robots", Applied Intelligence 39, 2013), with cells of one line
+spacing. The mission leaves out cells containing anything higher than the vehicle may fly, and water that is connected
+only by passages narrower than about two cells.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from uwsim.missions.planners.wayfinder import PASSABLE_Z_M, Wayfinder
 from uwsim.missions.steps import Steps
 from uwsim.missions.stopped import StoppedError
 
-ECHOES_TO_CLOSE = 4  # echoes in one ping that close a cell
-OVERSHOOT = 1.0  # how far beyond the next cell to aim, in cells
-STUCK_S = 30.0  # added to the time limit of a cell, four times its nominal duration
+ECHOES_TO_CLOSE = 4  # this many echoes in one ping close a cell
+OVERSHOOT = 1.0  # how far past the next cell to aim, in cells
+STUCK_S = 30.0  # added to a cell's time limit, which is otherwise four times its nominal duration
 STUCK_CELLS = 3  # after this many in a row, the vehicle itself counts as stuck
 FIND_BED_S, FIND_BED_M_S = 180.0, 0.3
-ARRIVED = 0.25  # distance from a cell's centre, in cells, within which the next one is chosen
+ARRIVED = 0.25  # distance from a cell's centre, in cells, within which the next cell is chosen
 PRIORITY: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))  # along the lane first, then to the side
 
 
 @dataclass(frozen=True)
 class MownWater:
-    """Flown water: centres (n, 2) of the cells that the vehicle visited, and of those that it found closed."""
+    """The water flown: centres (n, 2) of the cells that the vehicle visited, and of those that it found closed."""
 
     flown_m: tuple[tuple[float, float], ...]
     closed_m: tuple[tuple[float, float], ...]
@@ -59,9 +59,9 @@ def mow_unknown_water(
 ) -> Steps[MownWater]:
     """Mow all water that can be reached within bound_m of the start; return the flown cells.
 
-    line_spacing_m: by default half of the swath width on a flat bed. heading_rad: direction of the lanes; by default
-    the vehicle's heading. Logs `closed` with a reason for each cell that is closed, `opening` where mowing continues,
-    and `complete`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
+    line_spacing_m: defaults to half of the swath width on a flat bed. heading_rad: lane direction; defaults to the
+    vehicle's heading. Logs `closed` with a reason for each cell that is closed, `opening` where mowing continues, and
+    `complete`. Raises ValueError for invalid arguments, StoppedError if the vehicle cannot continue.
     """
     lookout = Wayfinder(vehicle, altitude_m, speed_m_s)
     spacing_m = 0.5 * lookout.swath_m if line_spacing_m is None else line_spacing_m
@@ -134,7 +134,7 @@ class _Mower:
             self._vehicle.log("closed", position_m=list(self._cells.middle_m(cell)), reason=reason)
 
     def _enter(self, cell: Cell, following: Cell) -> Steps[bool]:
-        """Fly into a neighbouring cell along the line through both; return whether the vehicle got there."""
+        """Fly into a neighbouring cell along the line through both cells; return whether the vehicle got there."""
         edge_m, lookout = self._cells.edge_m, self._lookout
         (x, y), (to_x, to_y) = self._cells.middle_m(cell), self._cells.middle_m(following)
         ahead = ((to_x - x) / edge_m, (to_y - y) / edge_m)
@@ -170,7 +170,7 @@ class _Mower:
         return math.cos(yaw_rad) * ahead[0] + math.sin(yaw_rad) * ahead[1] > math.cos(math.radians(30.0))
 
     def _chart(self) -> None:
-        """Close the cells containing anything that the vehicle cannot pass over."""
+        """Close the cells that contain anything the vehicle cannot pass over."""
         echoes = self._lookout.echoes_world_m
         high = echoes[echoes[:, 2] > PASSABLE_Z_M]
         if len(high) < ECHOES_TO_CLOSE:

@@ -1,4 +1,4 @@
-"""Visits patches of an area that the sonar has not seen, viewing each from the distance where its fan hits the bed."""
+"""Visits patches of an area that the sonar has not seen, viewing each from the distance where the fan hits the bed."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from uwsim.missions.planners.area_pilot import AreaPilot
 from uwsim.missions.steps import Steps
 
 MOST_PATCHES = 40
-TOO_NEAR, TOO_FAR = 1.1, 1.8  # range from which to look at a patch, in view distances
+TOO_NEAR, TOO_FAR = 1.1, 1.8  # distances from which to look at a patch, in multiples of the view distance
 
 
 def look_at_unseen(pilot: AreaPilot) -> Steps[int]:
-    """Look at each reachable unseen patch, nearest first; return the number tried. Logs `unseen` for each."""
+    """Look at each reachable unseen patch, nearest first; return the number tried. Logs `unseen` for each patch."""
     chart, vehicle, tried = pilot.chart, pilot.lookout.vehicle, 0
     given_up: list[NDArray[np.float64]] = []
     while tried < MOST_PATCHES:

@@ -1,8 +1,8 @@
-"""Wall scan by sonar: sideways passes along a wall, facing it at a fixed distance, each at its own depth and tilt.
+"""Wall scan by sonar: sideways passes along a wall, facing it at a constant distance, each at its own depth and tilt.
 
-Seen from above, the echoes of the middle beams lie on a line: the wall. The line's normal gives the heading to hold,
-and the distance to the line is kept constant. A pass ends after its length, where the wall ends, or at a corner. The
-wall must be steep: seen from above, a tilted fan hits a slope nearer or farther away than it is at the vehicle's depth.
+Seen from above, the echoes of the middle beams lie on a line: the wall. Its normal gives the heading to hold, and the
+distance to the line is kept constant. A pass ends after its length, where the wall ends, or at a corner. The wall must
+be steep: seen from above, a tilted fan hits a slope nearer or farther away than it is at the vehicle's depth.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from uwsim.navigation.control.autopilot import wrap_angle
 Floats = NDArray[np.float64]
 MIDDLE_SHARE = 0.5  # fraction of the fan's beams that count as the middle ones
 FEWEST_ECHOES = 10
-FARTHEST = 2.5  # in multiples of the distance to keep; anything farther away is not the wall
+FARTHEST = 2.5  # in multiples of the distance to maintain; anything farther away is not the wall
 TO_WALL_PER_S, TO_WALL_M_S = 0.5, 0.3
 OFF_M, OFF_RAD, SETTLE_S = 0.3, math.radians(5.0), 90.0
 CORNER_RAD = math.radians(40.0)
@@ -55,7 +55,7 @@ def scan_wall(
     tilts_deg: Sequence[float] = (-15.0, 15.0),
     speed_m_s: float = 0.3,
 ) -> Steps[list[WallPass]]:
-    """Scan the wall that the vehicle faces, one pass per depth and tilt, alternately to starboard and to port.
+    """Scan the wall that the vehicle faces, one pass per depth and tilt, moving alternately to starboard and to port.
 
     tilts_deg: tilts of the sonar head, positive up. Logs `pass`. Raises StoppedError if there is no wall or the vehicle
     is stuck, and ValueError for invalid arguments.
@@ -75,7 +75,7 @@ def scan_wall(
 
 
 def _settle(vehicle: OwnVehicle, distance_m: float, depth_m: float) -> Steps[None]:
-    """Face the wall at the required distance and depth, and wait until they and the heading are within tolerance."""
+    """Face the wall at the required distance and depth, and wait until all of these are within tolerance."""
     end_s = vehicle.time_s + SETTLE_S
     while True:
         wall = wall_ahead(vehicle, FARTHEST * distance_m)
@@ -100,7 +100,7 @@ def _pass(
     tilt_deg: float,
     speed_m_s: float,
 ) -> Steps[WallPass]:
-    """Move to port (side = 1) or to starboard (-1) along the wall."""
+    """Fly one pass along the wall, to port (side = 1) or to starboard (-1)."""
     start, first_rad = np.array(vehicle.pose.position_world_m[:2], np.float64), vehicle.pose.yaw_rad
     end_s, off_m2, flown_m, ended = vehicle.time_s + SLOWEST * length_m / speed_m_s, [], 0.0, False
     while flown_m < length_m:

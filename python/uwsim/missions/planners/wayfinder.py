@@ -16,12 +16,12 @@ from uwsim.missions.steps import Steps
 from uwsim.navigation.control.protocols import PingLike
 
 STOP_M, STOP_S = 2.5, 2.0  # it stops for obstacles at its height within STOP_M + STOP_S x speed of its origin
-CLEARANCE_M = 1.5  # clearance below the vehicle at its highest
+CLEARANCE_M = 1.5  # clearance below the vehicle when it flies highest
 PASSABLE_Z_M = HIGHEST_Z_M - CLEARANCE_M
 """Anything higher is a shoal."""
-GRACE_S = 60.0  # added to the time limit of a path, five times its nominal duration
-HALF_WIDTH_M = 1.5  # half the width of the corridor in which objects at the vehicle's height block it
-VIEW_S = 12.0  # time ahead at which the sonar's fan hits a flat bed
+GRACE_S = 60.0  # added to a path's time limit, which is otherwise five times its nominal duration
+HALF_WIDTH_M = 1.5  # half the width of the corridor in which objects at the vehicle's height block its way
+VIEW_S = 12.0  # look-ahead time at which the sonar's fan hits a flat bed
 TURN_FIRST_RAD = math.radians(25.0)
 ECHOES_OF_A_THING = 3  # fewer echoes at the vehicle's height may be false detections
 
@@ -30,7 +30,7 @@ OnPing = Callable[[PingLike, Floats], object]
 
 
 class Wayfinder(Lookout):
-    """A lookout that goes to points and charts the shoals that it cannot pass over.
+    """A lookout that travels to waypoints and charts the shoals that it cannot pass over.
 
     Also uses a level range finder called 'proximity_fore' if the vehicle has one. view_m: distance ahead at which the
     tilted fan hits a flat bed. on_ping: called with each ping and its echoes (n, 3) in the world frame. Raises
@@ -61,28 +61,28 @@ class Wayfinder(Lookout):
 
     @property
     def swath_m(self) -> float:
-        """Width of the fan where it hits a flat bed, from the beam angles of a new ping; see `tilt`."""
+        """Width of the fan where it hits a flat bed, from a new ping's beam angles; see `tilt`."""
         ping = self.vehicle.sonar.ping()
         angles = np.asarray(getattr(ping, "angles_rad", np.array([-0.5, 0.5])), np.float64)
         return 2.0 * math.hypot(self.view_m, self.altitude_m) * math.tan(0.5 * float(np.ptp(angles)))
 
     @property
     def echoes_world_m(self) -> Floats:
-        """The echoes of the latest ping, (n, 3), world frame."""
+        """The echoes of the latest ping, (n, 3), in the world frame."""
         return self._echoes
 
     @property
     def ahead_m(self) -> float:
-        """Distance ahead to the nearest obstacle at the vehicle's height when last observed; inf if there is none."""
+        """Distance to the nearest obstacle ahead at the vehicle's height, as last observed; inf if there is none."""
         return self._ahead_m
 
     @property
     def must_stop(self) -> bool:
-        """Whether an obstacle at the vehicle's height is so close ahead that the vehicle must stop."""
+        """Whether the vehicle must stop because an obstacle at its height is close ahead."""
         return self._ahead_m < STOP_M + STOP_S * self.speed_m_s
 
     def tilt(self) -> Steps[None]:
-        """Tilt the sonar for the view distance, and wait on the spot until the head gets there."""
+        """Tilt the sonar for the view distance, and wait on the spot until the head has reached that tilt."""
         tilt_rad = -math.atan2(self.altitude_m, self.view_m)
         sonar = self.vehicle.sonar
         sonar.aim(tilt_rad)
@@ -95,9 +95,9 @@ class Wayfinder(Lookout):
         within_m: float = 1.0,
         enough: Callable[[], bool] = lambda: False,
     ) -> Steps[bool]:
-        """Go to a point (2,), around shoals seen on the way, until within within_m of it or until `enough` is true.
+        """Travel to a point (2,), around shoals seen on the way, until within within_m of it or `enough` returns true.
 
-        Return False if there is no path to it, or it was not reached in time.
+        Returns False if there is no path to it or it was not reached in time.
         """
         goal = float(point_world_m[0]), float(point_world_m[1])
         x, y, _ = self.vehicle.pose.position_world_m.tolist()
@@ -116,7 +116,7 @@ class Wayfinder(Lookout):
         return True
 
     def towards(self, point_world_m: Sequence[float] | Floats) -> Steps[None]:
-        """Fly one control period towards a point (2,), more slowly near it."""
+        """Fly one control period towards a point (2,), slowing down near it."""
         x, y, _ = self.vehicle.pose.position_world_m.tolist()
         to = float(point_world_m[0]), float(point_world_m[1])
         yield from self.head_for(to, min(self.speed_m_s, 0.15 + 0.4 * math.dist(to, (x, y))))
@@ -133,7 +133,7 @@ class Wayfinder(Lookout):
         return ping
 
     def _distance_ahead_m(self, position: Floats, yaw_rad: float) -> float:
-        """Return the distance to the nearest obstacle ahead that is higher than half the altitude below the vehicle."""
+        """Return the distance to the nearest obstacle ahead that rises above half the altitude below the vehicle."""
         away = self._echoes - position
         ahead = away @ (math.cos(yaw_rad), math.sin(yaw_rad), 0.0)
         aside = away @ (-math.sin(yaw_rad), math.cos(yaw_rad), 0.0)
@@ -143,6 +143,6 @@ class Wayfinder(Lookout):
         if self._fore is None:
             return seen_m
         fore_m = float(self._fore.read())
-        # a longer reading may be the bed, or the sensor's maximum
+        # a longer reading may be the bed or the sensor's maximum
         near = fore_m < STOP_M + STOP_S * self.speed_m_s
         return min(seen_m, fore_m) if near else seen_m
