@@ -1,4 +1,4 @@
-"""Access control of uwsim's servers: browser origins, tokens, the number of clients, encryption."""
+"""Access control for uwsim's servers: browser origins, tokens, client limits, encryption."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Fields(Protocol):
 
 
 class Door:
-    """Decides which browser pages may connect, and under which host names of this machine.
+    """Decides which browser pages may connect, and by which of this machine's host names.
 
     pages: additional origins, such as "https://station.example:8080", or those of desktop programs built from web
     pages, such as "app://station" or "file://" (which is the origin of every page that a browser opens from a file).
@@ -82,7 +82,7 @@ class Door:
 
 
 def check_token(token: str | None) -> None:
-    """Raise ValueError for a token of a wrong length, or that cannot be sent in a URL."""
+    """Raise ValueError for a token that has the wrong length or cannot be sent in a URL."""
     if token is not None and not re.fullmatch(r"[A-Za-z0-9_.~-]{8,256}", token):
         raise ValueError("token: must have 8 to 256 characters of A-Z a-z 0-9 _ . ~ -")
 
@@ -96,7 +96,7 @@ def has_token(request: Request, token: str) -> bool:
 
 
 class Admission:
-    """The rules of one server: pages, token and maximum number of clients. Raises ValueError."""
+    """One server's rules: pages, token and maximum number of clients. Raises ValueError."""
 
     def __init__(self, host: str, *, pages: Iterable[str] = (), token: str | None = None, places: int) -> None:
         check_token(token)
@@ -108,8 +108,7 @@ class Admission:
     def refusal(self, request: Request, *, clients: int | None) -> Refusal | None:
         """Return the reason to refuse a request, or None; refusals are logged.
 
-        clients: the number of connected clients; None for a request for a page or a file, where the site checks the
-        token.
+        clients: the number of connected clients, or None for a page or file request, where the site checks the token.
         """
         reason = self.door.refusal(request.headers, names_matter=not is_socket(request))
         if reason is None and clients is not None:
@@ -125,7 +124,7 @@ class Admission:
         return reason
 
     def _log(self, why: str) -> None:
-        """Log a refusal once: browsers do not show the reason, and a page must not be able to fill the log."""
+        """Log a refusal once: browsers do not show the reason, and no page may be able to fill the log."""
         if why not in self._logged and len(self._logged) < REFUSALS_LOGGED:
             self._logged.add(why)
             logger.warning("a client was refused: %s", why.encode("ascii", "backslashreplace").decode())
@@ -137,7 +136,7 @@ def is_socket(request: Request) -> bool:
 
 
 def tls_context(certfile: Path | str | None, keyfile: Path | str | None) -> ssl.SSLContext | None:
-    """Return the TLS context of a server, or None without a certificate. Raises ValueError or OSError."""
+    """Return a server's TLS context, or None without a certificate. Raises ValueError or OSError."""
     if certfile is None:
         if keyfile is not None:
             raise ValueError("keyfile: needs certfile, too")

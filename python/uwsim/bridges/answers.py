@@ -1,4 +1,4 @@
-"""Service calls: they run on separate threads, and are answered once, with values or the reason for a failure."""
+"""Service calls, which run on separate threads and are answered exactly once, with values or the reason for failure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Answer = Callable[[bool, Any], object]
 
 
 def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
-    """Return whether a call succeeds, and its values or the reason for the failure. Never raises an Exception."""
+    """Return whether a call succeeded, and its values or the reason for the failure. Never raises an Exception."""
     try:
         return True, call()
     except CancelledError:
@@ -26,7 +26,7 @@ def outcome(call: Callable[[], Any], log: Logger) -> tuple[bool, Any]:
 
 
 class Lane:
-    """A pool of threads for calls that may block. most: the limit on unanswered calls; None: no limit."""
+    """A pool of threads for calls that may block. most: maximum number of unanswered calls; None for no limit."""
 
     def __init__(self, name: str, threads: int, log: Logger, most: int | None = None) -> None:
         self._pool = ThreadPoolExecutor(threads, thread_name_prefix=name)
@@ -37,7 +37,7 @@ class Lane:
     def submit(self, call: Callable[[], Any], answer: Answer) -> None:
         """Run a call on one of the threads, and send the answer from that thread.
 
-        Raises ValueError if too many calls wait, RuntimeError after `close`.
+        Raises ValueError if too many calls are waiting, RuntimeError after `close`.
         """
         if self._free is not None and not self._free.acquire(blocking=False):
             raise ValueError(f"{self._most} calls are already waiting: this one is refused")
@@ -50,5 +50,5 @@ class Lane:
         self._pool.submit(call).add_done_callback(finish)
 
     def close(self) -> None:
-        """Start no more calls; queued calls fail."""
+        """Stop starting calls; queued calls fail."""
         self._pool.shutdown(wait=False, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""Bridge: the base of all bridges, which connect a live simulator or a recording to peers outside this process."""
+"""Bridge: base class of all bridges, which connect a live simulator or a recording to peers outside this process."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SERVICE_THREADS = 4
 
 
 class Bridge:
-    """The simulator's side of a bridge: channels and services by name, the feed for readings, threads for calls.
+    """The simulator's side of a bridge: channels and services by name, a feed for readings, and threads for calls.
 
-    A channel is read only while a peer subscribes to it. `take` receives its readings on the simulator's thread, which
+    A channel is read only while a peer subscribes to it. `take` receives the readings on the simulator's thread, which
     it must not block. Commands and calls may come from any thread; they take effect between two steps.
 
-    name: used in the names of the logger, uwsim.NAME, and of threads. live: None if the feed is that of a recording,
-    which accepts no commands. feed: shared with other sinks, so that each reading is taken only once; by default a new
-    one. open_calls: the limit on unanswered calls; None: the subclass limits them.
+    name: used to name the logger, uwsim.NAME, and the threads. live: None if the feed plays a recording, which accepts
+    no commands. feed: shared with other sinks so that each reading is taken only once; defaults to a new one.
+    open_calls: maximum number of unanswered calls; None if the subclass limits them.
     """
 
     def __init__(
@@ -54,11 +54,11 @@ class Bridge:
         self._going_on: list[Subscription] = []
 
     def keep_up(self) -> None:
-        """Start the work that channels do whether or not they are read. Subclass constructors call this last."""
+        """Start the work that channels do even when they are not being read. Subclass constructors call this last."""
         self._going_on = keep_up(self.live, self.outputs.values())
 
     def close(self) -> bool:
-        """Stop reading, commands and calls; return whether this was the first call."""
+        """Stop readings, commands and calls; return whether this was the first call to `close`."""
         with self._lock:
             was_open, self.is_closed = not self.is_closed, True
             ends = list(self._ends.values())
@@ -102,7 +102,7 @@ class Bridge:
         return name in self._ends
 
     def demand(self, name: str, is_wanted: bool) -> None:
-        """Start or stop reading a channel. If this fails, log the reason."""
+        """Start or stop reading a channel. Failures are logged."""
         if not is_wanted:
             self.leave(name)
             return
@@ -136,7 +136,7 @@ class Bridge:
         self.log.warning("%s", reason)
 
     def abandon(self, channel: Channel) -> None:
-        """Notify a channel that the last peer that sent commands on it has gone."""
+        """Notify a channel that the last peer to send commands on it has gone."""
         if channel.abandoned is None or self.live is None:
             return
         try:

@@ -1,4 +1,4 @@
-"""HeardConnection: a client's WebSocket that limits how much work the client can cause, and tracks its liveness."""
+"""HeardConnection: a client WebSocket that limits how much work the client can cause, and tracks its liveness."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from websockets.frames import CloseCode, Frame, Opcode
 READ_BYTES = 1 << 13  # bytes per read; enough for a thousand frames without content
 CONTINUATIONS = 1000  # frames per message
 UNREAD_PONGS_BYTES = 1 << 20
-HEAD_S = 5.0  # time limit for the TLS handshake, and for a request's headers
+HEAD_S = 5.0  # time limit for the TLS handshake and for request headers
 GOING_S = 2.0  # time limit for the closing handshake
 REASON_BYTES = 123  # RFC 6455, section 5.5
 
 
 class HeardConnection(ServerConnection):
-    """A connection that tracks for how long nothing has been received, not even answers to pings.
+    """A connection that tracks how long nothing has been received, not even replies to pings.
 
     silent_s: seconds without received data, incremented by the server; time during which the event loop was blocked
-    does not count. most: the limit on a server's connections, including half-open ones; further connections are
+    does not count. most: maximum number of connections to the server, including half-open ones; further connections are
     aborted.
     """
 
@@ -35,7 +35,7 @@ class HeardConnection(ServerConnection):
         self._unread_pongs_bytes = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Limit the size of a read and the number of connections."""
+        """Limit the read size and the number of connections."""
         super().connection_made(transport)
         if hasattr(transport, "max_size"):
             transport.max_size = READ_BYTES
@@ -45,7 +45,7 @@ class HeardConnection(ServerConnection):
         self.loop.call_later(HEAD_S, self._require_head)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Make room for another connection."""
+        """Make room for a new connection."""
         self.made.discard(self)
         super().connection_lost(exc)
 
@@ -54,7 +54,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Record that the client is alive. A client that keeps pinging without reading the answers is disconnected."""
+        """Record that the client is alive. A client that keeps pinging without reading the replies is disconnected."""
         self.silent_s = 0.0
         before = self.transport.get_write_buffer_size()
         super().data_received(data)
@@ -64,7 +64,7 @@ class HeardConnection(ServerConnection):
             self.transport.abort()
 
     def process_event(self, event: Any) -> None:
-        """Process a frame. A message in very many frames is refused, because each frame costs more than its bytes."""
+        """Process a frame. A message in too many frames is refused, since each frame costs more than its bytes."""
         if isinstance(event, Frame) and event.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._continuations = self._continuations + 1 if event.opcode is Opcode.CONT else 0
             if self._continuations > CONTINUATIONS:
@@ -73,7 +73,7 @@ class HeardConnection(ServerConnection):
         super().process_event(event)
 
     async def dismiss(self, reason: str) -> None:
-        """Close with a reason, even within a message; do not wait long for a client that may not be reading."""
+        """Close with a reason, even in mid-message; do not wait long for a client that may not be reading."""
         reason = reason.encode()[:REASON_BYTES].decode(errors="ignore")
         try:
             async with asyncio.timeout(GOING_S), self.send_context():

@@ -1,4 +1,4 @@
-"""Traffic on a client's WebSocket: reads frames at a bounded rate, and sends frames queued for the client."""
+"""Traffic on a client's WebSocket: reads frames at a limited rate, and sends the frames queued for the client."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PIECE = 1 << 18  # characters or bytes; a larger message is sent in several fram
 
 
 class Allowance:
-    """A token bucket that limits what a client may send: a burst worth one second, then `rate` per second."""
+    """A token bucket that limits what a client may send: a burst of one second's worth, then `rate` per second."""
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
@@ -25,7 +25,7 @@ class Allowance:
         self._seen_s = time.monotonic()
 
     def delay_after(self, amount: float) -> float:
-        """Consume an amount; return the seconds to wait before the next."""
+        """Consume an amount; return the number of seconds to wait before the next."""
         now_s = time.monotonic()
         self._left = min(self._rate, self._left + (now_s - self._seen_s) * self._rate) - amount
         self._seen_s = now_s
@@ -33,7 +33,7 @@ class Allowance:
 
 
 class Rates(NamedTuple):
-    """Limits on what a client may send per second; a client that sends more is read more slowly."""
+    """Limits on what a client may send per second; excess data is read more slowly."""
 
     frames: float
     bytes: float
@@ -43,19 +43,19 @@ class Session(Protocol):
     """The server's side of a conversation with one client, without a transport."""
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame; return the CPU time spent on this thread [s]."""
+        """Handle a frame; return the CPU time [s] spent on this thread."""
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame to send; or None, and the seconds until one is due (None: only after a wake-up)."""
+        """Return the next frame to send, or None and the seconds until one is due (None: not before a wake-up)."""
 
     def close(self) -> None:
-        """End the session: nothing more is sent."""
+        """End the session; nothing more is sent."""
 
 
 async def converse(
     connection: ServerConnection, session: Session, wakes: asyncio.Event, rates: Rates, share: Allowance
 ) -> None:
-    """Carry frames both ways until either side ends. share: limits the CPU time spent on all clients together."""
+    """Carry frames both ways until either side ends. share: limits the total CPU time spent on all clients."""
     writer = asyncio.create_task(_write(connection, session, wakes))
     try:
         await _read(connection, session, rates, share)
@@ -85,7 +85,7 @@ async def _write(connection: ServerConnection, session: Session, wakes: asyncio.
     loop = asyncio.get_running_loop()
     count = 0
     while True:
-        wakes.clear()  # before checking, since another thread may add a frame in between
+        wakes.clear()  # before checking, since another thread may add a frame between the two
         frame, delay_s = await session.next_frame()
         if frame is None:
             timer = None if delay_s is None else loop.call_later(delay_s, wakes.set)

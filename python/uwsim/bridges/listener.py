@@ -31,12 +31,12 @@ OpenSession = Callable[[HeardConnection, Callable[[], None], Callable[[str], Non
 """Opens a session from a connection, a function that wakes its writer, and one that disconnects the client."""
 
 STOP_S = 5.0
-HALF_OPEN_MAX = 64  # connections in addition to `places` that have not sent a request yet
-WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session's queues fill
+HALF_OPEN_MAX = 64  # connections beyond `places` that have not yet sent a request
+WRITE_LIMIT = 1 << 16  # bytes in a connection's write buffer; once it is full, the session queues fill up
 
 
 class Address(NamedTuple):
-    """A server's address, and who may connect: see Admission and tls_context. port: 0 chooses a free one."""
+    """A server's address and access rules; see Admission and tls_context. port: 0 chooses a free one."""
 
     host: str = "127.0.0.1"
     port: int = 0
@@ -49,10 +49,10 @@ class Address(NamedTuple):
 class Listener(Generic[S]):
     """A WebSocket server on an event loop in a separate thread, with one session per client.
 
-    places: the number of clients at a time; further clients are refused with HTTP 503. rates: limits on each client's
-    frames. share: limits the CPU time for the frames of all clients together. open_session: called for each admitted
-    connection. main: runs while the server listens. site: serves HTTP on the same port; it checks the token itself.
-    options: passed to `websockets.serve`. Raises ValueError.
+    places: maximum number of simultaneous clients; further clients are refused with HTTP 503. rates: limits on each
+    client's frames. share: limits the total CPU time for the frames of all clients. open_session: called for each
+    admitted connection. main: runs while the server listens. site: serves HTTP on the same port; it checks the token
+    itself. options: passed to `websockets.serve`. Raises ValueError.
     """
 
     def __init__(
@@ -94,12 +94,12 @@ class Listener(Generic[S]):
 
     @property
     def url(self) -> str:
-        """The address that clients connect to, without the token."""
+        """The address to which clients connect, without the token."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"{'wss' if self._tls else 'ws'}://{host}:{self.port}"
 
     def start(self) -> None:
-        """Start listening. Raises OSError if this fails, and warns (UserWarning) if other machines can connect."""
+        """Start listening. Raises OSError on failure, and warns (UserWarning) if other machines can connect."""
         if self._thread is not None:
             raise RuntimeError("the server is already running")
         warn_beyond_loopback(self._host, self._admission.token, self._tls is not None)
@@ -161,7 +161,7 @@ class Listener(Generic[S]):
         )
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Log an error of the event loop, such as running out of file descriptors for connections."""
+        """Log an event loop error, such as running out of file descriptors for connections."""
         error = context.get("exception")
         self._rare.warning(f"{context['message']}: {error}" if error else str(context["message"]))
 
@@ -177,7 +177,7 @@ class Listener(Generic[S]):
 
     async def _handle(self, connection: ServerConnection) -> None:
         assert isinstance(connection, HeardConnection)
-        if len(self.sessions) >= self._places:  # others connected during this client's handshake
+        if len(self.sessions) >= self._places:  # others have connected during this client's handshake
             await connection.close(1013, HTTPStatus.SERVICE_UNAVAILABLE.phrase)
             return
         loop, wakes, own_thread = asyncio.get_running_loop(), asyncio.Event(), threading.get_ident()
@@ -206,6 +206,6 @@ class Listener(Generic[S]):
 
 
 def post(loop: asyncio.AbstractEventLoop, function: Callable[..., object], *arguments: Any) -> None:
-    """Call a function on an event loop, from any thread; do nothing if the loop has ended."""
+    """Call a function on an event loop from any thread; do nothing if the loop has ended."""
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(function, *arguments)

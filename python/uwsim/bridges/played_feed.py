@@ -1,4 +1,4 @@
-"""PlayedFeed: passes a recording's messages to bridges, just as Feed passes a live simulator's readings."""
+"""PlayedFeed: forwards a recording's messages to bridges, just as Feed forwards a live simulator's readings."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def channels_of(recording: Recording) -> list[Channel]:
 
 
 class PlayedFeed:
-    """Readings that contain a recording's bytes unchanged. Sinks are called on the playing thread.
+    """Readings that contain the recorded bytes unchanged. Sinks are called on the playback thread.
 
-    channels: the channels to play, by name. A sink that subscribes late to a map's changes receives all earlier
+    channels: the channels to play, keyed by name. A sink that subscribes late to a map's changes receives all earlier
     changes.
     """
 
@@ -57,7 +57,7 @@ class PlayedFeed:
         return any(self._sinks.values())
 
     def listen(self, channel: Channel, sink: Sink) -> Callable[[], None]:
-        """Pass each reading of a channel to a sink from now on; return a function that ends this.
+        """Pass each reading of a channel to a sink from now on; return a function that stops this.
 
         A latched channel's latest reading is passed immediately.
         """
@@ -69,7 +69,7 @@ class PlayedFeed:
         return lambda: self._leave(channel.name, sink)
 
     def newest(self, channel: Channel) -> Reading | None:
-        """Return the latest reading of a latched channel; if messages build on each other, all of them combined."""
+        """Return a latched channel's latest reading, or all readings combined if the messages build on each other."""
         with self._lock:
             return self._late(channel)
 
@@ -78,7 +78,7 @@ class PlayedFeed:
         return newest if newest is None or channel.name not in self._maps else newest.caught_up()
 
     def tell_time(self, period_s: float, sink: Callable[[int], object]) -> Callable[[], None]:
-        """Report the recorded time [ns] to a sink once per recorded period; return a function that ends this."""
+        """Report the recorded time [ns] to a sink once per recorded period; return a function that stops this."""
         key = object()
         self._clocks[key] = _Clock(round(1e9 * period_s), sink)
 
@@ -111,7 +111,7 @@ class PlayedFeed:
 
 
 class _Clock:
-    """Reports recorded time whenever it passes a multiple of a period, in either direction."""
+    """Reports the recorded time whenever it passes a multiple of a period, in either direction."""
 
     def __init__(self, period_ns: int, sink: Callable[[int], object]) -> None:
         self._period_ns = period_ns

@@ -11,7 +11,7 @@ from uwsim.channels.own_types import MAP_CHANGES
 
 
 class PlayedMap:
-    """The occupied voxels of a map as played so far. The map starts over when recorded time goes back."""
+    """The occupied voxels of a map as played so far. The map starts over when the recorded time jumps back."""
 
     def __init__(self) -> None:
         self._changes = MapChanges()

@@ -1,4 +1,4 @@
-"""`uwsim doctor`: finds out why uwsim and other programs do not see each other, and suggests remedies."""
+"""`uwsim doctor`: diagnoses why uwsim and other programs cannot see each other, and suggests remedies."""
 
 from uwsim.bridges.doctor.examine import Plan, examine
 from uwsim.bridges.doctor.finding import Finding, Verdict

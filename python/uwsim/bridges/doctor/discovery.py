@@ -1,4 +1,4 @@
-"""Discovery of participants in a ROS 2 domain: joins it for a while and listens."""
+"""Discovery of participants in a ROS 2 domain, by joining it for a while and listening."""
 
 from __future__ import annotations
 

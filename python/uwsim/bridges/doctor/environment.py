@@ -1,4 +1,4 @@
-"""Checks of ROS 2's environment variables against our settings."""
+"""Checks of the ROS 2 environment variables against our settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LOCALHOST_ADVICE = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST (Humble: ROS_
 
 
 def environment(variables: Mapping[str, str], settings: Ros2Settings) -> list[Finding]:
-    """Return findings about ROS's variables. ROS nodes started elsewhere may have different values."""
+    """Return findings about the ROS variables. ROS nodes started elsewhere may have different values."""
     found = [_domain(variables, settings), _distro(variables, settings), _range(variables, settings)]
     rmw = variables.get("RMW_IMPLEMENTATION", "")
     if "zenoh" in rmw:

@@ -1,4 +1,4 @@
-"""All checks of `uwsim doctor`, in order."""
+"""All `uwsim doctor` checks, in order."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from uwsim.bridges.ros2.settings import Ros2Settings
 
 @dataclass(frozen=True)
 class Plan:
-    """The settings for the checks. listen_s: the time to listen for other participants in the domain."""
+    """The settings for the checks. listen_s: how long to listen for other participants in the domain."""
 
     settings: Ros2Settings
     port: int = 9090
@@ -24,7 +24,7 @@ class Plan:
 
 
 def examine(plan: Plan, variables: Mapping[str, str]) -> Iterator[Finding]:
-    """Yield findings as soon as they are known. variables: the environment variables."""
+    """Yield findings as they become known. variables: the environment variables."""
     yield from software()
     yield rosbridge_port(plan.port)
     yield foxglove_port(plan.foxglove)

@@ -10,7 +10,7 @@ Verdict = Literal["ok", "note", "wrong"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the doctor's table. advice: the remedy, for findings that are not ok."""
+    """One line of the doctor's table. advice: the remedy, if the finding is not ok."""
 
     what: str
     found: str

@@ -1,4 +1,4 @@
-"""Checks of this machine's interfaces, multicast, ports and buffers. Linux only, like ROS's packages."""
+"""Checks of this machine's interfaces, multicast, ports and buffers. Linux only, like the ROS packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.bridges.ros2.settings import MULTICAST_GROUP, PARTICIPANTS_MAX, Ros2S
 
 SIOCGIFFLAGS, SIOCGIFADDR = 0x8913, 0x8915
 UP, LOOPBACK, MULTICAST = 0x1, 0x8, 0x1000
-BUFFER_GOOD = 2 << 20  # bytes that a socket should buffer for point clouds and pictures
+BUFFER_GOOD = 2 << 20  # receive buffer that a socket should have for point clouds and pictures, in bytes
 ECHO_S = 1.0
 
 
@@ -48,7 +48,7 @@ def network(settings: Ros2Settings) -> list[Finding]:
 
 
 def multicast(name: str, address: str, flags: int) -> Finding:
-    """Send a packet to DDS's group on an interface and wait for it to return."""
+    """Send a packet to the DDS multicast group on an interface and wait for it to come back."""
     what = f"multicast on {name}"
     if not flags & MULTICAST:
         advice = f"sudo ip link set {name} multicast on; or --ros-reach subnet --ros-peer HOST"
@@ -73,7 +73,7 @@ def multicast(name: str, address: str, flags: int) -> Finding:
 
 
 def buffers() -> Finding:
-    """Return a finding about the default size of sockets' receive buffers."""
+    """Return a finding about the default size of socket receive buffers."""
     try:
         default = int(Path("/proc/sys/net/core/rmem_default").read_text())
     except (OSError, ValueError):
@@ -98,5 +98,5 @@ def udp_ports() -> set[int]:
 
 
 def participants_here(domain_id: int, ports: set[int]) -> int:
-    """Return the number of a domain's participants on this machine, derived from the ports in use."""
+    """Return the number of a domain's participants on this machine, inferred from the ports in use."""
     return sum(unicast_port(domain_id, number) in ports for number in range(PARTICIPANTS_MAX))

@@ -1,4 +1,4 @@
-"""Checks whether the ports of `uwsim serve` are free, and if not, which server uses them."""
+"""Checks whether the `uwsim serve` ports are free, and if not, which servers use them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LOCKED = "taken, by a server that requires a token, like uwsim serve --token"
 
 
 def rosbridge_port(port: int) -> Finding:
-    """Return a finding about rosbridge's port."""
+    """Return a finding about the rosbridge port."""
     what = f"rosbridge, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")
@@ -34,7 +34,7 @@ def rosbridge_port(port: int) -> Finding:
 
 
 def foxglove_port(port: int) -> Finding:
-    """Return a finding about Foxglove's port."""
+    """Return a finding about the Foxglove port."""
     what = f"Foxglove, port {port}"
     if not _is_taken(port):
         return Finding(what, "free")
@@ -55,7 +55,7 @@ def _is_taken(port: int) -> bool:
 
 
 def _rosbridge_nodes(port: int) -> list[str] | None:
-    """Return the names of a rosbridge's nodes, or None if it is not a rosbridge. Raises PermissionError."""
+    """Return the node names of the rosbridge on a port, or None if it is not a rosbridge. Raises PermissionError."""
     try:
         with connect(f"ws://127.0.0.1:{port}", open_timeout=ANSWER_S, max_size=None) as bridge:
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "doctor"}))

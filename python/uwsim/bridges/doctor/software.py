@@ -19,7 +19,7 @@ def software() -> list[Finding]:
 
 
 def extra(name: str) -> Finding:
-    """Return a finding about the packages of an optional extra."""
+    """Return a finding about the packages of an optional dependency group ("extra")."""
     what, found, missing = f"extra {name}", [], []
     for package in EXTRAS[name]:
         try:
@@ -37,7 +37,7 @@ def extra(name: str) -> Finding:
 
 
 def ros1() -> Finding:
-    """Return a finding about ROS 1's rospy, from Debian or elsewhere."""
+    """Return a finding about the ROS 1 package rospy, from Debian or elsewhere."""
     if find_spec("rospy") is not None or (DEBIAN / "rospy").is_dir():
         return Finding("ROS 1", "rospy is there")
     return Finding("ROS 1", "no rospy", "note", f"for --ros1: {INSTALL}")

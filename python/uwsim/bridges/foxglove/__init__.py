@@ -1,4 +1,4 @@
-"""Foxglove, whose app can display and control a live simulator. Needs the extra: pip install 'uwsim[foxglove]'."""
+"""Foxglove, whose app can display and control a live simulator. Requires the extra: pip install 'uwsim[foxglove]'."""
 
 from uwsim.base.extras import need_extra
 

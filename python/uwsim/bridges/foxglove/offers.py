@@ -1,4 +1,4 @@
-"""Offers: the numbered topics (the simulator's channels, in CDR, and scenes), with the subscribers of each."""
+"""Offers: the numbered topics (the simulator's channels, in CDR, and scenes) with their subscribers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Sinks = tuple[tuple[Outbox, int], ...]
 
 
 class Offers:
-    """The topics by number. All methods except `send` and `queue` are called on the network thread."""
+    """The topics, keyed by number. All methods except `send` and `queue` are called on the network thread."""
 
     def __init__(self, bridge: Bridge, outgoing: Outgoing) -> None:
         self._bridge, self._outgoing = bridge, outgoing
@@ -43,7 +43,7 @@ class Offers:
         self.offers = found
 
     def subscribe(self, offer_id: int, outbox: Outbox, number: int) -> None:
-        """Start sending a topic to a client; on a latched topic, a late subscriber receives the latest message."""
+        """Start sending a topic to a client; a late subscriber to a latched topic receives the latest message."""
         name = self._name(offer_id)
         before = self._sinks.get(name, ())
         self._sinks[name] = (*before, (outbox, number))
@@ -59,7 +59,7 @@ class Offers:
             raise
 
     def unsubscribe(self, offer_id: int, outbox: Outbox) -> None:
-        """Stop sending a topic to a client; a topic without subscribers is not read."""
+        """Stop sending a topic to a client; topics without subscribers are not read."""
         name = self._name(offer_id)
         left = tuple(sink for sink in self._sinks.get(name, ()) if sink[0] is not outbox)
         self._sinks[name] = left
@@ -74,7 +74,7 @@ class Offers:
             show.end()
 
     def send(self, name: str, time_ns: int, data: bytes) -> None:
-        """Queue a message for all subscribers of its topic. May be called on any thread."""
+        """Queue a message for all subscribers to its topic. May be called on any thread."""
         builds_up = name in self._shows
         for outbox, number in self._sinks.get(name, ()):
             outbox.put((number, time_ns, data), builds_up=builds_up)
@@ -85,7 +85,7 @@ class Offers:
         return self.offers[offer_id - 1].name
 
     def queue(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread; it is encoded on another thread."""
+        """Queue a reading on the simulator's thread; it is encoded on another thread."""
         name = reading.channel.name
 
         def write() -> bool:

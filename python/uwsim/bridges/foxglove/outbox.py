@@ -1,7 +1,7 @@
-"""A client's queue of frames to send, limited in bytes, per client and for all clients.
+"""A client's queue of outgoing frames, limited in bytes both per client and in total.
 
-It has two parts: frames that must arrive (the list of topics, answers, and scenes, which build on each other), and
-topics' messages, the oldest of which are dropped for newer ones. A client with too many frames of the first kind is
+It has two parts: frames that must arrive (the topic list, answers, and scenes, which build on each other), and topic
+messages, the oldest of which are dropped in favour of newer ones. A client with too many frames of the first kind is
 disconnected.
 """
 
@@ -15,7 +15,7 @@ from uwsim.bridges.conversation import Frame
 from uwsim.bridges.foxglove import protocol
 
 REPLIES = 1000
-REPLIES_BYTES = 64 << 20  # a large map's scene takes about 10 MB
+REPLIES_BYTES = 64 << 20  # the scene for a large map takes about 10 MB
 MESSAGES = 64
 MESSAGES_BYTES = 16 << 20
 ALL_BYTES = 256 << 20
@@ -26,7 +26,7 @@ Message = tuple[int, int, bytes]
 
 
 class Room:
-    """The total size of all clients' queues."""
+    """The total size of all client queues."""
 
     def __init__(self, limit: int = ALL_BYTES) -> None:
         self.lock = threading.Lock()
@@ -35,7 +35,7 @@ class Room:
 
 
 class _Queue:
-    """Frames in order of arrival. Callers must hold the room's lock."""
+    """Frames in order of arrival. Callers must hold the lock of the room."""
 
     def __init__(self, room: Room, count: int, size: int) -> None:
         self._room = room
@@ -69,10 +69,10 @@ class _Queue:
 
 
 class Outbox:
-    """A client's queues. Its methods may be called on any thread, and never block.
+    """A client's queues. The methods may be called on any thread and never block.
 
-    wake: called when there is a frame to send. give_up: called with the reason when too much is queued. dropped: the
-    number of messages dropped for newer ones.
+    wake: called when there is a frame to send. give_up: called with the reason when too much is queued. dropped: number
+    of messages dropped in favour of newer ones.
     """
 
     def __init__(self, room: Room, wake: Callable[[], None], give_up: Callable[[str], None]) -> None:
@@ -93,7 +93,7 @@ class Outbox:
         self._must(len(frame) + OVERHEAD, frame)
 
     def put(self, message: Message, *, builds_up: bool = False) -> None:
-        """Queue a topic's message. builds_up: whether later messages are useless without it."""
+        """Queue a topic message. builds_up: whether later messages are useless without it."""
         size = len(message[2]) + OVERHEAD
         if builds_up:
             self._must(size, message)
@@ -108,7 +108,7 @@ class Outbox:
         self._wake()
 
     def tell_time(self, time_ns: int) -> None:
-        """Queue the simulated time, replacing a queued one."""
+        """Queue the simulated time, replacing any time already queued."""
         self._time_ns = time_ns
         self._wake()
 

@@ -1,4 +1,4 @@
-"""Positions of vehicles, for their tracks: true positions, or, with a link, those in the vehicles' telemetry."""
+"""Vehicle positions for the tracks: the true positions or, with a link, those reported in telemetry."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Leave = Callable[[], object]
 
 
 def true_places(live: LiveSimulator) -> Callable[[Follow], Leave]:
-    """Return a function that starts passing on the vehicles' true positions."""
+    """Return a function that starts forwarding the vehicles' true positions."""
 
     def listen(follow: Follow) -> Leave:
         def read(sim: Simulator) -> tuple[Positions, int]:
@@ -39,7 +39,7 @@ def true_places(live: LiveSimulator) -> Callable[[Follow], Leave]:
 def told_places(
     live: LiveSimulator, channels: Sequence[Channel], feed: Readings, origin_m: Vector = ORIGIN_M
 ) -> Callable[[Follow], Leave]:
-    """Return a function that starts passing on positions from telemetry. origin_m: the world's origin in odom."""
+    """Return a function that starts forwarding positions from telemetry. origin_m: the world's origin in odom."""
     panels = [channel for channel in channels if channel.type == TELEMETRY]
     names = list(live.simulator.vehicles)
 

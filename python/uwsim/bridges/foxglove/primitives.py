@@ -1,4 +1,4 @@
-"""Conversion of arrays to Foxglove's scene entities: meshes, lines and cubes."""
+"""Conversion of arrays to Foxglove scene entities: meshes, lines and cubes."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def mesh(
     *,
     frame_locked: bool = False,
 ) -> SceneEntity:
-    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height unless a colour is passed."""
+    """Return a surface from vertices (n, 3) and triangles (m, 3), coloured by height unless a colour is given."""
     shade = {"colors": by_height(np.asarray(vertices_m)[:, 2])} if color is None else {"color": color}
     surface = TriangleListPrimitive(points=points(vertices_m), indices=np.asarray(triangles).ravel().tolist(), **shade)
     return SceneEntity(id=name, frame_id=frame_id, frame_locked=frame_locked, triangles=[surface])

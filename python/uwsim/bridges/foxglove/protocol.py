@@ -1,4 +1,4 @@
-"""The server's side of Foxglove's WebSocket protocol: conversion between frames and values.
+"""The server side of Foxglove's WebSocket protocol: conversion between frames and values.
 
 The protocol: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Text frames are JSON objects with an `op`;
 binary frames begin with a byte that identifies them. All integers are little-endian.
@@ -25,7 +25,7 @@ BINARY_SCHEMAS = ("protobuf", "flatbuffer")
 
 @dataclass(frozen=True)
 class Offer:
-    """A topic that clients may subscribe to. schema: in the encoding schema_encoding, such as ros2msg."""
+    """A topic to which clients may subscribe. schema: in the encoding schema_encoding, such as ros2msg."""
 
     id: int
     name: str
@@ -38,7 +38,7 @@ class Offer:
 
 @dataclass(frozen=True)
 class Publication:
-    """A client's message on a channel that it advertised."""
+    """A message from a client on a channel that it advertised."""
 
     channel_id: int
     data: bytes
@@ -55,7 +55,7 @@ class Call:
 
 
 def server_info(name: str, session: str) -> str:
-    """Return the first frame of a conversation. session: the app discards its data if this ID changes."""
+    """Return the first frame of a conversation. session: an ID; if it changes, the app discards its data."""
     return _text("serverInfo", name=name, capabilities=CAPABILITIES, supportedEncodings=ENCODINGS, sessionId=session)
 
 
@@ -88,23 +88,23 @@ def services_advertisement(services: Sequence[tuple[int, str, str]]) -> str:
 
 
 def status(level: int, text: str) -> str:
-    """Return the frame for a problem that the app displays."""
+    """Return the frame that reports a problem for the app to display."""
     return _text("status", level=level, message=text)
 
 
 def call_failure(call: Call, why: str) -> str:
-    """Return the frame for a failed call."""
+    """Return the frame that reports a failed call."""
     return _text("serviceCallFailure", serviceId=call.service_id, callId=call.call_id, message=why)
 
 
 def answer(call: Call, response: dict[str, Any]) -> bytes:
-    """Return the frame that answers a call, in JSON."""
+    """Return the frame that answers a call in JSON."""
     head = struct.pack("<BIII4s", ANSWER, call.service_id, call.call_id, 4, b"json")
     return head + orjson.dumps(response, default=str)
 
 
 def message(subscription: int, time_ns: int, data: bytes) -> bytes:
-    """Return the frame for a topic's message."""
+    """Return the frame for a topic message."""
     return struct.pack("<BIQ", MESSAGE, subscription, time_ns) + data
 
 
@@ -128,7 +128,7 @@ def read_binary(frame: bytes) -> Publication | Call:
 
 
 def read_json(data: str | bytes) -> dict[str, Any]:
-    """Parse JSON data that must be an object; empty data counts as an empty object. Raises ValueError."""
+    """Parse JSON data that must be an object; empty data is read as an empty object. Raises ValueError."""
     try:
         found = orjson.loads(data or b"{}")
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Scenes for Foxglove's 3D panel, in addition to the topics: the lake, the hulls, their tracks and the growing map."""
+"""Scenes for Foxglove's 3D panel, in addition to the topics: lake, hulls, hull tracks and the growing map."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario.build.obstacles import obstacle_solid
 from uwsim.scenario.build.station import station_mesh
 from uwsim.scenario.build.terrain import build_terrain
 
-GRID_MAX = 160  # the most heights along an edge of the displayed bed
+GRID_MAX = 160  # maximum number of heights along an edge of the displayed bed
 STONE, STEEL = Color(r=0.55, g=0.53, b=0.5, a=1.0), Color(r=0.75, g=0.78, b=0.8, a=1.0)
 HULL, PATH = Color(r=0.95, g=0.75, b=0.1, a=1.0), Color(r=0.95, g=0.4, b=0.1, a=1.0)
 SEGMENT = 200  # positions per entity of a track: only the last entity is resent as the track grows
@@ -43,7 +43,7 @@ def lake(scenario: Scenario) -> SceneUpdate:
 def _grid(
     heights_m: NDArray[np.float32], spacing_m: float, origin_m: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Triangulate a grid of heights, with two triangles per cell as in the world; return vertices and triangles."""
+    """Triangulate a height grid with two triangles per cell, as in the world; return vertices and triangles."""
     rows, columns = heights_m.shape
     y, x = np.mgrid[:rows, :columns] * spacing_m
     vertices = np.column_stack([x.ravel() + origin_m[0], y.ravel() + origin_m[1], heights_m.ravel()])
@@ -53,7 +53,7 @@ def _grid(
 
 
 def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
-    """Return the vehicles' hulls, each fixed in its body's frame. frames: the body frames by vehicle."""
+    """Return the vehicle hulls, each fixed in its body frame. frames: the body frame of each vehicle."""
     return SceneUpdate(
         entities=[
             mesh(entry.name, frames[entry.name], *vehicle_hull(entry.model), HULL, frame_locked=True)
@@ -63,13 +63,13 @@ def hulls(scenario: Scenario, frames: dict[str, str]) -> SceneUpdate:
 
 
 class Tracks:
-    """Tracks of vehicles since the first subscription, in the world frame."""
+    """Vehicle tracks since the first subscription, in the world frame."""
 
     def __init__(self) -> None:
         self._positions: dict[str, list[Position]] = {}
 
     def grown(self, now: Positions, time_ns: int) -> SceneUpdate | None:
-        """Add positions; return the segments that changed."""
+        """Add positions; return the segments that have changed."""
         changed = []
         for name, position in now.items():
             track = self._positions.setdefault(name, [])
@@ -107,7 +107,7 @@ class MapBlocks:
         self._newest: Reading | None = None
 
     def changed(self, reading: Reading) -> SceneUpdate | None:
-        """Apply a MapChanges message; return the blocks that changed, or None if the message is outdated."""
+        """Apply a MapChanges message; return the blocks that changed, or None if the message is out of date."""
         message = reading.message
         deletions = []
         if message.snapshot:

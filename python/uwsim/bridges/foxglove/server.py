@@ -31,27 +31,27 @@ from uwsim.live import LiveSimulator
 PORT = 8765  # the app's default
 CLIENTS_MAX = 32
 FRAME_BYTES_MAX = 1 << 18
-COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits on a command in JSON: its memory, and the number of messages in it
-TIME_S = 0.05  # simulated seconds between two messages of the time
-WORK_SHARE = 0.3  # fraction of a core for the frames of all clients together
-RATES = Rates(frames=1000.0, bytes=4e6)  # limits for each client
+COST_BYTES, OBJECTS_MAX = 1 << 20, 500  # limits on a JSON command: its memory, and the number of messages in it
+TIME_S = 0.05  # simulated seconds between time messages
+WORK_SHARE = 0.3  # fraction of a core available for the frames of all clients together
+RATES = Rates(frames=1000.0, bytes=4e6)  # limits per client
 
 
 class FoxgloveServer(Bridge):
-    """A Foxglove WebSocket server, which runs on separate threads.
+    """A Foxglove WebSocket server that runs on separate threads.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
             with FoxgloveServer(live, table.channels, table.services):
                 ...
 
-    Topics carry CDR with ROS 2's schemas, so that panels treat them like a robot's; the topics /scene/* are for the 3D
-    panel. Clients may publish on command topics, in CDR or JSON, and call services in JSON. A topic is read only while
-    clients subscribe to it. live: None if the feed is that of a recording, which accepts no commands and whose only
+    Topics carry CDR with ROS 2 schemas, so that panels treat them like a robot's topics; the /scene/* topics are for
+    the 3D panel. Clients may publish on command topics, in CDR or JSON, and call services in JSON. A topic is read only
+    while clients subscribe to it. live: None if the feed plays a recording, which accepts no commands and whose only
     scenes are the maps. port: 0 chooses a free one; see `port`. feed: shared with other sinks. origin: the world's
-    origin in odom, as in the channels' Table. origins, token, certfile, keyfile: access control and encryption, as in
-    RosbridgeServer. Raises ValueError, or OSError if it cannot listen, and warns (UserWarning) if other machines can
-    connect.
+    origin in odom, as in the Table that the channels come from. origins, token, certfile, keyfile: access control and
+    encryption, as in RosbridgeServer. Raises ValueError, or OSError if it cannot listen, and warns (UserWarning) if
+    other machines can connect.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class FoxgloveServer(Bridge):
 
     @property
     def url(self) -> str:
-        """The address that clients connect to, without the token."""
+        """The address to which clients connect, without the token."""
         return self._listener.url
 
     def close(self) -> bool:
@@ -118,18 +118,18 @@ class FoxgloveServer(Bridge):
         return was_open
 
     def take(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
+        """Queue a reading on the simulator's thread."""
         self._offers.queue(reading)
 
     # Called by sessions:
 
     @property
     def heard(self) -> str:
-        """The command topics that the server subscribes to, listed as text for messages to the user."""
+        """The command topics to which the server subscribes, listed as text for messages to the user."""
         return f"/{', /'.join(self.inputs)}" if self.inputs else "none"
 
     def subscribe(self, session: Session, offer_id: int) -> None:
-        """Start sending a topic's messages to a session. Raises ValueError for an unknown topic."""
+        """Start sending a topic's messages to a session. Raises ValueError if the topic is unknown."""
         self._offers.subscribe(offer_id, session.outbox, session.subscriptions[offer_id])
 
     def unsubscribe(self, session: Session, offer_id: int) -> None:
@@ -168,7 +168,7 @@ class FoxgloveServer(Bridge):
     # Setup of sessions:
 
     def _greet(self) -> list[str]:
-        """Return the first frames of every conversation."""
+        """Return the frames that open every conversation."""
         services = [(number, service.name, service.type) for number, service in self._numbered.items()]
         frames = [
             protocol.server_info("uwsim", str(time.time_ns() // 1_000_000)),
@@ -185,6 +185,6 @@ class FoxgloveServer(Bridge):
         return session
 
     def _tell_time(self, time_ns: int) -> None:
-        """Send the time, on the simulator's thread."""
+        """Send the time from the simulator's thread."""
         for session in list(self._listener.sessions.values()):
             session.outbox.tell_time(time_ns)

@@ -1,4 +1,4 @@
-"""A session of Foxglove's protocol with one client, without a transport: handles frames and fills an outbox."""
+"""A session of Foxglove's protocol with one client, independent of transport: handles frames and fills an outbox."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from uwsim.channels import Channel
 if TYPE_CHECKING:
     from uwsim.bridges.foxglove.server import FoxgloveServer
 
-LISTS_MAX = 1000  # entries of a list in one frame, and channels advertised by one client
-TEXT_BYTES_MAX = 1 << 17  # size limit of a JSON frame: the app's lists, with schemas, take about 10 kB
+LISTS_MAX = 1000  # entries in a list in one frame, and channels advertised by one client
+TEXT_BYTES_MAX = 1 << 17  # size limit of a JSON frame: the app's lists, including schemas, take about 10 kB
 MISTAKES_SHOWN = 10  # per frame
-CALLS_MAX = 32  # unanswered calls of one client
+CALLS_MAX = 32  # unanswered calls per client
 MESSAGE_BYTES_MAX = 1 << 14  # size limit of a command or a request: decoding 16 kB of JSON takes up to 0.3 s
 NAME_MAX = 200
 
@@ -38,8 +38,8 @@ class Session:
         self._open_calls = 0
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame; return the CPU time spent [s]."""
-        begun_s = time.thread_time()  # CPU time of this thread, without other threads on the core
+        """Handle a frame; return the CPU time [s] spent."""
+        begun_s = time.thread_time()  # CPU time of this thread only, not of others sharing the core
         self.receive(frame)
         return time.thread_time() - begun_s
 
@@ -63,12 +63,12 @@ class Session:
             self.complain("the server failed at this operation", protocol.ERROR)
 
     def complain(self, text: str, level: int = protocol.WARNING) -> None:
-        """Report a problem, which the app displays."""
+        """Report a problem to be displayed by the app."""
         logger.info("%s", text)
         self.outbox.reply(protocol.status(level, text))
 
     def close(self) -> None:
-        """End the session: nothing more is sent, and its command channels are relinquished."""
+        """End the session; nothing more is sent, and its command channels are relinquished."""
         self.outbox.close()
         for offer_id in list(self.subscriptions):
             self._server.unsubscribe(self, offer_id)
@@ -194,5 +194,5 @@ def _check_size(data: bytes) -> None:
 
 
 def _full(name: str) -> str:
-    """Return a type's name in ROS 2's spelling."""
+    """Return a type name in ROS 2 spelling."""
     return name if "/msg/" in name else name.replace("/", "/msg/", 1)

@@ -1,4 +1,4 @@
-"""The topics /scene/*: when scenes are built, and when they are sent again."""
+"""The /scene/* topics: when scenes are built, and when they are sent again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from uwsim.channels.feed import Reading, Readings
 from uwsim.channels.outgoing import Job, Line, Outgoing
 from uwsim.live import LiveSimulator
 
-WAITING = 64  # updates per queue; dropping one is bad, since each builds on the previous ones
+WAITING = 64  # updates per queue; none should be dropped, since each builds on the previous ones
 
 
 Send = Callable[[int, bytes], object]
@@ -24,7 +24,7 @@ SendAll = Callable[[str, int, bytes], object]
 
 
 class Show:
-    """One topic of scenes. begin: called whenever a client subscribes. end: called when the last client has left."""
+    """One scene topic. begin: called whenever a client subscribes. end: called when the last client has left."""
 
     def __init__(self, topic: str, outgoing: Outgoing, send: SendAll) -> None:
         self.topic = topic
@@ -33,13 +33,13 @@ class Show:
         self._send = partial(send, topic)
 
     def begin(self, newcomer: Send) -> None:
-        """Send the complete scene to a new client, and later changes to all clients."""
+        """Send the complete scene to a new client, and subsequent changes to all clients."""
 
     def end(self) -> None:
         """Stop sending."""
 
     def _offer(self, make: Callable[[], SceneUpdate | None], time_ns: int, newcomer: Send | None = None) -> None:
-        """Build a scene on the writing thread, and send it to a new client only, or to all clients."""
+        """Build a scene on the writer thread, and send it to the new client only or to all clients."""
         send = newcomer or self._send
 
         def write() -> bool:
@@ -78,7 +78,7 @@ class StillShow(Show):
 
 
 class TrackShow(Show):
-    """The vehicles' tracks since the first subscription."""
+    """The vehicle tracks since the first subscription."""
 
     def __init__(
         self, outgoing: Outgoing, send: SendAll, live: LiveSimulator, listen: Callable[[Follow], Leave]
@@ -90,7 +90,7 @@ class TrackShow(Show):
         self._leave: Leave | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all segments now, and later those that grow."""
+        """Send all segments now, and later those that have grown."""
         time_ns = self._live.simulator.time_ns
         self._offer(lambda: self._tracks.whole(time_ns), time_ns, newcomer)
         if self._leave is None:
@@ -114,11 +114,11 @@ class MapShow(Show):
         self._feed = feed
         self._channel = channel
         self._blocks = MapBlocks()
-        self._time_ns = 0  # time of the latest changes
+        self._time_ns = 0  # time of the most recent changes
         self._leave: Callable[[], None] | None = None
 
     def begin(self, newcomer: Send) -> None:
-        """Send all blocks now, and later those that change."""
+        """Send all blocks now, and later those that have changed."""
         if self._leave is None:
             self._leave = self._feed.listen(self._channel, self._take)
         else:
@@ -143,7 +143,7 @@ def shows_of(
     send: SendAll,
     origin_m: Vector = ORIGIN_M,
 ) -> list[Show]:
-    """Return the shows of a simulator; without one, only those that can be derived from channels.
+    """Return the shows for a simulator or, without one, only those that can be derived from channels.
 
     origin_m: the world's origin in odom (3,).
     """

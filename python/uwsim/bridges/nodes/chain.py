@@ -3,9 +3,9 @@
     depthArray -> string_decoder -> decodedDepth -> scan_publisher -> scan -> laser_to_cloud -> laserPointCloud
     propPos, scanPos -> tf_broadcaster -> tf;   laserPointCloud, tf -> octomap -> a saved .bt
 
-Strings carry no time: nodes stamp messages with the latest /clock, which the server sends before the topics of the same
-step. Each ping is published as one scan. (The paper's node repeated it at 50 Hz, so that each ping counted several
-times.)
+Strings carry no time stamp, so nodes stamp messages with the latest /clock, which the server sends before the topics of
+the same step. Each ping is published as one scan. (The paper's node repeated it at 50 Hz, so that each ping counted
+several times.)
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from uwsim.mapping import ranging
 
 Publish = Callable[[Any], None]
 STRING, FLOATS, POSE = "std_msgs/msg/String", "std_msgs/msg/Float32MultiArray", "geometry_msgs/msg/Pose"
-PUBLISHED_FLOATS = "misc/msg/floatarray"  # of the paper's own ROS package, which no distribution has
+PUBLISHED_FLOATS = "misc/msg/floatarray"  # from the paper's own ROS package, which no distribution includes
 SCAN, CLOUD, TF = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage"
-MODEL = 2  # the sonar's model until modelTrigger selects another
+MODEL = 2  # the sonar model until modelTrigger selects another
 INSERTED = "octomap_node/inserted"
-SAVE_S = 1.0  # minimum time between two saves
+SAVE_S = 1.0  # minimum time between saves
 
 
 class Clock:
@@ -45,7 +45,7 @@ class Clock:
 
 
 class Model:
-    """The sonar's model, as selected by modelTrigger."""
+    """The sonar model, as selected by modelTrigger."""
 
     def __init__(self, node: Node) -> None:
         self.number = MODEL
@@ -74,7 +74,7 @@ def to_scan(message: Any, model: int, stamp: Any) -> Any:
 
 
 def to_cloud(scan: Any, model: int) -> Any:
-    """Project a scan to a cloud, with the angles of the sonar's model, since a LaserScan's are rounded to float32."""
+    """Project a scan to a cloud, using the sonar model's angles, since a LaserScan's are rounded to float32."""
     ranges_m = np.where(np.isnan(scan.ranges), np.float32(np.inf), scan.ranges)
     stamp_ns = scan.header.stamp.sec * 10**9 + scan.header.stamp.nanosec
     points = ranging.to_point_cloud(ranging.to_laser_scan(ranges_m, model))
@@ -123,7 +123,7 @@ def tf_broadcaster(node: Node, out: Path, floats: str = FLOATS) -> None:
 
 
 def octomap(node: Node, out: Path, floats: str = FLOATS) -> None:
-    """laserPointCloud, tf -> a map, saved to `out` at the end; earlier saves take at most a tenth of the time."""
+    """laserPointCloud, tf -> a map, saved to `out` at the end; intermediate saves take at most a tenth of the time."""
     builder, progress = MapBuilder(), node.advertise(INSERTED, "std_msgs/msg/UInt32")
     due_s = 0.0
 

@@ -1,4 +1,4 @@
-"""MapBuilder: queues point clouds until the transforms for their time have arrived, then inserts them in order."""
+"""MapBuilder: queues point clouds until the transforms for their times have arrived, then inserts them in order."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ REACH_M = 95.0
 
 
 class MapBuilder:
-    """A map in odom, with voxels of 0.2 m. inserted: the number of clouds in the map."""
+    """A map in odom with 0.2 m voxels. inserted: number of clouds in the map."""
 
     def __init__(self) -> None:
         self.map = OccupancyMap(VOXEL_M, on_outside="count")
@@ -31,7 +31,7 @@ class MapBuilder:
         self._clouds: deque[Any] = deque(maxlen=WAITING)
 
     def add_transforms(self, message: Any) -> None:
-        """Store those transforms of a tf message that lead from odom to the sonar."""
+        """Store the transforms in a tf message that lead from odom to the sonar."""
         for stamped in message.transforms:
             link = stamped.header.frame_id, stamped.child_frame_id
             if link in self._poses:
@@ -42,7 +42,7 @@ class MapBuilder:
         self._clouds.append(message)
 
     def insert_ready(self) -> int:
-        """Insert the clouds whose transforms have arrived; return their number."""
+        """Insert the clouds whose transforms have arrived; return how many were inserted."""
         before = self.inserted
         while self._clouds and self._known(_time_ns(self._clouds[0].header.stamp)):
             cloud = self._clouds.popleft()

@@ -1,4 +1,4 @@
-"""Node: a process's connection to a rosbridge server, which subscribes, publishes and runs callbacks one by one."""
+"""Node: a process's connection to a rosbridge server, which subscribes, publishes and runs callbacks one at a time."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from uwsim.bridges.rosbridge.encoding import publication, to_json
 from uwsim.bridges.rosbridge.parse import parse
 from uwsim.channels.messages import from_plain, spelled
 
-QUEUE = 1000  # the chain has few messages, and none should be lost
+QUEUE = 1000  # the chain has few messages, none of which should be lost
 NESTING = 32
 
 
 class Node:
-    """A client of a rosbridge server; it uses ROS 1's spelling, which every rosbridge understands.
+    """A client of a rosbridge server; it uses ROS 1 spelling, which every rosbridge understands.
 
-    Messages are received in CBOR and sent in JSON, which all servers accept, with literal NaN and Infinity. queue: the
+    Messages are received in CBOR and sent in JSON with literal NaN and Infinity, which all servers accept. queue:
     number of messages per topic that may wait; beyond that, the oldest are dropped. finish: called at the end.
     complain: called with errors that the server reports. Functions returned by `advertise`, and `call`, may be used on
     any thread. Raises OSError if the server cannot be reached.
@@ -37,12 +37,12 @@ class Node:
         self._callbacks: dict[str, tuple[str, Callable[[Any], None]]] = {}
 
     def advertise(self, topic: str, kind: str) -> Callable[[Any], None]:
-        """Return a function that publishes messages of a type on a topic."""
+        """Return a function that publishes messages of a given type on a topic."""
         self._send({"op": "advertise", "topic": topic, "type": spelled(kind, 1), "queue_size": self._queue})
         return lambda message: self._connection.send(publication(message, topic, 1))
 
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None]) -> None:
-        """Call a function with each message of a topic."""
+        """Call a function with each message on a topic."""
         self._callbacks[topic] = kind, callback
         self._send(
             {
@@ -54,7 +54,7 @@ class Node:
     def call(
         self, service: str, answer: Callable[[dict[str, Any]], object], arguments: dict[str, Any] | None = None
     ) -> None:
-        """Call a service; `answer` receives the response: `result` and `values` (on failure, the reason)."""
+        """Call a service; `answer` receives the response: `result` and `values` (or, on failure, the reason)."""
         name = f"call:{next(self._calls)}"
         self._answers[name] = answer
         self._send({"op": "call_service", "service": service, "id": name, "args": arguments or {}})
@@ -67,7 +67,7 @@ class Node:
         self.spin(lambda: bool(answers) or time.monotonic() > deadline_s)
 
     def spin(self, until: Callable[[], bool] = lambda: False, wait_s: float = 0.2) -> None:
-        """Run callbacks until the condition, checked between messages, is true or the server closes the connection."""
+        """Run callbacks until the condition, checked between messages, is met or the server closes the connection."""
         while not until():
             try:
                 frame = self._connection.recv(wait_s)
@@ -96,7 +96,7 @@ class Node:
 
 
 def connect_patiently(url: str, patience_s: float) -> Node:
-    """Wait for a server, and return a node. Raises OSError if there is none after `patience_s`."""
+    """Wait for a server and return a node. Raises OSError if there is no server after `patience_s`."""
     deadline_s = time.monotonic() + patience_s
     while True:
         try:

@@ -20,7 +20,7 @@ LOOK_S = 0.5
 def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> None:
     """Run a node until the server closes the connection or a signal arrives. Raises OSError if there is no server.
 
-    floats: the type of decodedDepth. Reports of the server, such as on messages that it refuses, are logged.
+    floats: the type of decodedDepth. Server reports, such as about refused messages, are logged.
     """
     node = connect_patiently(url, patience_s)
     node.complain = RareLog(logging.getLogger(f"uwsim.{name}")).warning
@@ -37,7 +37,7 @@ def run_one(name: str, url: str, out: Path, patience_s: float, ready: Callable[[
 def run_all(url: str, out: Path, patience_s: float, ready: Callable[[], None], floats: str = FLOATS) -> bool:
     """Run all nodes until one exits or a signal arrives; return whether all succeeded.
 
-    Nodes start from the end of the chain, with the string decoder last, so that no ping is lost. Raises OSError.
+    Nodes start from the end of the chain, the string decoder last, so that no ping is lost. Raises OSError.
     """
     connect_patiently(url, patience_s).close()
     context = multiprocessing.get_context("fork")

@@ -1,4 +1,4 @@
-"""WebSocket: a client's connection, with all network traffic on one separate thread.
+"""WebSocket: a client connection with all network traffic on one separate thread.
 
 websockets.sync reads on one thread and writes on another. OpenSSL does not allow this on the same connection, and about
 one wss handshake in 4,000 then hangs (CPython 3.11 on two busy cores). Here, a single thread does both.
@@ -30,7 +30,7 @@ def checked_url(url: str) -> str:
 
 
 class WebSocket:
-    """A connection to a WebSocket server; every method may be called on any thread.
+    """A connection to a WebSocket server; all methods may be called on any thread.
 
     Raises OSError if the server cannot be reached, and websockets' InvalidHandshake if it refuses the connection.
     """
@@ -52,7 +52,7 @@ class WebSocket:
         self._begin(self._send(frame)).result()
 
     def recv(self, wait_s: float) -> str | bytes:
-        """Return the next frame. Raises TimeoutError after wait_s, or ConnectionClosed."""
+        """Return the next frame. Raises TimeoutError after wait_s, or ConnectionClosed if the connection is closed."""
         return self._begin(self._receive(wait_s)).result()
 
     def close(self) -> None:

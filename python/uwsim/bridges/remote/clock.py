@@ -10,15 +10,15 @@ from uwsim.bridges.remote.frames import seconds
 
 CLOCK = "clock"
 STEP_S = 0.005  # for simulators that do not report their step
-TOLD_S = 0.02  # between two odometry messages
+TOLD_S = 0.02  # between successive odometry messages
 PATIENCE_S = 20.0
 
 
 class RemoteClock:
-    """Simulated time from /clock, or, if there is no such topic, the wall time since the clock was created.
+    """Simulated time from /clock or, without such a topic, the wall time since the clock was created.
 
-    A wait ends duration_s after the previous wait was due, if that is in the future, so that a control loop keeps its
-    period.
+    A wait ends duration_s after the previous wait was due if that is still in the future, so that a control loop keeps
+    its period.
     """
 
     def __init__(self, connection: RemoteConnection) -> None:
@@ -37,7 +37,7 @@ class RemoteClock:
         return seconds(self._connection.newest(CLOCK).clock)
 
     def wait(self, duration_s: float) -> None:
-        """Wait for the duration, and for as long as the simulation is paused. Raises OSError."""
+        """Wait for the duration, and for as long as the simulation stays paused. Raises OSError."""
         now_s = self.time_s
         due_s = self._woken_s + duration_s
         if due_s < now_s:
@@ -51,10 +51,10 @@ class RemoteClock:
 
 
 class LockstepClock:
-    """Pauses a remote simulator and steps it only while the mission waits; resumes it on `close`.
+    """Pauses a remote simulator and steps it only while the mission waits; `close` resumes it.
 
-    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when the latest message on this topic has the
-    new time.
+    beacon: a topic with period TOLD_S, such as "odom"; a wait ends only when the latest message on that topic carries
+    the new time.
     """
 
     def __init__(self, connection: RemoteConnection, beacon: str) -> None:

@@ -1,4 +1,4 @@
-"""RemoteConnection: access to the latest message of each topic, and to services, over a rosbridge."""
+"""RemoteConnection: access to services and to the latest message on each topic, over rosbridge."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from uwsim.channels.message_types import resolve
 
 ANSWER_S = 20.0  # time limit for a response or a first message
 STOP_S = 2.0
-KEPT = 200  # messages kept of a topic whose time stamps matter
+KEPT = 200  # number of messages kept for topics whose time stamps matter
 LOST = "the connection to the vehicle is lost"
 
 
@@ -25,7 +25,7 @@ class RemoteConnection:
     """A connection to a rosbridge server, with a separate receiving thread; a context manager.
 
     url: such as "ws://127.0.0.1:9090". topics: the server's topics, without leading slash, and their types in ROS 2's
-    spelling. Raises ValueError for an invalid url, OSError if the server cannot be reached or is gone.
+    spelling. Raises ValueError for an invalid url, and OSError if the server cannot be reached or has gone.
     """
 
     def __init__(self, url: str) -> None:
@@ -47,7 +47,7 @@ class RemoteConnection:
         self.topics = self._offered()
 
     def hear(self, topic: str, *, keep: bool = False) -> None:
-        """Subscribe to a topic. keep: store the last KEPT messages, not only the latest. Raises ValueError."""
+        """Subscribe to a topic. keep: store the last KEPT messages instead of only the latest. Raises ValueError."""
         if topic in self._newest:
             return
         kind = self.topics.get(topic)
@@ -59,14 +59,14 @@ class RemoteConnection:
         self._node.subscribe(f"/{topic}", kind, lambda message: self._take(topic, message))
 
     def newest(self, topic: str) -> Any:
-        """Return the latest message of a topic; the first call subscribes to it. Raises ValueError."""
+        """Return the latest message on a topic; the first call subscribes to it. Raises ValueError."""
         self.hear(topic)
         if self._newest[topic] is None:
             self.wait_for(lambda: self._newest[topic] is not None, ANSWER_S, f"no message on topic '{topic}'")
         return self._newest[topic]
 
     def kept(self, topic: str) -> list[Any]:
-        """Return the last messages of a topic that was subscribed to with `keep`, the latest last."""
+        """Return the stored messages, latest last, of a topic that was subscribed to with `keep`."""
         with self.changed:
             return list(self._kept[topic])
 
@@ -105,7 +105,7 @@ class RemoteConnection:
         return values
 
     def wait_for(self, condition: Callable[[], bool], patience_s: float | None, complaint: str) -> None:
-        """Wait until a condition, checked after each message, is true. Raises OSError."""
+        """Wait until a condition, checked after each message, is met. Raises OSError."""
         deadline_s = None if patience_s is None else time.monotonic() + patience_s
         with self.changed:
             while not condition():

@@ -31,7 +31,7 @@ def _imu(message: Any) -> SimpleNamespace:
 
 
 def _dvl(message: Any) -> SimpleNamespace:
-    """Return the reading in the sensor's axes; in the message, y points to starboard and z down."""
+    """Return the reading in sensor axes; in the message, y points to starboard and z down."""
     return SimpleNamespace(
         velocity_m_s=vector(message.velocity) * (1.0, -1.0, -1.0),
         beam_ranges_m=np.asarray(message.range, np.float64),
@@ -67,7 +67,7 @@ class RemoteSensor:
 
 @dataclass(frozen=True, eq=False)
 class RemoteLens:
-    """Intrinsics of a picture in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
+    """A picture's intrinsics in pixels, as in sensor_msgs/CameraInfo: d (5,), k (3, 3)."""
 
     width: int
     height: int
@@ -76,7 +76,7 @@ class RemoteLens:
 
 
 class RemotePicture:
-    """A picture as JPEG. Its intrinsics and pose are requested on first access."""
+    """A JPEG picture. The intrinsics and pose are requested on first access."""
 
     def __init__(self, message: Any, lens: Callable[[], RemoteLens], pose: Callable[[], NDArray[np.float64]]) -> None:
         self.jpeg = bytes(message.data)
@@ -94,12 +94,12 @@ class RemotePicture:
 
     @cached_property
     def world_from_camera(self) -> NDArray[np.float64]:
-        """The camera's pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError or OSError."""
+        """The camera pose (4, 4), x ahead, y left, z up, from /tf at that time. Raises ValueError or OSError."""
         return self._pose()
 
 
 class RemoteCamera:
-    """A camera whose compressed pictures arrive on the topic start + IMAGE, subscribed to by `watch`."""
+    """A camera whose compressed pictures arrive on topic start + IMAGE, to which `watch` subscribes."""
 
     def __init__(self, connection: RemoteConnection, start: str, tree: RemoteTree) -> None:
         self._connection, self._start, self._tree = connection, start, tree
@@ -126,14 +126,14 @@ class RemoteCamera:
 
 
 class RemoteCameras(Named[RemoteCamera]):
-    """Cameras by name. Looking up a camera subscribes to its pictures."""
+    """Cameras, keyed by name. Looking up a camera subscribes to its pictures."""
 
     def __getitem__(self, name: str) -> RemoteCamera:
         return super().__getitem__(name).watch()
 
 
 class RemoteLamp:
-    """Lamps that a service switches."""
+    """Lamps switched by a service."""
 
     def __init__(self, connection: RemoteConnection, service: str) -> None:
         self._connection, self._service, self._on = connection, service, False

@@ -20,7 +20,7 @@ FLOAT = "std_msgs/msg/Float64"
 
 @dataclass(frozen=True, eq=False)
 class RemotePing:
-    """A ping: ranges_m (beams,), inf for no echo; angles_rad (beams,); world_from_sonar (4, 4); its time."""
+    """A ping: ranges_m (beams,), inf for no echo; angles_rad (beams,); world_from_sonar (4, 4); and its time."""
 
     ranges_m: NDArray[np.float32]
     angles_rad: NDArray[np.float64]
@@ -29,12 +29,12 @@ class RemotePing:
 
     @property
     def valid(self) -> NDArray[np.bool_]:
-        """Which beams have an echo, (beams,)."""
+        """A mask (beams,) of the beams that have an echo."""
         return np.isfinite(self.ranges_m)
 
     @cached_property
     def points_sonar_m(self) -> NDArray[np.float32]:
-        """The echoes' positions (beams, 3), NaN for no echo."""
+        """The echo positions (beams, 3); NaN for no echo."""
         ranges = np.where(self.valid, self.ranges_m, np.nan).astype(np.float64)
         level = np.zeros_like(ranges)
         points = np.column_stack([ranges * np.cos(self.angles_rad), ranges * np.sin(self.angles_rad), level])
@@ -43,7 +43,7 @@ class RemotePing:
 
 
 class RemoteSonar:
-    """A multibeam read through a LaserScan topic and /tf, and turned through cmd_tilt."""
+    """A multibeam read from a LaserScan topic and /tf, and turned by cmd_tilt."""
 
     name = "sonar"
 
@@ -58,7 +58,7 @@ class RemoteSonar:
         self._last: tuple[Any, RemotePing] | None = None
 
     def aim(self, elevation_rad: float) -> None:
-        """Turn the head to an elevation; positive is up. Raises ValueError or OSError."""
+        """Turn the head to an elevation, positive up. Raises ValueError or OSError."""
         if not abs(elevation_rad) <= 0.5 * math.pi:
             raise ValueError(f"elevation_rad = {elevation_rad} rad: must be in [-pi/2, pi/2]")
         self._connection.publish(f"{self._prefix}cmd_tilt", FLOAT, build.message(FLOAT, data=-float(elevation_rad)))
@@ -70,7 +70,7 @@ class RemoteSonar:
         return -float(joints.position[list(joints.name).index(f"{self._prefix}sonar_tilt")])
 
     def ping(self) -> RemotePing:
-        """Return the latest ping, with the head's pose at its time. Raises ValueError or OSError."""
+        """Return the latest ping, with the head pose at its time. Raises ValueError or OSError."""
         scan = self._connection.newest(self._topic)
         if self._last is None or self._last[0] is not scan:
             ranges = np.asarray(scan.ranges, np.float32)

@@ -15,13 +15,13 @@ WORLD = "world"
 
 
 class RemoteTree:
-    """The poses of frames; the first query subscribes to the topics."""
+    """Frame poses; the first query subscribes to the topics."""
 
     def __init__(self, connection: RemoteConnection) -> None:
         self._connection = connection
 
     def world_from(self, frame: str, time_s: float) -> NDArray[np.float64]:
-        """Return the pose (4, 4) of a frame in the world, from the message closest to a time.
+        """Return a frame's pose (4, 4) in the world, from the message closest to a given time.
 
         Raises ValueError or OSError.
         """
@@ -41,7 +41,7 @@ class RemoteTree:
 
 
 def apart_s(message: Any, time_s: float) -> float:
-    """Return the difference between a TFMessage's time and another time [s]."""
+    """Return the difference [s] between a TFMessage's time and another time."""
     return abs(seconds(message.transforms[0].header.stamp) - time_s) if message.transforms else math.inf
 
 

@@ -1,4 +1,4 @@
-"""RemoteVehicle: a vehicle accessed through topics, with a simulated vehicle's interface as used by missions."""
+"""RemoteVehicle: a vehicle accessed through topics, with the interface that missions use for a simulated vehicle."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LIGHT_SERVICE = "lights/"
 
 @dataclass(frozen=True)
 class RemotePanel:
-    """The panel of a remote vehicle; NaN for values that it does not report."""
+    """A remote vehicle's panel; values that it does not report are NaN."""
 
     battery_percent: float
     depth_m: float = math.nan
@@ -41,10 +41,10 @@ class RemotePanel:
 
 
 class RemoteVehicle(Commandable):
-    """A vehicle behind a rosbridge server: motion from odometry, commands by services, efforts by the topic `key`.
+    """A vehicle behind a rosbridge server: motion from odometry, commands by services, efforts on topic `key`.
 
-    name: the vehicle's name, if there are several. odometry: the topic of its pose; a simulator's "odom" is the truth.
-    Topics are subscribed to when they are first read. Raises ValueError if there is no such vehicle, or OSError.
+    name: the vehicle's name, if there are several vehicles. odometry: the topic with its pose; a simulator's "odom" is
+    the truth. Topics are subscribed to when first read. Raises ValueError if there is no such vehicle, or OSError.
     """
 
     def __init__(self, connection: RemoteConnection, name: str | None = None, odometry: str = "odom") -> None:
@@ -60,7 +60,7 @@ class RemoteVehicle(Commandable):
 
     @property
     def beacon(self) -> str:
-        """The topic whose stamps are the times of the vehicle's readings."""
+        """The topic whose time stamps give the times of the vehicle's readings."""
         return self._odometry
 
     @property
@@ -83,7 +83,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def _world_from_odom_m(self) -> NDArray[np.float64]:
-        """The origin of odom in the world (3,), from /tf_static; zero if /tf_static lacks it."""
+        """The origin of odom in the world, (3,), from /tf_static; zero if /tf_static does not contain it."""
         if "tf_static" not in self._connection.topics:
             return np.zeros(3)
         above = {each.child_frame_id: each for each in self._connection.newest("tf_static").transforms}
@@ -96,7 +96,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def sensors(self) -> Named[RemoteSensor]:
-        """The sensors by name: all topics with a sensor's message type."""
+        """The sensors, keyed by name: all topics with a sensor message type."""
         found = {}
         for topic, kind in self._connection.topics.items():
             name = topic.removeprefix(self._prefix)
@@ -117,12 +117,12 @@ class RemoteVehicle(Commandable):
 
     @property
     def sonars(self) -> Named[RemoteSonar]:
-        """The multibeams by name."""
+        """The multibeams, keyed by name."""
         return Named({"sonar": self.sonar} if self._sonar_topic() else {}, f"{self.name}.sonars")
 
     @cached_property
     def cameras(self) -> RemoteCameras:
-        """The cameras by name."""
+        """The cameras, keyed by name."""
         start = f"{self._prefix}camera/"
         names = [
             topic.removeprefix(start).removesuffix(IMAGE)
@@ -134,7 +134,7 @@ class RemoteVehicle(Commandable):
 
     @cached_property
     def lamps(self) -> Named[RemoteLamp]:
-        """The lamps by name."""
+        """The lamps, keyed by name."""
         start = f"{self._prefix}{LIGHT_SERVICE}"
         services = [str(name).lstrip("/") for name in self._connection.call("rosapi/services").get("services", [])]
         names = [name.removeprefix(start) for name in services if name.startswith(start)]
@@ -155,7 +155,8 @@ class RemoteVehicle(Commandable):
     def command(self, name: str, /, **arguments: Any) -> Any:
         """Issue a command of uwsim.commands: efforts on topic `key`, others by services. Raises ValueError or OSError.
 
-        Efforts are not acknowledged. Other commands have taken effect, or been sent over a link, when this returns.
+        Efforts are not acknowledged. Other commands have taken effect, or been sent over a link, by the time this
+        returns.
         """
         command = command_named(name)
         command.named(self.name, arguments)
@@ -168,7 +169,7 @@ class RemoteVehicle(Commandable):
             raise ValueError(f"vehicle '{self.name}': {name}: not available over rosbridge: the command has no service")
 
     def telemetry(self) -> RemotePanel:
-        """Return the panel from /telemetry, or, without that topic, only the battery."""
+        """Return the panel from /telemetry or, without that topic, only the battery."""
         panel = self._telemetry()
         if panel is not None:
             return RemotePanel(
@@ -198,7 +199,7 @@ def pose_of(message: Any, origin_m: NDArray[np.float64]) -> Pose:
 
 
 def vehicle_names(connection: RemoteConnection) -> list[str]:
-    """Return the names of a server's vehicles; an empty list for a single vehicle whose topics have no prefix."""
+    """Return the names of a server's vehicles, or an empty list for a single vehicle whose topics have no prefix."""
     return sorted(topic.removesuffix("/key") for topic in connection.topics if topic.endswith("/key"))
 
 

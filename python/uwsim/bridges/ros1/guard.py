@@ -19,7 +19,7 @@ LOOPBACK = "127.0.0.1"
 
 
 def guard_sockets() -> None:
-    """Guard all sockets that rospy opens from now on. Does nothing on a second call."""
+    """Guard all sockets that rospy opens from now on. A second call does nothing."""
     tcpros: Any = importlib.import_module("rospy.impl.tcpros_base")
     if not hasattr(tcpros, "uwsim_guards"):
         tcpros.uwsim_guards = True
@@ -31,7 +31,7 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
     """Refuse requests from browser pages to the XML-RPC server.
 
     The server would otherwise accept a POST from any page: with `publisherUpdate`, a page could make the node read
-    commands from the page's server; with `shutdown`, it could end the node.
+    commands from a server of its choice; with `shutdown`, it could end the node.
     """
     door = Door((), os.environ.get("ROS_HOSTNAME") or os.environ.get("ROS_IP") or LOOPBACK)
 
@@ -47,10 +47,10 @@ def _guard_xmlrpc(xmlrpc: Any) -> None:
 
 
 def _guard_tcpros(tcpros: Any) -> None:
-    """Limit the header of a connection in bytes and in time, and read each header on a separate thread.
+    """Limit a connection's header in bytes and in time, and read each header on a separate thread.
 
     rospy reads a header before it accepts the next client, so a client that sends nothing would block all others. The
-    first characters of an HTTP request, interpreted as the header's length, would mean 1 GB.
+    first characters of an HTTP request, interpreted as the header length, would mean 1 GB.
     """
     read, refused = tcpros.read_ros_handshake_header, importlib.import_module("rosgraph.network").ROSHandshakeException
 

@@ -24,7 +24,7 @@ DEPTH = 10  # messages queued for a slow subscriber; beyond that, the oldest are
 
 
 class Ros1Node(Bridge):
-    """The node /uwsim, whose topics are a live simulator's channels; services are std_srvs or JSON topics.
+    """The node /uwsim, whose topics are a live simulator's channels; its services are std_srvs or JSON topics.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
@@ -100,7 +100,7 @@ class Ros1Node(Bridge):
         remove = subscriber.impl.remove_connection
 
         def removed(connection: Any) -> None:
-            """Notice when the last publisher has gone, for which rospy has no callback."""
+            """Detect the departure of the last publisher, for which rospy has no callback."""
             remove(connection)
             if not subscriber.get_num_connections():
                 self.abandon(channel)
@@ -109,7 +109,7 @@ class Ros1Node(Bridge):
         return subscriber
 
     def take(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
+        """Queue a reading on the simulator's thread."""
         self._outgoing.offer(self._lines[reading.channel.name], partial(self._publish, reading))
 
     def _publish(self, reading: Reading) -> bool:

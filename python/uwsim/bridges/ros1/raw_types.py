@@ -16,7 +16,7 @@ from uwsim.channels.messages import from_plain
 def raw_type(name: str) -> type:
     """Return a class for a type such as "sensor_msgs/msg/LaserScan", with the name, checksum and definition for rospy.
 
-    Its objects carry `data`, the message serialised for ROS 1, so the types need not be installed on this side.
+    Its instances carry `data`, the message as serialised for ROS 1, so the type need not be installed on this side.
     """
     genpy = importlib.import_module("genpy")
     _, checksum = ros1_typestore().generate_msgdef(name, ros_version=1)
@@ -58,7 +58,7 @@ def read_message(data: bytes, name: str) -> Any:
 
 
 def _plain(message: Any, name: str) -> dict[str, Any]:
-    """Convert a message of rosbags' ROS 1 classes to plain values."""
+    """Convert a message of a rosbags ROS 1 class to plain values."""
     found: dict[str, Any] = {}
     definitions = ros1_typestore().fielddefs[name][1]
     kinds = {field.name.lower(): field.kind for field in fields(name, 1)}

@@ -1,4 +1,4 @@
-"""Import of Debian's rospy from inside a virtual environment, with its sockets limited to this machine."""
+"""Import of Debian's rospy from inside a virtual environment, with its sockets restricted to this machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ INSTALL = "apt install python3-rospy"
 
 
 def load_rospy() -> Any:
-    """Return the module rospy. Raises ValueError if it is missing or was built for a different Python.
+    """Return the rospy module. Raises ValueError if it is missing or was built for a different Python.
 
     Its folder is appended to the module path, so that the environment's own packages come first. Unless ROS_IP or
     ROS_HOSTNAME is set, rospy's sockets are open to this machine only.
@@ -38,7 +38,7 @@ def load_rospy() -> Any:
 
 
 def require_master() -> str:
-    """Return the address of the ROS master. Raises ValueError if it does not respond."""
+    """Return the ROS master's address. Raises ValueError if the master does not respond."""
     rosgraph = importlib.import_module("rosgraph")
     address = os.environ.get("ROS_MASTER_URI", "http://127.0.0.1:11311")
     os.environ["ROS_MASTER_URI"] = address

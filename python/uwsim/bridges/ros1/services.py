@@ -19,7 +19,7 @@ ANSWER_TEXT = "bool success\nstring message\n"
 
 
 def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
-    """Offer a service to ROS, called on rospy's threads; return the rospy.Service or Subscriber that owns it."""
+    """Register a ROS service handled on rospy's threads; return the rospy.Service or Subscriber that owns it."""
     name, live = f"/{service.name}", require_live(bridge.live)
 
     def answer(request: Any) -> Any:
@@ -41,7 +41,7 @@ def offer_service(rospy: Any, bridge: Bridge, service: Service) -> Any:
 
 
 def _request(data: bytes) -> dict[str, Any]:
-    """Parse a request, which is JSON in a std_msgs/String. Raises ValueError."""
+    """Parse a request, sent as JSON in a std_msgs/String. Raises ValueError."""
     text = data[4:].decode()
     request = json.loads(text or "{}")
     if not isinstance(request, dict):

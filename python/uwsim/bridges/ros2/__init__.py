@@ -1,4 +1,4 @@
-"""Native ROS 2 through Eclipse Cyclone DDS, without ROS. Ros2Node needs the extra: pip install 'uwsim[ros2]'."""
+"""Native ROS 2 through Eclipse Cyclone DDS, without ROS. Ros2Node requires the extra: pip install 'uwsim[ros2]'."""
 
 from typing import TYPE_CHECKING, Any
 

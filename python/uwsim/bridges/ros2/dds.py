@@ -1,4 +1,4 @@
-"""A DDS participant that carries ready-made CDR, built on a few calls of Cyclone DDS."""
+"""A DDS participant that carries ready-made CDR, built on a small part of the Cyclone DDS API."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from uwsim.bridges.ros2.settings import PORTS_PER_DOMAIN, Ros2Settings, unicast_
 EVENTS_MAX = 64  # events returned by one wait; the next wait returns the others
 UNREAD = 0x2 | 0x0C | 0x70  # unread samples, in any view or instance state
 BAD_PARAMETER = -3
-FATAL, ERROR = 1, 2  # Cyclone DDS's log categories; a warning for each malformed packet lets strangers fill the log
+FATAL, ERROR = 1, 2  # Cyclone DDS log categories; one warning per malformed packet would let strangers fill the log
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # parameters of glibc's mallopt
 KEPT_BYTES, BLOCK_BYTES = 64 << 20, 8 << 20
 
@@ -47,7 +47,7 @@ _dds_delete.argtypes, _dds_delete.restype = [ctypes.c_int32], ctypes.c_int32
 
 
 def keep_blocks_of_messages() -> None:
-    """Make glibc keep the memory of large messages for later messages.
+    """Make glibc keep the memory of large messages for reuse by later messages.
 
     By default, glibc returns freed blocks of about 100 kB or more to the system, so that every copy of such a message
     causes page faults: a picture of 1 MB takes 0.7 ms instead of 0.3. Other C libraries are left alone.
@@ -59,7 +59,7 @@ def keep_blocks_of_messages() -> None:
 
 
 def keep_on_loopback(domain_id: int) -> None:
-    """Restrict this process's sockets of a domain to this machine, and warn (UserWarning) if this fails.
+    """Restrict this process's sockets in a domain to this machine, and warn (UserWarning) if this fails.
 
     Cyclone DDS binds them to all addresses, even if it is configured to use only some interfaces.
     """
@@ -80,7 +80,7 @@ def keep_on_loopback(domain_id: int) -> None:
 def own_udp_sockets() -> Iterator[socket.socket]:
     """Yield duplicates of this process's UDP sockets."""
     for entry in Path("/proc/self/fd").iterdir():
-        with suppress(OSError):  # closed meanwhile
+        with suppress(OSError):  # closed in the meantime
             if stat.S_ISSOCK(os.fstat(int(entry.name)).st_mode):
                 found = socket.socket(fileno=os.dup(int(entry.name)))
                 if (found.family, found.type) == (socket.AF_INET, socket.SOCK_DGRAM):
@@ -90,7 +90,7 @@ def own_udp_sockets() -> Iterator[socket.socket]:
 
 
 class Domains:
-    """The DDS domains of this process; each may be created only once, and is shared by all participants."""
+    """The DDS domains of this process; each may be created only once and is shared by all participants."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -98,7 +98,7 @@ class Domains:
         self._users: Counter[int] = Counter()
 
     def enter(self, settings: Ros2Settings) -> None:
-        """Enter a domain. Raises ValueError if this process is in it with different settings, OSError on failure."""
+        """Enter a domain. Raises ValueError if this process is in it with different settings, or OSError on failure."""
         number, config = settings.domain_id, settings.config
         with self._lock:
             if number not in self._domains:
@@ -126,7 +126,7 @@ DOMAINS = Domains()
 
 
 class Participant:
-    """A DDS participant: writers and readers of CDR on topics named as in ROS. Raises ValueError or OSError.
+    """A DDS participant: CDR writers and readers on topics named as in ROS. Raises ValueError or OSError.
 
     `close` also deletes its writers and readers.
     """
@@ -165,7 +165,7 @@ class Participant:
         return RawReader(reader)
 
     def wait_set(self) -> Events:
-        """Return an object that can wait for several writers and readers."""
+        """Return an object that can wait on several writers and readers."""
         return Events(self._participant)
 
     def close(self) -> None:
@@ -194,7 +194,7 @@ class RawWriter:
         return bytes(self._writer.guid.bytes)
 
     def write(self, cdr: memoryview) -> bool:
-        """Write a message; its length must be a multiple of four. Return whether it was accepted. Releases the GIL."""
+        """Write a message whose length must be a multiple of four; return whether it was accepted. Releases the GIL."""
         address = np.frombuffer(cdr, np.uint8).__array_interface__["data"][0]
         sample = Sample(address, len(cdr))
         return bool(_dds_write(self._writer._ref, ctypes.addressof(sample)) >= 0)
@@ -217,7 +217,7 @@ class RawReader:
         return bytes(self._reader.guid.bytes)
 
     def take(self, limit: int) -> list[bytes]:
-        """Return at most `limit` messages that have arrived."""
+        """Return up to `limit` messages that have arrived."""
         taken = ddspy_take(self._reader._ref, UNREAD, limit)
         return [] if isinstance(taken, int) else [data for data, info in taken if info.valid_data]
 
@@ -227,7 +227,7 @@ class RawReader:
 
 
 class Events:
-    """Waits for changes of writers' matching readers and readers' matching writers, and for new messages."""
+    """Waits for new messages, and for changes in which readers match a writer or which writers match a reader."""
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._guard = GuardCondition(participant)
@@ -261,6 +261,6 @@ class Events:
 
 
 def _delete(entity: Entity) -> None:
-    """Delete an entity and everything that belongs to it now, instead of when Python collects it."""
+    """Delete an entity and everything that belongs to it immediately, not just when Python collects it."""
     Entity._entities.pop(entity._ref, None)
     _dds_delete(entity._ref)

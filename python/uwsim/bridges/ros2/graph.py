@@ -1,4 +1,4 @@
-"""ROS 2's graph in DDS: topic names, the node and its endpoints, and type hashes."""
+"""The ROS 2 graph in DDS: topic names, the node and its endpoints, and type hashes."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def dds_name(topic: str) -> str:
 
 
 def endpoint_data(type_name: str, distro: Distro) -> bytes:
-    """Return the user data of an endpoint, which in Jazzy contains the type's hash."""
+    """Return an endpoint's user data, which in Jazzy contains the type hash."""
     return b"" if distro == "humble" else f"typehash={schema(type_name, distro).type_hash};".encode()
 
 
 def entities_info(
     distro: Distro, participant: bytes, node: str, readers: Sequence[bytes], writers: Sequence[bytes]
 ) -> Any:
-    """Return the message that announces a node and its endpoints, from their DDS identifiers, 16 bytes each."""
+    """Return the message that announces a node and its endpoints, given their 16-byte DDS identifiers."""
     types = store_of(distro).types
 
     def gid(guid: bytes) -> Any:

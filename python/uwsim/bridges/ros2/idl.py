@@ -21,7 +21,7 @@ PRIMITIVES: dict[str, Any] = {
 
 @cache
 def idl_type(name: str, distro: Distro) -> type[IdlStruct]:
-    """Return the class for a ROS type: "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS."""
+    """Return the class for a ROS type; for example, "sensor_msgs/msg/Imu" is sensor_msgs::msg::dds_::Imu_ in DDS."""
     package, _, short = name.split("/")
     definition = store_of(distro).fielddefs[name][1]
     fields = {field: _field(kind_of(description), distro) for field, description in definition}

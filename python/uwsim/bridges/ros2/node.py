@@ -30,13 +30,13 @@ from uwsim.channels.names import channels_in, node_name
 from uwsim.channels.outgoing import Job, Line, Outgoing, queue_of
 from uwsim.live import LiveSimulator
 
-LOOK_S = 0.5  # time between checks whether to stop, if nothing happens
-PAUSE_S = 0.001  # time between reads, so that a flood of messages cannot use up the processor
+LOOK_S = 0.5  # interval at which idle threads check whether to stop
+PAUSE_S = 0.001  # pause between reads, so that a flood of messages cannot use up the processor
 OPEN_CALLS_MAX = 100
 
 
 class Ros2Node(Bridge):
-    """The node /uwsim, whose topics are a live simulator's channels; further topics replace its services.
+    """The node /uwsim, whose topics are a live simulator's channels; additional topics replace its services.
 
         with LiveSimulator("lake") as live:
             table = Table(live.simulator)
@@ -44,9 +44,10 @@ class Ros2Node(Bridge):
                 ...
 
     A channel is read only while a node subscribes to it. Messages are encoded and written on one thread; commands are
-    received on another. live: None if the feed is that of a recording, which accepts no commands. feed: shared with
-    other sinks, so that each reading is taken and encoded only once. namespace: part of the node's name. Raises
-    ValueError for settings and names that ROS 2 does not allow, OSError if the domain cannot be joined.
+    received on another. live: None if the feed plays a recording, which accepts no commands. feed: shared with other
+    sinks so that each reading is taken and encoded only once. namespace: part of the node's name. Raises
+    ValueError for settings or names that ROS 2 does
+    not allow, and OSError if the domain cannot be joined.
     """
 
     def __init__(
@@ -87,16 +88,16 @@ class Ros2Node(Bridge):
 
     @property
     def dropped(self) -> dict[str, int]:
-        """The number of messages per topic that were dropped for newer ones because the network was too slow."""
+        """The number of messages dropped on each topic in favour of newer ones because the network was too slow."""
         return {name: line.drops.count for name, line in self._lines.items() if line.drops.count}
 
     @property
     def written(self) -> dict[str, int]:
-        """The number of messages written per topic."""
+        """The number of messages written to each topic."""
         return {name: line.written for name, line in self._lines.items() if line.written}
 
     def close(self) -> bool:
-        """Leave the domain: other nodes are notified, and both threads end."""
+        """Leave the domain; other nodes are notified, and both threads end."""
         was_open = super().close()
         if was_open:
             self._stopping.set()
@@ -126,7 +127,7 @@ class Ros2Node(Bridge):
         return endpoint_data(type_name, self.settings.distro)
 
     def _tell_graph(self) -> None:
-        """Publish the list of the node's endpoints; DDS also sends it to participants that join later."""
+        """Publish the node's endpoint list, which DDS also sends to participants that join later."""
         distro = self.settings.distro
         qos = writer_qos(1, latched=True, user_data=self._data(ENTITIES))
         self._graph = self._participant.writer(ENTITIES_TOPIC, ENTITIES, qos)
@@ -149,7 +150,7 @@ class Ros2Node(Bridge):
             self._stopping.wait(PAUSE_S)
 
     def _notice_readers(self, channel: Channel, count: int) -> None:
-        """Start or stop reading a channel. If its messages build on each other, a late reader receives all of them."""
+        """Start or stop reading a channel. If its messages build on each other, late readers receive all of them."""
         was_read = self.is_read(channel.name)
         self.demand(channel.name, count > 0)
         if count and was_read and channel.catch_up is not None:
@@ -158,7 +159,7 @@ class Ros2Node(Bridge):
                 self.take(newest)
 
     def take(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
+        """Queue a reading on the simulator's thread."""
         name, distro = reading.channel.name, self.settings.distro
         writer = self._writers[name]
         if is_as_in_jazzy(reading.channel.type, distro):
@@ -171,7 +172,7 @@ class Ros2Node(Bridge):
         self._say(WARN, reason)
 
     def _say(self, level: int, text: str) -> None:
-        """Report a message on /rosout and in our log."""
+        """Report a message on /rosout and in our own log."""
         self.log.log(logging.WARNING if level >= WARN else logging.INFO, "%s", text)
         message: Any = log_message(require_live(self.live).simulator.time_ns, self.name, level, text)
         self._outgoing.offer(self._log_line, lambda: self._log.write(encode(message, self.settings.distro)))

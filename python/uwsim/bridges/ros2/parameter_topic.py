@@ -1,4 +1,4 @@
-"""The topic /set_parameter, which replaces ROS 2's service: a rcl_interfaces/Parameter sets one parameter."""
+"""The /set_parameter topic, which replaces the ROS 2 service: each rcl_interfaces/Parameter sets one parameter."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def parameter_channel(say: Say) -> Channel:
 
 
 def value_of(value: Any) -> Any:
-    """Return the value in a rcl_interfaces/ParameterValue. Raises ValueError for an unknown type."""
+    """Return the value in a rcl_interfaces/ParameterValue. Raises ValueError if its type is unknown."""
     if value.type not in FIELDS:
         raise ValueError(
             f"value.type = {value.type}: must be one of {', '.join(f'{n} ({f})' for n, f in FIELDS.items())}"

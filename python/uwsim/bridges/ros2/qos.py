@@ -5,12 +5,12 @@ from __future__ import annotations
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
-DEPTH = 10  # messages that a reader may lag behind; ROS 2's default
+DEPTH = 10  # messages by which a reader may lag behind; the ROS 2 default
 BLOCKING = duration(milliseconds=50)  # how long a write may wait for a slow reader
 
 
 def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
-    """Return a reliable QoS, which all readers match; if latched, it is transient local, for late readers."""
+    """Return a reliable QoS, which matches all readers; if latched, it is transient local, to serve late readers."""
     policies = [
         Policy.Reliability.Reliable(BLOCKING),
         Policy.History.KeepLast(depth),
@@ -24,7 +24,7 @@ def writer_qos(depth: int, *, latched: bool, user_data: bytes) -> Qos:
 
 
 def reader_qos(depth: int, *, reliable: bool, user_data: bytes, latched: bool = False) -> Qos:
-    """Return the QoS of a reader. Best effort matches all writers, reliable only reliable ones (ROS's default)."""
+    """Return a reader's QoS. Best effort matches all writers, reliable only reliable ones (the ROS default)."""
     return Qos(
         Policy.Reliability.Reliable(BLOCKING) if reliable else Policy.Reliability.BestEffort,
         Policy.History.KeepLast(depth),

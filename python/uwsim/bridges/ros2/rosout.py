@@ -1,4 +1,4 @@
-"""Log messages on /rosout, which ROS 2's consoles display."""
+"""Log messages on /rosout, for display in ROS 2 consoles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 from uwsim.channels import build
 
 LOG, LOG_TOPIC = "rcl_interfaces/msg/Log", "rosout"
-LOG_DEPTH = 100  # number of past messages that a late console receives
+LOG_DEPTH = 100  # number of past messages received by a console that joins late
 INFO, WARN = 20, 30  # levels of rcl_interfaces/Log
 
 

@@ -1,7 +1,7 @@
-"""Topics that replace services, which our DDS binding cannot carry: a message on a topic calls the service.
+"""Topics that replace services, which our DDS binding cannot carry: a message on such a topic calls the service.
 
-A std_srvs/Trigger is called by a std_msgs/Empty on a topic with the same name, a std_srvs/SetBool by a std_msgs/Bool,
-other services by a std_msgs/String with the request in JSON. The response is published on /rosout.
+A std_msgs/Empty on a topic of the same name calls a std_srvs/Trigger, a std_msgs/Bool calls a std_srvs/SetBool, and a
+std_msgs/String containing the request in JSON calls any other service. The response is published on /rosout.
 """
 
 from __future__ import annotations

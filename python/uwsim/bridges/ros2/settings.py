@@ -1,4 +1,4 @@
-"""Settings of a ROS 2 node (distribution, domain, reach) and their conversion to Cyclone DDS's configuration."""
+"""The settings of a ROS 2 node (distribution, domain, reach) and their conversion to a Cyclone DDS configuration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.channels.cdr import Distro
 Reach = Literal["localhost", "subnet"]
 DOMAIN_MAX = 232  # RTPS 2.5, section 9.6.2: the ports of higher domains exceed 65535
 SAFE_DOMAIN_MAX = 101  # Linux assigns the ports of higher domains to outgoing connections
-PARTICIPANTS_MAX = 32  # participants probed on one host without multicast, as in ROS 2
+PARTICIPANTS_MAX = 32  # participants probed per host without multicast, as in ROS 2
 PORT_BASE, PORTS_PER_DOMAIN, PORTS_PER_PARTICIPANT = 7400, 250, 2  # RTPS 2.5, section 9.6.2.3
 UNICAST_OFFSET, MULTICAST_GROUP = 10, "239.255.0.1"
 
@@ -36,8 +36,8 @@ class Ros2Settings:
 
     domain_id: like ROS_DOMAIN_ID, [0, 232].
 
-    reach: "localhost" for communication on this machine only, "subnet" for all hosts that multicast reaches. peers:
-    names or addresses of further hosts, which multicast does not reach. Raises ValueError.
+    reach: "localhost" for communication within this machine, "subnet" for all hosts reachable by multicast. peers:
+    names or addresses of further hosts that multicast does not reach. Raises ValueError.
     """
 
     distro: Distro = "jazzy"
@@ -63,7 +63,7 @@ class Ros2Settings:
 
     @property
     def config(self) -> str:
-        """Cyclone DDS's configuration in XML. CYCLONEDDS_URI is applied last, and thus overrides it."""
+        """The Cyclone DDS configuration in XML. CYCLONEDDS_URI is applied after it and thus overrides it."""
         peers = [*self.peers, *(["127.0.0.1"] if self.reach == "localhost" else [])]
         listed = "".join(f'<Peer Address="{peer}"/>' for peer in peers)
         general = (
@@ -89,7 +89,7 @@ def settings_from(
     reach: str = "localhost",
     peers: Sequence[str] = (),
 ) -> Ros2Settings:
-    """Return the settings from options, and, where these are missing, from ROS's environment variables.
+    """Return settings from the options, with defaults from the ROS environment variables.
 
     The variables are ROS_DISTRO (if it is supported), ROS_DOMAIN_ID and ROS_STATIC_PEERS. Raises ValueError.
     """
@@ -106,7 +106,7 @@ def settings_from(
 
 
 def unicast_port(domain_id: int, participant: int) -> int:
-    """Return the UDP port on which a domain's participant is discovered; participants of a host are numbered from 0."""
+    """Return the UDP port on which a domain's participant is discovered; each host numbers its participants from 0."""
     return PORT_BASE + PORTS_PER_DOMAIN * domain_id + UNICAST_OFFSET + PORTS_PER_PARTICIPANT * participant
 
 

@@ -1,4 +1,4 @@
-"""A rosbridge v2 server and client, which connect ROS scripts and web pages to the simulator without ROS."""
+"""A rosbridge v2 server and client, for connecting ROS scripts and web pages to the simulator without ROS."""
 
 from uwsim.bridges.rosbridge.client import RosbridgeClient
 from uwsim.bridges.rosbridge.limits import Limits

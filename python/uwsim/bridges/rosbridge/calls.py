@@ -1,4 +1,4 @@
-"""A client's unanswered service calls, and other clients' calls of the services that it offers."""
+"""A client's unanswered service calls, and calls from other clients to the services that it offers."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from uwsim.bridges.rosbridge.names import Names
 from uwsim.bridges.rosbridge.outbox import Outbox
 from uwsim.channels.message_types import is_unicode, shortened
 
-CALL_BYTES = 1000  # bytes of an open call without its arguments
+CALL_BYTES = 1000  # bytes taken by an open call, excluding its arguments
 
 
 class Call:
-    """A call by a client. calls: the client's Calls; None once the call is answered or the client has left."""
+    """A call by a client. calls: the client's Calls, or None once the call is answered or the client has left."""
 
     __slots__ = ("calls", "response", "size")
 
@@ -34,7 +34,7 @@ class Call:
 
 
 class Calls:
-    """Calls of both kinds. name: the client's name in the graph. account: charged for data stored until the answer.
+    """Calls in both directions. name: the client's name in the graph. account: charged for data kept until the answer.
 
     spent_bytes: an upper bound on the memory used by the current operation.
     """
@@ -46,7 +46,7 @@ class Calls:
         self._outbox = outbox
         self.spent_bytes = 0
         self._made: set[Call] = set()
-        self._received: dict[str, tuple[str, Reply, str]] = {}  # callers, reply functions and services, by our id
+        self._received: dict[str, tuple[str, Reply, str]] = {}  # callers, reply functions and services, keyed by our id
         self._numbers = itertools.count(1)
         graph.on_leave.append(self._forget_caller)
 
@@ -90,7 +90,7 @@ class Calls:
             reply(False, f"service '{name}': {self._name} has ceased to offer it")
 
     def respond(self, operation: dict[str, Any]) -> None:
-        """Pass the client's answer to the caller. Raises ValueError if no call waits for it."""
+        """Pass the client's answer to the caller. Raises ValueError if no call is waiting for it."""
         identity = operation.get("id")
         found = self._received.pop(identity, None) if isinstance(identity, str) else None
         if found is None:
@@ -99,7 +99,7 @@ class Calls:
         found[1](operation.get("result", True) is not False, operation.get("values", {}))
 
     def _open(self, response: dict[str, Any]) -> Reply:
-        """Register a client's call; return the function that answers it. Raises ValueError if too many wait."""
+        """Register a client's call; return the function that answers it. Raises ValueError if too many are waiting."""
         if len(self._made) >= self._limits.open_calls:
             raise ValueError(f"{self._limits.open_calls} of your calls are waiting for responses, the maximum")
         call = Call(self, response, CALL_BYTES + self.spent_bytes)
@@ -121,7 +121,7 @@ class Calls:
         self._outbox.reply(frame)
 
     def _receive(self, service: str, arguments: Any, reply: Reply, caller: str) -> None:
-        """Pass a service call to the client, which offers the service. Raises ValueError if too many wait."""
+        """Pass a service call to the client that offers the service. Raises ValueError if too many are waiting."""
         if len(self._received) >= self._limits.open_calls:
             raise ValueError(f"service '{service}': {self._limits.open_calls} calls are waiting for its response")
         identity = f"service_request:{service}:{next(self._numbers)}"
@@ -137,7 +137,7 @@ class Calls:
             self._account.give(CALL_BYTES)
 
     def close(self) -> None:
-        """After the client has left, fail all waiting calls of its services, and drop its calls of other services."""
+        """After the client has left, fail all calls waiting for its services, and drop its calls to other services."""
         self._graph.on_leave.remove(self._forget_caller)
         received, self._received = self._received, {}
         for _, reply, _ in received.values():

@@ -1,10 +1,10 @@
 """RosbridgeClient: connects the simulator to a ROS graph through a rosbridge_server, as the paper's simulator did.
 
-It advertises topics and services and subscribes to command topics, and repeats this after each reconnection. While
+It advertises topics and services and subscribes to command topics, and does so again after each reconnection. While
 connected, every topic is read at its rate, since rosbridge does not report whether a topic has subscribers. The
-simulator's thread never waits: readings pass through bounded queues, one for each topic, which drop the oldest. If the
-server closes the connection because a message was too large, messages of that size or larger are no longer sent. The
-server's reports, such as those about refused messages, are logged.
+simulator's thread never waits: readings pass through bounded queues, one per topic, that drop the oldest. If the server
+closes the connection because a message was too large, messages of that size or larger are no longer sent. Reports from
+the server, such as those about refused messages, are logged.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ TOO_LARGE = 1009  # RFC 6455: close code for a message that was too large
 class RosbridgeClient(Bridge):
     """Connects a live simulator to a rosbridge server.
 
-    url: such as "ws://host:9090". channels, services: everything that it publishes, subscribes to and offers. ros: the
+    url: such as "ws://host:9090". channels, services: everything that it publishes, subscribes to or offers. ros: the
     ROS generation whose spelling of types, times and headers the server expects. feed: shared with other sinks. Raises
     ValueError.
     """
@@ -71,7 +71,7 @@ class RosbridgeClient(Bridge):
         self.connected = threading.Event()
         self.connections = 0
         self.sent = 0
-        self._largest_sent = 0  # bytes of the largest message sent on this connection
+        self._largest_sent = 0  # size in bytes of the largest message sent on this connection
         self._refused_bytes: int | None = None  # messages of this size or larger are no longer sent
         self._left_out: set[str] = set()
 
@@ -91,7 +91,7 @@ class RosbridgeClient(Bridge):
         return self.start()
 
     def close(self) -> bool:
-        """Disconnect, and stop the thread."""
+        """Disconnect and stop the thread."""
         was_open = super().close()
         if was_open and self._thread is not None and self._loop is not None:
             post(self._loop, self._stopping.set)
@@ -110,7 +110,7 @@ class RosbridgeClient(Bridge):
         await asyncio.gather(keeping, return_exceptions=True)
 
     async def _keep_connected(self) -> None:
-        """Connect repeatedly, with a longer pause after each failure."""
+        """Connect repeatedly, pausing longer after each failure."""
         wait_s = FIRST_WAIT_S
         while True:
             try:
@@ -168,7 +168,7 @@ class RosbridgeClient(Bridge):
             self.log.warning("the simulator does not run")
 
     def take(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
+        """Queue a reading on the simulator's thread."""
         self._waiting.put(self._lines[reading.channel.name], reading)
         if self._loop is not None and not self._wakes.is_set():
             post(self._loop, self._wakes.set)
@@ -194,7 +194,7 @@ class RosbridgeClient(Bridge):
         self.sent += 1
 
     def _receive(self, frame: str | bytes, connection: ClientConnection) -> None:
-        """Handle a frame from the server; errors are logged."""
+        """Handle a frame from the server, logging any errors."""
         try:
             operation = parse(frame, self._limits.nesting)
             if operation.get("op") == "publish":
@@ -228,4 +228,4 @@ class RosbridgeClient(Bridge):
     def _forget_answer(self, sending: asyncio.Future[None]) -> None:
         self._answers.discard(sending)
         if not sending.cancelled():
-            sending.exception()  # read, so that it is not logged: the caller is gone with the connection
+            sending.exception()  # read so that it is not logged: the caller is gone with the connection

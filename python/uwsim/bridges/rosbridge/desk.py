@@ -1,4 +1,4 @@
-"""Desk: moves large pieces of work from the network thread to another thread, where they run one by one.
+"""Desk: moves large pieces of work from the network thread to another thread, where they run one at a time.
 
 The network thread serves all clients, so it must not be blocked for long.
 """
@@ -18,21 +18,21 @@ from uwsim.bridges.rosbridge.session import Session
 
 PAUSE_S = 5e-5  # gives other threads a turn
 LARGE_FRAME_BYTES = 1 << 13
-# CPU time for a large frame, charged in advance; the difference from the actual time is settled afterwards
+# CPU time charged in advance for a large frame; the difference from the actual time is settled afterwards
 S_PER_BYTE = 5e-8
 
 T = TypeVar("T")
 
 
 class Desk:
-    """Runs work on `pool`. share: limits the CPU time for all clients together."""
+    """Runs work on `pool`. share: limits the total CPU time for all clients."""
 
     def __init__(self, share: Allowance, pool: Executor) -> None:
         self._share = share
         self._pool = pool
 
     async def do(self, work: Callable[[], T], size: int) -> T:
-        """Wait until work on this many bytes fits the CPU share, then run it off the network thread."""
+        """Wait until work on this many bytes fits within the CPU share, then run it off the network thread."""
         expected_s = S_PER_BYTE * size
         await asyncio.sleep(self._share.delay_after(expected_s))
         result, worked_s = await asyncio.get_running_loop().run_in_executor(self._pool, _timed, work)
@@ -40,21 +40,21 @@ class Desk:
         return result
 
     async def encode(self, parcel: Parcel) -> Frame:
-        """Return the frame of a due message. Encoding published messages is not charged to the clients."""
+        """Return the frame for a due message. Encoding published messages is not charged to the clients."""
         if not parcel.sample.is_large:
             return parcel.encode()
         return await asyncio.get_running_loop().run_in_executor(self._pool, parcel.encode)
 
 
 class Seat:
-    """A client's session, whose small frames are handled on the network thread, and large ones at the desk."""
+    """A client session whose small frames are handled on the network thread and whose large ones go to the desk."""
 
     def __init__(self, session: Session, desk: Desk) -> None:
         self.session = session
         self._desk = desk
 
     async def take(self, frame: Frame) -> float:
-        """Handle a frame and release it; return the CPU time spent on this thread [s]."""
+        """Handle a frame and release it; return the CPU time [s] spent on this thread."""
         worked_s, is_whole = 0.0, False
         following: Frame | None = frame
         del frame
@@ -73,7 +73,7 @@ class Seat:
         return worked_s
 
     async def next_frame(self) -> tuple[Frame | None, float | None]:
-        """Return the next frame to send; or None, and the seconds until one is due (None: only after a wake-up)."""
+        """Return the next frame to send, or None and the seconds until one is due (None: not before a wake-up)."""
         found, delay_s = self.session.outbox.pick()
         return (await self._desk.encode(found) if isinstance(found, Parcel) else found), delay_s
 
@@ -83,7 +83,7 @@ class Seat:
 
 
 def _timed(work: Callable[[], T]) -> tuple[T, float]:
-    begun_s = time.thread_time()  # CPU time of this thread, without other threads on the core
+    begun_s = time.thread_time()  # CPU time of this thread only, not of others sharing the core
     return work(), time.thread_time() - begun_s
 
 

@@ -1,4 +1,4 @@
-"""Encoding of messages for subscribers: once per encoding, when the first subscriber needs it."""
+"""Encoding of messages for subscribers, once per encoding, when the first subscriber needs it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Compression = Literal["none", "cbor", "cbor-raw", "png"]
 JSON_OPTIONS = orjson.OPT_SERIALIZE_NUMPY
 LARGE_BYTES = 1 << 16
 """Larger messages are encoded off the network thread, and store only one encoding at a time."""
-SLICE_NUMBERS = 1 << 16  # numbers of an array written per call
+SLICE_NUMBERS = 1 << 16  # array elements written per call
 CBOR_ARRAY, CBOR_MAP = 4, 5  # major types, RFC 8949, section 3.1
 
 
@@ -46,7 +46,7 @@ def _plain(value: Any) -> Any:
 
 
 def _in_slices(value: Any) -> Any:
-    """Write an array of a large message in chunks, so that no call takes long."""
+    """Write an array in a large message in chunks, so that no call takes long."""
     if not isinstance(value, np.ndarray) or value.ndim != 1:
         return orjson.Fragment(orjson.dumps(value, default=_plain, option=JSON_OPTIONS))
     starts = range(0, max(1, len(value)), SLICE_NUMBERS)
@@ -55,7 +55,7 @@ def _in_slices(value: Any) -> Any:
 
 
 def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
-    """Write a large message in CBOR value by value, so that no call takes long."""
+    """Write a large message as CBOR value by value, so that no call takes long."""
     buffer = io.BytesIO()
     encoder = cbor2.CBOREncoder(buffer)
 
@@ -77,7 +77,7 @@ def _cbor_in_pieces(plain: dict[str, Any]) -> bytes:
 
 
 def to_png(text: str) -> str:
-    """Encode an operation's JSON as the pixels of a PNG, like rosbridge's compression "png"."""
+    """Encode an operation's JSON as the pixels of a PNG, as in rosbridge's "png" compression."""
     data = text.encode()
     width = max(1, math.isqrt(len(data) // 3))
     height = math.ceil(len(data) / 3 / width)
@@ -103,13 +103,13 @@ def from_png(data: str, size_max: int) -> str:
 
 
 def publication(message: Any, topic: str, ros: Ros) -> str:
-    """Return the operation "publish" as a client of a rosbridge_server sends it, with literal NaN and Infinity."""
+    """Return a "publish" operation as a client sends it to a rosbridge_server, with literal NaN and Infinity."""
     operation = {"op": "publish", "topic": topic, "msg": to_plain(message, ros, "literal")}
     return orjson.dumps(operation, option=JSON_OPTIONS).decode()
 
 
 class Sample:
-    """One message of a topic, and the frames that encode it. time_ns: when it was received, for cbor-raw.
+    """A message on a topic, and the frames that encode it. time_ns: time of receipt, for cbor-raw.
 
     size: its size in memory [bytes], if known. holders: see Account.hold.
     """
@@ -126,7 +126,7 @@ class Sample:
 
     @property
     def size(self) -> int:
-        """The approximate size in memory [bytes]: the message's, doubled to allow for its encodings."""
+        """The approximate size in memory [bytes]: the message size, doubled to allow for its encodings."""
         if self._size is None:
             self._size = 0 if self.message is None else held_bytes(self.message)
         return 2 * self._size
@@ -142,11 +142,11 @@ class Sample:
         return bool(self._frames)
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Return the message for a subscriber that has everything up to a cursor, and its next cursor."""
+        """Return the message for a subscriber that has everything up to a cursor, and that subscriber's next cursor."""
         return self, None
 
     def frame(self, topic: str, ros: Ros, compression: Compression) -> Frame:
-        """Return the frame of the operation "publish", with the topic's name as the subscriber spells it."""
+        """Return the frame for a "publish" operation, with the topic name as spelled by the subscriber."""
         key = (topic, ros, compression)
         frame: Frame | None = self._frames.get(key)
         if frame is None:
@@ -187,9 +187,9 @@ class Sample:
 
 
 class Growing(Sample):
-    """A change to a topic whose messages build on each other: a subscriber receives all changes that it lacks together.
+    """A change to a topic whose messages build on each other; subscribers receive all changes that they lack together.
 
-    catch_up: returns the message for a cursor (None: the subscriber has nothing), and the next cursor.
+    catch_up: returns the message for a cursor (None: the subscriber has nothing) and the next cursor.
     """
 
     __slots__ = ("_catch_up",)
@@ -200,7 +200,7 @@ class Growing(Sample):
         self._catch_up = catch_up
 
     def after(self, cursor: Any) -> tuple[Sample, Any]:
-        """Combine all changes since the cursor."""
+        """Combine all changes made since the cursor."""
         message, following = self._catch_up(cursor)
         return Sample(message, self.time_ns), following
 

@@ -11,9 +11,9 @@ from uwsim.channels.message_types import shortened
 
 
 class Fragments:
-    """The unfinished messages of one client.
+    """One client's unfinished messages.
 
-    limits: the bounds on their number and size. account: charged for the bytes stored.
+    limits: bounds on the number and size of the messages. account: charged for the bytes stored.
     """
 
     def __init__(self, limits: Limits, account: Account) -> None:
@@ -56,5 +56,5 @@ class Fragments:
 
 
 def _size(parts: list[str | None]) -> int:
-    """Return the memory that the parts of a message occupy [bytes]."""
+    """Return the memory [bytes] occupied by the parts of a message."""
     return sys.getsizeof(parts) + sum(sys.getsizeof(part) for part in parts if part is not None)

@@ -1,6 +1,6 @@
-"""The graph: topics and services by name, with their owners and users. It must be used on one thread only.
+"""The graph: topics and services by name, with their owners and users. It must only be used on one thread.
 
-Clients and the simulator are peers in it, like nodes in ROS: each is an owner, identified by its name.
+Clients and the simulator are its peers, like nodes in ROS: each is an owner, identified by name.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Handler = Callable[[Any, Reply, str], None]
 
 
 def plain_name(name: object, what: str = "topic") -> str:
-    """Return a name without its leading slash, so that "/scan" and "scan" match. Raises ValueError."""
+    """Return a name without its leading slash, so that "/scan" and "scan" are equal. Raises ValueError."""
     if not isinstance(name, str) or not 1 <= len(name) <= 256 or not name.strip("/"):
         raise ValueError(f"{what} = {shortened(name)}: must be a name")
     if not name.isprintable() or " " in name:
@@ -39,7 +39,7 @@ def plain_name(name: object, what: str = "topic") -> str:
 
 @dataclass(eq=False)
 class Topic:
-    """One topic. publishers: whether each latches, by owner. sinks: the subscribers' sinks, by owner and key.
+    """One topic. publishers: whether each owner latches. sinks: the subscribers' sinks, keyed by owner and key.
 
     latched: the latest latched message; latched_by: its owner, whose account is charged for it.
     """
@@ -52,7 +52,7 @@ class Topic:
     latched_by: tuple[str, Account] | None = None
 
     def latch(self, sample: Sample | None, owner: tuple[str, Account] | None = None) -> None:
-        """Store a sample for later subscribers, replacing the previous one. owner: None for samples of this process."""
+        """Keep a sample for later subscribers, replacing the previous one. owner: None for this process's samples."""
         if self.latched is not None and self.latched_by is not None:
             self.latched_by[1].drop(self.latched)
         self.latched, self.latched_by = sample, owner
@@ -73,10 +73,11 @@ class Service:
 class Graph:
     """Topics, services and owners. All methods raise ValueError with a message that names the problem.
 
-    on_demand: functions called with a topic's name and whether it has subscribers, whenever that changes. on_leave:
-    functions called with an owner that has left. on_abandoned: functions called with a topic's name when its last
-    publisher has left. silence_s: returns the time since anything was received from an owner. time_ns: returns the
-    graph's time. ledger: counts the memory used for clients.
+    on_demand: functions called with a topic name and whether the topic has subscribers, whenever that changes.
+    on_leave: functions called with an owner that has left. on_abandoned: functions called with a topic name when the
+    topic's last publisher has left. silence_s: returns the time since anything was received from an owner. time_ns: returns the
+    graph's time. ledger:
+    counts the memory used for clients.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -112,7 +113,7 @@ class Graph:
         self._forget_if_unused(topic)
 
     def typed_topic(self, name: Any) -> Topic:
-        """Return a topic for a client to publish on. Raises ValueError unless its type is known."""
+        """Return a topic for a client to publish on. Raises ValueError if its type is unknown."""
         topic = self.topics.get(plain_name(name))
         if topic is None or topic.type is None:
             raise ValueError(f"topic '{name}': advertise it first, because its type is unknown")
@@ -128,7 +129,7 @@ class Graph:
             sink(sample)
 
     def known_type(self, name: str, type_name: str | None) -> str | None:
-        """Return a topic's type, or, if unknown, the type that a client passed. Raises ValueError if they differ."""
+        """Return a topic's type or, if unknown, the type that a client gave. Raises ValueError if they differ."""
         resolved = resolve(type_name)[0] if type_name else None
         topic = self.topics.get(plain_name(name))
         present = topic.type if topic is not None else None
@@ -172,7 +173,7 @@ class Graph:
         del self.services[service.name]
 
     def call(self, name: str, arguments: Any, reply: Reply, caller: str = "") -> None:
-        """Call a service. If it is missing or fails, the reply is False and the reason."""
+        """Call a service. If it is missing or fails, the reply is False plus the reason."""
         service = self.services.get(plain_name(name, "service"))
         if service is None:
             reply(False, f"service '{name}': nobody offers it")

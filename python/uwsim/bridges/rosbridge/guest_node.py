@@ -1,4 +1,4 @@
-"""Guests in the graph: parts of this process other than a simulator, such as the operator's station."""
+"""Guests in the graph: parts of this process other than a simulator, such as the operator station."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class GuestNode:
         post(self._loop, self._publish, name, sample)
 
     def is_wanted(self, name: str) -> bool:
-        """Return whether a topic has subscribers."""
+        """Return whether a topic has any subscribers."""
         return name in self._wanted
 
     def is_awaited(self, name: str) -> bool:
@@ -58,7 +58,7 @@ class GuestNode:
         return newest is None or newest.is_taken
 
     def silence_s(self, client: str) -> float:
-        """Return how long [s] nothing has been received from a client."""
+        """Return the time [s] since anything was received from a client."""
         return self._graph.silence_s(client)
 
     def _advertise(self, topics: Mapping[str, GuestTopic]) -> None:

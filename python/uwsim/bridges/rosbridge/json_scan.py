@@ -10,9 +10,9 @@ Places = np.ndarray[tuple[int], np.dtype[np.intp]]
 
 
 class JsonScan:
-    """The characters of JSON text in UTF-8.
+    """JSON text as UTF-8 characters.
 
-    quotes: which characters begin or end a string. outside: which characters are outside strings.
+    quotes: mask of the characters that begin or end a string. outside: mask of the characters outside strings.
     """
 
     def __init__(self, text: bytes) -> None:
@@ -25,11 +25,11 @@ class JsonScan:
         return np.flatnonzero(self._are(wanted))
 
     def count(self, wanted: str) -> int:
-        """Return how many of these characters there are outside strings."""
+        """Return the number of occurrences of these characters outside strings."""
         return int(np.count_nonzero(self._are(wanted)))
 
     def flat_lists(self, length: int) -> list[tuple[int, int]]:
-        """Return the bracket positions of all lists of numbers, true, false and null that have a minimum length."""
+        """Return the bracket positions of all lists of numbers, true, false and null with at least `length` items."""
         places = np.flatnonzero(self._are("[]{}") | self.quotes)
         signs = self.characters[places]
         flat = (signs[:-1] == ord("[")) & (signs[1:] == ord("]")) & (np.diff(places) >= length)

@@ -1,4 +1,4 @@
-"""Accounts of the bytes stored for clients: per client and in total, both bounded."""
+"""Accounts of the bytes stored for clients, bounded both per client and in total."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Protocol
 
 
 class Held(Protocol):
-    """An object that may be queued for several clients, but is in memory only once."""
+    """An object that is in memory only once, even if it is queued for several clients."""
 
     holders: int
 
     @property
     def size(self) -> int:
-        """The object's size in bytes, which does not change."""
+        """The object's size in bytes. It does not change."""
 
 
 class Ledger:
-    """The total stored for all clients. limit: bytes beyond which the largest client is disconnected."""
+    """The total stored for all clients. limit: number of bytes above which the largest client is disconnected."""
 
     def __init__(self, limit: float = math.inf) -> None:
         self.limit = limit
@@ -36,24 +36,24 @@ class Ledger:
 
 
 class Account:
-    """The bytes stored for one client. limit: the maximum. give_up: disconnects the client, for the reason passed."""
+    """The bytes stored for one client. limit: the maximum. give_up: disconnects the client for the reason passed."""
 
     def __init__(self, ledger: Ledger, limit: float, give_up: Callable[[str], None]) -> None:
         self.limit = limit
         self.bytes = 0
         self.give_up = give_up
-        self._own = 0  # the part of the bytes that is not shared with other clients
+        self._own = 0  # the part of the bytes not shared with other clients
         self._is_closed = False
         self._ledger = ledger
         ledger.accounts.add(self)
 
     @property
     def is_over(self) -> bool:
-        """Whether more is stored than allowed."""
+        """Whether more bytes are stored than allowed."""
         return self.bytes > self.limit
 
     def has_room(self, size: int) -> bool:
-        """Return whether this many more bytes may be stored, for this client and for all."""
+        """Return whether this many more bytes may be stored, for this client and in total."""
         return self.bytes + size <= self.limit and self._ledger.bytes + size <= self._ledger.limit
 
     def take(self, size: int) -> None:
@@ -74,7 +74,7 @@ class Account:
         self._ledger.bytes -= size
 
     def hold(self, held: Held) -> None:
-        """Count an object that other clients may also hold; the total counts it only once."""
+        """Count an object that other clients may also hold but that the total counts only once."""
         self.bytes += held.size
         if held.holders == 0:
             self._ledger.bytes += held.size
@@ -89,7 +89,7 @@ class Account:
             self._ledger.bytes -= held.size
 
     def close(self) -> None:
-        """Give back everything that was taken, and stop counting; held objects can be dropped later."""
+        """Give back everything taken, and stop counting; held objects can still be dropped later."""
         self.give(self._own)
         self._is_closed = True
         self.give_up = _stay  # so that the account does not keep its client in memory
@@ -97,4 +97,4 @@ class Account:
 
 
 def _stay(reason: str) -> None:
-    """Do nothing: the client is leaving already."""
+    """Do nothing, because the client is already leaving."""

@@ -1,4 +1,4 @@
-"""Limits on clients' requests: a client that exceeds them gets an error, must wait, or is disconnected."""
+"""Limits on client requests: a client that exceeds them receives an error, has to wait, or is disconnected."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits per client, and for all clients. Raises ValueError unless all are positive."""
+    """Limits per client and for all clients together. Raises ValueError unless all are positive."""
 
     connections: int = 256
     """Clients at a time; further clients are refused with HTTP 503."""

@@ -1,4 +1,4 @@
-"""The names of topics and services that a client uses; their number is limited."""
+"""The names of the topics and services that a client uses; their number is limited."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Names:
         self.services: set[str] = set()
 
     def check_room(self) -> None:
-        """Raise ValueError if the client, or all clients together, may use no more names."""
+        """Raise ValueError if this client, or all clients together, may not use any more names."""
         if len(self.advertised) + len(self.subscriptions) + len(self.services) >= self._limits.names:
             raise ValueError(f"names: you have {self._limits.names} topics and services, the maximum")
         if len(self._graph.topics) + len(self._graph.services) >= self._limits.all_names:

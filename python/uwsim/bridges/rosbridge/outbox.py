@@ -1,8 +1,7 @@
 """The messages queued for one client: answers first, then each subscription's messages, in bounded memory.
 
 A client that does not read loses the oldest messages of its subscriptions, without affecting other clients; if too many
-bytes are queued nevertheless, it is disconnected. Messages are sent in order of arrival across all topics that are not
-throttled.
+bytes are queued even so, it is disconnected. Across all unthrottled topics, messages are sent in order of arrival.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ LARGE_QUEUE = 8
 
 
 class Parcel(NamedTuple):
-    """A due message and the subscriber's encoding; `encode` may take long, and may run on any thread."""
+    """A due message with the subscriber's encoding; `encode` may take long and may run on any thread."""
 
     sample: Sample
     topic: str
@@ -39,7 +38,7 @@ class Mailbox:
     """One subscription's queue. throttle_s: minimum wall time between messages. length: 0 for the default.
 
     As in rosbridge, a throttled subscription without a queue loses messages that come too early; with a queue, it
-    receives them later. credit: the number of messages that may be unacknowledged; None: unlimited.
+    receives them later. credit: maximum number of unacknowledged messages; None for no limit.
     """
 
     def __init__(
@@ -71,7 +70,7 @@ class Mailbox:
 
     @property
     def is_blocked(self) -> bool:
-        """Whether the client must send an acknowledgement before more messages are sent."""
+        """Whether the client must acknowledge messages before more are sent."""
         return self._credit is not None and self._unacknowledged >= self._credit
 
     def acknowledge(self, count: int) -> None:
@@ -79,7 +78,7 @@ class Mailbox:
         self._unacknowledged = max(0, self._unacknowledged - count)
 
     def put(self, order: int, sample: Sample, now_s: float, account: Account, most_bytes: float) -> None:
-        """Queue a sample; the oldest samples are dropped if there are too many, or too many bytes."""
+        """Queue a sample, dropping the oldest samples if there are too many or they take too many bytes."""
         if self.drops_early and now_s < self.next_s and not sample.builds_up:
             return
         if sample.builds_up:
@@ -92,7 +91,7 @@ class Mailbox:
         account.hold(sample)
 
     def take(self, now_s: float, account: Account) -> Parcel:
-        """Remove and return the oldest sample."""
+        """Remove the oldest sample from the queue and return it."""
         self.next_s = now_s + self.throttle_s
         self._unacknowledged += 1
         sample, self._cursor = self._pop(account).after(self._cursor)
@@ -111,7 +110,7 @@ class Mailbox:
 
 
 class Outbox:
-    """A client's queues. wake: called when there is something to send. account: charged for the queues' size."""
+    """A client's queues. wake: called when there is something to send. account: charged for the size of the queues."""
 
     def __init__(self, limits: Limits, account: Account, clock: Callable[[], float], wake: Callable[[], None]) -> None:
         self._limits = limits
@@ -149,20 +148,20 @@ class Outbox:
         self._mailboxes[key] = mailbox
 
     def close(self, key: Any) -> None:
-        """Remove a subscription's queue with its content."""
+        """Remove a subscription's queue and its contents."""
         mailbox = self._mailboxes.pop(key, None)
         if mailbox is not None:
             mailbox.clear(self._account)
 
     def shut(self) -> None:
-        """Drop everything, and ignore further messages."""
+        """Drop everything and ignore further messages."""
         self._is_shut = True
         for key in list(self._mailboxes):
             self.close(key)
         self._replies.clear()
 
     def acknowledge(self, key: Any, count: int) -> None:
-        """Record that the client has processed messages of a subscription."""
+        """Record that the client has processed messages from a subscription."""
         mailbox = self._mailboxes.get(key)
         if mailbox is not None:
             mailbox.acknowledge(count)
@@ -180,11 +179,11 @@ class Outbox:
 
     @property
     def lost(self) -> int:
-        """The number of messages dropped for newer ones, in the current subscriptions."""
+        """The number of messages dropped in favour of newer ones, over the current subscriptions."""
         return sum(mailbox.lost for mailbox in self._mailboxes.values())
 
     def pick(self) -> tuple[Frame | Parcel | None, float | None]:
-        """Return what to send next; or None, and the seconds until a throttled message is due (None: none is)."""
+        """Return what to send next, or None and the seconds until a throttled message is due (None: there is none)."""
         if self._replies:
             frame = self._replies.popleft()
             self._account.give(sys.getsizeof(frame))
@@ -197,7 +196,7 @@ class Outbox:
         return None, min((mailbox.next_s - now_s for mailbox in waiting), default=None)
 
     def take(self) -> tuple[Frame | None, float | None]:
-        """Like `pick`, but return the encoded frame."""
+        """Do the same as `pick`, but return the encoded frame."""
         found, delay_s = self.pick()
         return found.encode() if isinstance(found, Parcel) else found, delay_s
 

@@ -1,4 +1,4 @@
-"""The parameters that clients access through rosapi: the simulator's, and a store like ROS's parameter server."""
+"""The parameters that clients access through rosapi: the simulator's own, and a store like ROS's parameter server."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from uwsim.live import LiveSimulator
 from uwsim.simulator.parameters import Parameters as SimulatorParameters
 
 MOST = 10_000
-LONGEST = 100_000  # length of a value in JSON
+LONGEST = 100_000  # maximum length of a value in JSON
 VALUE_LIMITS = Limits(frame_bytes=LONGEST)
 MOST_BYTES = 16 << 20  # total of all names and values
 
 
 class Parameters:
-    """Values as JSON, by name.
+    """JSON values, keyed by name.
 
-    The simulator's parameters, such as rov/drag/linear/surge, take effect; all others are only stored for clients.
+    The simulator's parameters, such as rov/drag/linear/surge, take effect; all others are merely stored for clients.
     present: the initial content of the store, such as use_sim_time. live: returns the current simulator.
     """
 
@@ -49,7 +49,7 @@ class Parameters:
         return name in self._values or self._in_simulator(name)
 
     def get_json(self, name: str, default: str = "null") -> str:
-        """Return a parameter's value as JSON; for a prefix of the simulator's names, an object of all values below."""
+        """Return a parameter's value as JSON or, for a prefix of simulator names, an object of all values below it."""
         own = self._simulators()
         if own is not None and self._in_simulator(name):
             return json.dumps(own[name.replace("/", ".")])
@@ -58,7 +58,7 @@ class Parameters:
     def set_json(self, name: str, text: Any) -> Future[Any] | None:
         """Set a parameter from JSON.
 
-        Raises ValueError without changing anything. For the simulator's parameters, returns a future that may raise it.
+        Raises ValueError without changing anything. For simulator parameters, returns a future that may raise it.
         """
         if not isinstance(text, str) or len(text) > LONGEST:
             raise ValueError(f"parameter '{name}': the value must be JSON as a string of {LONGEST} characters at most")
@@ -88,5 +88,5 @@ class Parameters:
 
 
 def _size(name: str, text: str) -> int:
-    """Return the memory that a value and its name occupy [bytes]."""
+    """Return the memory [bytes] occupied by a value and its name."""
     return sys.getsizeof(name) + sys.getsizeof(text)

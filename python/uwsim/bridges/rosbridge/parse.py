@@ -1,4 +1,4 @@
-"""Decoding of a client's frame to a dict: JSON from text, CBOR from bytes.
+"""Decoding of a client's frame into a dict: JSON from text, CBOR from bytes.
 
 Hostile frames are refused before they cost anything.
 """
@@ -24,7 +24,7 @@ SLOW_CHARACTERS = 200_000
 """The largest size of a frame with NaN or Infinity, which needs a decoder that is five times slower."""
 SMALL_CHARACTERS = 1 << 17
 """Larger frames are decoded in pieces: a decoder's call blocks all other threads, by 20 to 80 ns for each value."""
-PIECE_CHARACTERS = 1 << 16  # of a list of numbers
+PIECE_CHARACTERS = 1 << 16  # elements in a list of numbers
 LONG_LIST = 256  # characters
 REST_VALUES = 150_000  # outside long lists, decoded in one call
 MARK = secrets.token_hex(16)  # identifies the place of a long list; a client cannot guess it
@@ -38,7 +38,7 @@ def parse(frame: str | bytes, nesting: int) -> dict[str, Any]:
 
 
 def read(frame: str | bytes, limits: Limits, pause: Callable[[], None] | None = None) -> tuple[dict[str, Any], Meter]:
-    """Decode the object in a client's frame; return it, and a meter for further work on it. Raises ValueError.
+    """Decode the object in a client's frame; return it with a meter for further work on it. Raises ValueError.
 
     pause: passed to the meter.
     """
@@ -103,7 +103,7 @@ def _from_json(text: str, *, remembers: bool = False, bounded: bool = True) -> A
 
 
 def _in_pieces(text: str, *, bounded: bool) -> Any:
-    """Decode JSON text: first its long lists of numbers, in pieces, then the rest, with marks in their place."""
+    """Decode JSON text: first its long number lists, in pieces, then the rest, with marks in their place."""
     data = text.encode()
     places = JsonScan(data).flat_lists(LONG_LIST)
     lists = [_list_in_pieces(data[first + 1 : last]) for first, last in places]
@@ -135,7 +135,7 @@ def _list_in_pieces(numbers: bytes) -> list[Any]:
 
 
 def _put_back(whole: list[Any], lists: list[list[Any]]) -> None:
-    """Replace the marks by the lists that they stand for."""
+    """Replace the marks with the lists that they stand for."""
     containers: list[Any] = [whole]
     while containers:
         container = containers.pop()
@@ -147,7 +147,7 @@ def _put_back(whole: list[Any], lists: list[list[Any]]) -> None:
 
 
 def _from_cbor(data: bytes) -> Any:
-    """Decode data that walk_cbor has validated."""
+    """Decode data already validated by walk_cbor."""
     try:
         return cbor2.loads(data, tag_hook=_array_of)
     except Exception as error:  # cbor2's own errors, and those that typed_array raises inside it
@@ -155,5 +155,5 @@ def _from_cbor(data: bytes) -> Any:
 
 
 def _array_of(*arguments: Any) -> Any:
-    """Convert a tag to an array; cbor2 passes the tag first or last, depending on its version."""
+    """Convert a tag to an array; depending on its version, cbor2 passes the tag first or last."""
     return typed_array(next(a for a in arguments if isinstance(a, cbor2.CBORTag)))

@@ -1,4 +1,4 @@
-"""Services with which clients inspect the graph (package rosapi), as far as roslibpy and roslibjs use them.
+"""Services for inspecting the graph (package rosapi), to the extent that roslibpy and roslibjs use them.
 
 https://github.com/RobotWebTools/rosbridge_suite/tree/ros1/rosapi
 """
@@ -35,7 +35,7 @@ Query = tuple[str, str, Callable[[Args], Any]]
 
 
 def offer_rosapi(graph: Graph, parameters: Parameters, ros: Ros, time_ns: Callable[[], int]) -> None:
-    """Offer rosapi's services in a graph. time_ns: returns the simulated time."""
+    """Offer the rosapi services in a graph. time_ns: returns the simulated time."""
     queries = _graph_queries(graph, ros) | _parameter_queries(parameters) | _time_query(ros, time_ns)
     queries |= _type_queries(ros, queries)
     graph.nodes[OWNER] = None

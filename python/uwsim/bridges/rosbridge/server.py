@@ -35,7 +35,7 @@ from uwsim.channels.table import Wire
 from uwsim.live import LiveSimulator
 
 HANDSHAKE_S = 60.0  # time limit for answering a request
-PING_S = 1.0  # interval of pings if guests watch for silence; a connection that does not answer is closed after PONG_S
+PING_S = 1.0  # ping interval if guests watch for silence; a connection that does not answer is closed after PONG_S
 PONG_S = 24.0
 BEAT_S = 0.5  # interval at which silence is counted
 
@@ -46,7 +46,7 @@ class RosbridgeServer:
         with LiveSimulator("lake") as live, RosbridgeServer(live, port=9090):
             ...
 
-    live: the simulator that clients see; None: clients see only each other, or, with a feed, a recording. host, port:
+    live: the simulator that clients see; if None, clients see only each other or, with a feed, a recording. host, port:
     the address on which the server listens; port 0 chooses a free port, see `port`. ros: the ROS generation whose
     spelling of times and headers is used for clients whose type names are valid in both ("sensor_msgs/LaserScan").
     origins: web pages that may connect, in addition to this machine's. token: a secret that clients must send:
@@ -118,11 +118,11 @@ class RosbridgeServer:
 
     @property
     def url(self) -> str:
-        """The address that clients connect to, without the token."""
+        """The address to which clients connect, without the token."""
         return self._listener.url
 
     def start(self) -> Self:
-        """Start listening; return self. Raises OSError if this fails; warns (UserWarning) if others can connect."""
+        """Start listening; return self. Raises OSError on failure; warns (UserWarning) if others can connect."""
         self._listener.start()
         return self
 
@@ -164,7 +164,7 @@ class RosbridgeServer:
             self._node.close()
 
     async def _count_silence(self, stopping: asyncio.Event) -> None:
-        """Count how long each connection has been silent, until the server stops."""
+        """Until the server stops, count how long each connection has been silent."""
         while not stopping.is_set():
             with suppress(TimeoutError):
                 await asyncio.wait_for(stopping.wait(), BEAT_S if self._guests else None)
@@ -182,7 +182,7 @@ class RosbridgeServer:
         services: Iterable[Service],
         feed: Readings | None = None,
     ) -> None:
-        """Replace the simulator that clients see by another or none; clients stay connected and subscribed.
+        """Replace the simulator that clients see with another or none; clients stay connected and subscribed.
 
         Must not be called on the network thread.
         """

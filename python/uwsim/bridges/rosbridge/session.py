@@ -1,4 +1,4 @@
-"""A session of the protocol with one client, without a transport: handles frames and fills an outbox.
+"""A session of the protocol with one client, independent of transport: handles frames and fills an outbox.
 
 The protocol is rosbridge v2: https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCOL.md
 """
@@ -30,7 +30,7 @@ LEVELS = ("info", "warning", "error", "none")
 
 
 class Prepared(NamedTuple):
-    """A decoded frame: its operation, or the readable part of it and the error.
+    """A decoded frame: its operation, or the readable part of the operation together with the error.
 
     spent_bytes: an upper bound on the memory that the operation uses.
     """
@@ -107,7 +107,7 @@ class Session:
             self.perform(self.prepare(whole, is_whole=True))
 
     def prepare(self, frame: Frame, pause: Callable[[], None] | None = None, *, is_whole: bool = False) -> Prepared:
-        """Decode a frame, on any thread; never raises. pause: called between chunks of the work.
+        """Decode a frame on any thread; never raises. pause: called between chunks of the work.
 
         is_whole: whether the frame was assembled from fragments.
         """
@@ -150,7 +150,7 @@ class Session:
         return whole
 
     def close(self) -> None:
-        """Leave the graph; calls of this client's services fail."""
+        """Leave the graph; calls to this client's services fail."""
         self._is_over = True
         self.graph.leave(self.name)
         self._calls.close()
@@ -158,7 +158,7 @@ class Session:
         self._account.close()
 
     def _give_up(self, reason: str) -> None:
-        """Disconnect a client that costs too much."""
+        """Disconnect a client that uses too many resources."""
         if not self._is_over:
             self._is_over = True
             self.outbox.shut()
@@ -181,7 +181,7 @@ class Session:
         if not isinstance(identity, str | int | None):
             return f"id = {shortened(identity)}: must be a string"
         if isinstance(identity, int) and not -(1 << 63) <= identity < 1 << 63:
-            return "id: an integer beyond 64 bits: must be a string"  # even formatting it takes too long
+            return "id: an integer beyond 64 bits: must be a string"  # even formatting the id takes too long
         if len(str(identity)) > self.limits.identity:
             return f"id: {len(str(identity))} characters: must be {self.limits.identity} at most"
         if not is_unicode(str(identity)):

@@ -1,4 +1,4 @@
-"""The simulator as a peer in the graph, with its channels and services. A channel is read only while subscribed to.
+"""The simulator as a peer in the graph, with its channels and services. Channels are read only while subscribed to.
 
 Readings come from the feed on the simulator's thread and are passed on through bounded queues; commands and calls go
 the other way. The simulator's thread never waits for the graph's.
@@ -28,7 +28,7 @@ WAITING = 10  # times a topic's usual queue, since one client may keep the netwo
 
 
 class SimulatorNode(Bridge):
-    """Connects a live simulator's channels and services, or a recording's channels, to a graph, on its event loop."""
+    """Connects a live simulator's channels and services, or a recording's channels, to a graph on its event loop."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class SimulatorNode(Bridge):
         self._lines: dict[str, Line[tuple[Reading, Sample]]] = {
             name: Line(name, WAITING * queue_of(channel.type), channel.drops) for name, channel in self.outputs.items()
         }
-        self._latched: dict[str, Reading] = {}  # the latest message of each latched channel
+        self._latched: dict[str, Reading] = {}  # the latest message on each latched channel
         self._drain_is_due = False
         graph.nodes[self._name] = None
         graph.on_demand.append(self._notice_demand)
@@ -63,7 +63,7 @@ class SimulatorNode(Bridge):
         self.keep_up()
 
     def close(self) -> bool:
-        """Stop reading, and leave the graph."""
+        """Stop reading and leave the graph."""
         was_open = super().close()
         if was_open:
             self._graph.on_demand.remove(self._notice_demand)
@@ -86,7 +86,7 @@ class SimulatorNode(Bridge):
             self.abandon(self.inputs[name])
 
     def take(self, reading: Reading) -> None:
-        """Queue a reading, on the simulator's thread."""
+        """Queue a reading on the simulator's thread."""
         catch_up = reading.channel.catch_up
         sample = Sample(reading.message, reading.time_ns) if catch_up is None else Growing(catch_up, reading.time_ns)
         self._arrived.put(self._lines[reading.channel.name], (reading, sample))

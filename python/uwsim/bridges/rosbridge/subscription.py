@@ -1,4 +1,4 @@
-"""A client's subscription to one topic, which may have several ids with different options."""
+"""A client's subscription to one topic, which may comprise several ids with different options."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ CREDIT_MAX = 100
 
 
 class Options(NamedTuple):
-    """Options of one id. throttle_s: minimum time between messages. queue_length: 0 for the default.
+    """The options of one id. throttle_s: minimum time between messages. queue_length: 0 for the default.
 
-    credit: the number of messages that may be unacknowledged; None: unlimited. This extends rosbridge.
+    credit: maximum number of unacknowledged messages; None for no limit. This is an extension to rosbridge.
     """
 
     throttle_s: float
@@ -31,7 +31,7 @@ class Options(NamedTuple):
 
 
 def read_options(operation: dict[str, Any], limits: Limits) -> Options:
-    """Read the options in an operation "subscribe". Raises ValueError."""
+    """Read the options from a "subscribe" operation. Raises ValueError."""
     throttle_ms = operation.get("throttle_rate") or 0
     length = operation.get("queue_length") or 0
     compression: Any = operation.get("compression") or "none"
@@ -53,14 +53,14 @@ def _is_number(value: Any) -> bool:
 
 @dataclass
 class Subscription:
-    """A topic, with its name as spelled by the client, and the options of each id."""
+    """A topic, its name as spelled by the client, and the options of each id."""
 
     topic: str
     ros: Ros
     ids: dict[Any, Options] = field(default_factory=dict)
 
     def mailbox(self, type_name: str | None, *, png: bool) -> Mailbox:
-        """Return a queue that suits all ids: the shortest throttle, the longest queue, the strongest compression."""
+        """Return a queue to suit all ids: the shortest throttle, the longest queue, the strongest compression."""
         options = list(self.ids.values())
         wanted = {option.compression for option in options}
         order: tuple[Compression, ...] = ("cbor-raw", "cbor", "png") if png else ("cbor-raw", "cbor")

@@ -1,8 +1,8 @@
-"""Transforms for clients without a tf tree: the services of tf2_web_republisher, which tf clients call.
+"""Transforms for clients without a tf tree, through the services of tf2_web_republisher, which tf clients call.
 
-A client requests frames, a target, a rate and thresholds, and receives changes: after a service call (roslibpy) on a
-separate topic, after an action goal (roslibjs) as feedback. A request ends after a while without subscribers, or when
-the goal is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
+A client requests frames, a target, a rate and thresholds, and receives changes: on a separate topic after a service
+call (roslibpy), or as feedback after an action goal (roslibjs). A request ends after a while without subscribers, or
+when the goal is cancelled. https://github.com/RobotWebTools/tf2_web_republisher
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ SERVICE = "republish_tfs"
 TOPICS = ("tf", "tf_static")
 ACTION = "tf2_web_republisher/msg/TFSubscriptionAction"
 ACTIVE = 1  # actionlib_msgs/GoalStatus
-MOST = 100  # requests at a time
+MOST = 100  # maximum number of simultaneous requests
 MOST_FRAMES = 1000
 FRAMES_DEEP = 64
-LONGEST_NAME = 256  # for names of frames and goals; longer names are skipped or refused
+LONGEST_NAME = 256  # for frame and goal names; longer names are skipped or refused
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ IDENTITY = Transform(np.zeros(3), Rotation.identity())
 
 @dataclass(eq=False)
 class Request:
-    """A client's request, and the transform last sent for each frame. goal_id: the action goal's id, or ""."""
+    """A client's request, and the last transform sent for each frame. goal_id: the action goal's id, or ""."""
 
     topic: Topic
     frames: list[str]
@@ -72,7 +72,7 @@ class Request:
 
 
 class TfRepublisher:
-    """Stores the latest transform of each frame to its parent while there are requests, and publishes changes."""
+    """Stores the latest transform from each frame to its parent while there are requests, and publishes changes."""
 
     def __init__(self, graph: Graph, loop: asyncio.AbstractEventLoop) -> None:
         self._graph = graph
@@ -130,7 +130,7 @@ class TfRepublisher:
                 self._parents[child] = parent, stamped
 
     def _tick(self, request: Request) -> None:
-        """Publish changes, then schedule the next tick; end after a while without subscribers."""
+        """Publish changes, then schedule the next tick; stop after a while without subscribers."""
         if request not in self._requests:
             return
         now_s = time.monotonic()
@@ -196,12 +196,12 @@ def _transform(stamped: Any) -> Transform:
 
 
 def offer_tf(graph: Graph, loop: asyncio.AbstractEventLoop) -> TfRepublisher:
-    """Offer tf2_web_republisher's service and action in a graph."""
+    """Offer the tf2_web_republisher service and action in a graph."""
     return TfRepublisher(graph, loop)
 
 
 def _read_request(arguments: Any, topic: Topic, goal_id: str = "") -> Request:
-    """Parse a request from a call's arguments or a goal. Raises ValueError."""
+    """Parse a request from call arguments or a goal. Raises ValueError."""
     if not isinstance(arguments, dict):
         raise ValueError("args: must be an object")
     frames, target = arguments.get("source_frames"), arguments.get("target_frame")

@@ -1,4 +1,4 @@
-"""One client's topics, published and subscribed to."""
+"""The topics that one client publishes or subscribes to."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Operation = dict[str, Any]
 
 
 class Made(NamedTuple):
-    """A message object built from a client's message. size: its size in memory [bytes]."""
+    """A message object built from a client message. size: its size in memory [bytes]."""
 
     message: Any
     type: str
@@ -37,7 +37,7 @@ def stamp(message: Any, given: Any, time_ns: Callable[[], int]) -> None:
 
 
 class Topics:
-    """A client's topics. name: the client's name in the graph. png: whether it can decode PNG-compressed messages."""
+    """A client's topics. name: its name in the graph. png: whether it can decode PNG-compressed messages."""
 
     def __init__(
         self,
@@ -70,7 +70,7 @@ class Topics:
         self._graph.unadvertise(self._name, name)
 
     def publish(self, operation: Operation) -> None:
-        """Publish a client's message; a topic with a known type need not be advertised first."""
+        """Publish a client's message; a topic of known type need not be advertised first."""
         topic, made = self._graph.typed_topic(operation.get("topic")), operation["msg"]
         if topic.type != made.type:
             raise ValueError(f"topic '{topic.name}': its type has just changed from {made.type} to {topic.type}")
@@ -83,7 +83,7 @@ class Topics:
         self._graph.publish(topic, sample, latch, (self._name, self._account))
 
     def subscribe(self, operation: Operation) -> None:
-        """Subscribe the client to a topic; the options of this id are combined with those of earlier ids."""
+        """Subscribe the client to a topic, combining this id's options with those of earlier ids."""
         name, type_name = operation.get("topic"), operation.get("type") or None
         options = read_options(operation, self._limits)
         plain_name(name)
@@ -120,9 +120,9 @@ class Topics:
             self._graph.unsubscribe(self._name, subscription.topic, subscription.topic)
 
     def acknowledge(self, operation: Operation) -> None:
-        """Restore credit after the client has processed messages of a subscription.
+        """Restore credit after the client has processed messages from a subscription.
 
-        This operation extends rosbridge.
+        This operation is an extension to rosbridge.
         """
         name, count = operation.get("topic"), operation.get("count", 1)
         if not isinstance(name, str) or name not in self._names.subscriptions:

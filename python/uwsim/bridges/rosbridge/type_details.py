@@ -1,4 +1,4 @@
-"""Descriptions of types for rosapi: a type's fields, and those of the types in it."""
+"""Type descriptions for rosapi: a type's fields and those of the types it contains."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ EXAMPLES = {"string": "", "wstring": "", "bool": "False", "float32": "0.0", "flo
 
 
 def message_details(type_name: Any, ros: Ros) -> list[dict[str, Any]]:
-    """Return the typedefs of a message type and all types in it, without duplicates. Raises ValueError."""
+    """Return the typedefs of a message type and of all types it contains, without duplicates. Raises ValueError."""
     return _typedefs([resolve(type_name)[0]], ros)
 
 

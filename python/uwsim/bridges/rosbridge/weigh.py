@@ -1,7 +1,7 @@
 """An estimate of the memory that a client's frame will take once decoded, from a scan of its characters or items.
 
-An empty list is two characters in JSON, or one byte in CBOR, but takes seventy bytes in memory. Hence frames are
-scanned first, and a frame with too many objects, or that would expand too much, is refused before it is decoded.
+An empty list is two characters in JSON or one byte in CBOR, but takes seventy bytes in memory. Frames are therefore
+scanned first, and a frame that has too many objects or would expand too much is refused before it is decoded.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from uwsim.bridges.rosbridge.json_scan import JsonScan
 from uwsim.bridges.rosbridge.limits import Limits
 from uwsim.channels.message_cost import NUMBER_BYTES, SLOT_BYTES, STRING_BYTES
 
-CONTAINER_BYTES = 184  # an object with up to five members, including the garbage collector's share
+CONTAINER_BYTES = 184  # an object with up to five members, including its garbage collection overhead
 MEMBER_BYTES = 48  # each further member
 KEY_BYTES = 176  # a key that the decoder caches
 NODE_BYTES = 16  # per value in the tree that orjson builds first (it allocates twelve times the text)
@@ -26,11 +26,10 @@ TYPED_ARRAYS = range(64, 88)  # RFC 8746; cbor2 would convert other tags to numb
 
 
 class Load(NamedTuple):
-    """The content of a frame.
+    """The contents of a frame.
 
-    values: the number of elements and members. strings: the number of string values, and of keys that each need a
-    separate string. keys: the number of cached keys. nodes: the number of nodes of an intermediate tree, if there is
-    one.
+    values: number of elements and members. strings: number of string values, plus keys that each need a separate
+    string. keys: number of cached keys. nodes: number of nodes in an intermediate tree, if there is one.
     """
 
     containers: int
@@ -52,14 +51,14 @@ class Load(NamedTuple):
 
 
 class Weight(NamedTuple):
-    """The maximum memory of a decoded frame. remembers: whether this requires a decoder that shares repeated keys."""
+    """The maximum memory of a decoded frame. remembers: whether the decoder must share repeated keys to keep to it."""
 
     bytes: int
     remembers: bool
 
 
 def weigh(frame: str | bytes, limits: Limits) -> Weight:
-    """Return the memory that a frame will take. Raises ValueError if it is too much for the frame's size.
+    """Return the memory that a frame will take. Raises ValueError if that is too much for the size of the frame.
 
     CBOR is validated in the process: lengths fit the data, nesting is bounded, all tags are typed arrays.
     """
@@ -91,7 +90,7 @@ def _is_too_much(load: Load, frame: str | bytes, limits: Limits) -> bool:
 
 
 def _quick_load(text: str) -> Load:
-    """Return an upper bound, which also counts characters inside strings, and each key as a separate string."""
+    """Return an upper bound that also counts characters inside strings, and counts each key as a separate string."""
     containers = text.count("{") + text.count("[")
     commas, colons, quotes = text.count(","), text.count(":"), text.count('"')
     values = commas + containers + 1
@@ -100,7 +99,7 @@ def _quick_load(text: str) -> Load:
 
 
 def exact_load(text: str) -> Load:
-    """Return the content of JSON text, ignoring characters inside its strings."""
+    """Return the load of JSON text, ignoring characters inside its strings."""
     scan = JsonScan(text.encode(errors="replace"))
     data, bounds = scan.characters, np.flatnonzero(scan.quotes)
     containers = scan.count("{[")
@@ -112,7 +111,7 @@ def exact_load(text: str) -> Load:
 
 
 def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
-    """Return the number of keys that differ in length or near their ends; only long keys can differ elsewhere."""
+    """Return the number of keys that differ in length or near either end; only long keys can differ elsewhere."""
     closing = np.searchsorted(bounds, colons) - 1
     closing = closing[closing >= 1]
     starts, ends = bounds[closing - 1] + 1, bounds[closing]
@@ -128,8 +127,8 @@ def _distinct_keys(data: Any, bounds: Any, colons: Any) -> int:
 def walk_cbor(data: bytes, nesting: float, objects: float) -> Load:
     """Scan the heads of CBOR items (RFC 8949, appendix C).
 
-    Checks lengths, nesting depth, and that all tags are typed arrays. Raises ValueError as soon as there are more lists
-    and maps than `objects`, or more than five times as many items.
+    Checks the lengths, the nesting depth, and that all tags are typed arrays. Raises ValueError as soon as there are
+    more lists and maps than `objects`, or more than five times as many items.
     """
     at, size = 0, len(data)
     containers = strings = members = items = 0
