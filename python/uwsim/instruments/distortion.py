@@ -1,4 +1,4 @@
-"""Distortion: changes the readings of a faulty sensor."""
+"""Distortion: alters the readings of a faulty sensor."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 class Distortion:
     """An error in a faulty sensor's readings.
 
-    stuck: constant values by quantity, which replace the readings. bias: added to every value of `field`, or of all
+    stuck: constant values, by quantity, that replace the readings. bias: added to every value of `field`, or of all
     fields if `field` is None.
     """
 
@@ -23,7 +23,7 @@ class Distortion:
 
     @staticmethod
     def stuck_at(values: Mapping[str, Any]) -> Distortion:
-        """Return the distortion of a sensor that repeats these values."""
+        """Return the distortion for a sensor that keeps repeating these values."""
         return Distortion({name: [float(number) for number in np.ravel(value)] for name, value in values.items()})
 
     def check(self, fields: Mapping[str, tuple[int, str]]) -> None:
@@ -35,11 +35,11 @@ class Distortion:
             raise ValueError(f"field = {self.field!r:.40}: must be one of {', '.join(widths)}")
 
     def of(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return distorted values by quantity. Values are numbers, arrays (width,) or rows (n, width)."""
+        """Return the distorted values by quantity. Values are numbers, arrays (width,) or rows (n, width)."""
         return {name: self._told(name, value) for name, value in values.items()}
 
     def of_rows(self, readings: Any, fields: Mapping[str, tuple[int, str]]) -> Any:
-        """Return distorted readings (n, width), in which the columns of all fields lie side by side."""
+        """Return the distorted readings (n, width), in which the columns of all fields lie side by side."""
         starts = np.cumsum([width for width, _ in fields.values()])[:-1]
         columns = dict(zip(fields, np.split(readings, starts, axis=1), strict=True))
         return np.hstack(list(self.of(columns).values()))

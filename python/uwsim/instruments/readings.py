@@ -1,4 +1,4 @@
-"""Readings of sensors that measure several quantities: one class per kind, with the same fields as in the core."""
+"""Readings from sensors that measure several quantities: one class per kind, with the same fields as in the core."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reading:
-    """Quantities that a sensor measured at one time; Sensor.unit has their units."""
+    """Quantities that a sensor measured at one time; see Sensor.unit for their units."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return the quantities by name."""
@@ -42,7 +42,7 @@ class ImuReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VelocityReading(Reading):
-    """Velocity over ground, linear_velocity_m_s (3,), and angular_velocity_rad_s (3,), in the sensor's axes."""
+    """Velocity over ground, linear_velocity_m_s (3,), and angular_velocity_rad_s (3,), in sensor axes."""
 
     linear_velocity_m_s: Floats
     angular_velocity_rad_s: Floats
@@ -50,7 +50,7 @@ class VelocityReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AccelerationReading(Reading):
-    """Linear and angular acceleration, (3,) each, in the sensor's axes; the linear one is without gravity."""
+    """Linear and angular acceleration, (3,) each, in sensor axes; the linear acceleration excludes gravity."""
 
     linear_acceleration_m_s2: Floats
     angular_acceleration_rad_s2: Floats
@@ -58,7 +58,7 @@ class AccelerationReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DvlReading(Reading):
-    """Velocity over the bottom, velocity_m_s (3,), in the sensor's axes, and the beams' measurements.
+    """Velocity over the bottom, velocity_m_s (3,), in sensor axes, and the beam measurements.
 
     beam_ranges_m: (4,), inf for a lost beam. beam_velocities_m_s: (4,), along each beam. bottom_lock: 1 or 0.
     """
@@ -71,9 +71,9 @@ class DvlReading(Reading):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UsblReading(Reading):
-    """Position from the station, position_m (3,), along east, north and up; its distance, range_m; and two angles.
+    """Position relative to the station, position_m (3,), along east, north and up; its range, range_m; and two angles.
 
-    azimuth_rad: counted from east to north. elevation_rad: positive up.
+    azimuth_rad: measured from east to north. elevation_rad: positive up.
     """
 
     position_m: Floats

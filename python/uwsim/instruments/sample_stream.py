@@ -17,8 +17,8 @@ Take = Callable[[], tuple[Any, Any, Any, Any]]
 class Samples:
     """Samples in order of arrival, without dropped samples.
 
-    stamps_ns, arrivals_ns: (n,) uint64, times of measurement and of arrival. readings: (n, width) float64, the columns
-    of the kind's fields side by side (_core.sensor_kind(kind).fields). valid: (n,), whether there was a measurement.
+    stamps_ns, arrivals_ns: (n,) uint64, times of measurement and arrival. readings: (n, width) float64, the columns of
+    the kind's fields (_core.sensor_kind(kind).fields) side by side. valid: (n,), whether there was a measurement.
     """
 
     stamps_ns: NDArray[np.uint64]
@@ -30,7 +30,7 @@ class Samples:
         return len(self.stamps_ns)
 
     def since(self, from_ns: int) -> Samples:
-        """Return the samples that were measured at from_ns or later."""
+        """Return the samples measured at from_ns or later."""
         new = self.stamps_ns >= from_ns
         return self if new.all() else Samples(*(part[new] for part in self.parts))
 
@@ -49,7 +49,7 @@ class Samples:
 
 
 class SampleStream:
-    """Delivers the samples that a sensor measures from a given time on; see Sensor.stream."""
+    """Delivers the samples that a sensor measures from a given time onwards; see Sensor.stream."""
 
     def __init__(self, source: SampleSource, from_ns: int) -> None:
         self._source = source
@@ -57,7 +57,7 @@ class SampleStream:
         self._pieces: list[Samples] = []
 
     def take(self) -> Samples:
-        """Return the samples that have arrived since the last call."""
+        """Return the samples that have arrived since the previous call."""
         if not self._source.feeds(self):
             raise ValueError("the stream has ended, as its simulator was reset or restored: ask the sensor for another")
         self._source.hand_out()
@@ -76,7 +76,7 @@ class SampleStream:
 
 
 class SampleSource:
-    """Distributes a sensor's samples to all of its streams.
+    """Distributes a sensor's samples to all its streams.
 
     take: returns the sensor's new samples. watch: called with from_ns to start collecting samples, or with None to
     stop.
@@ -102,19 +102,19 @@ class SampleSource:
         return stream in self._streams
 
     def leave(self, stream: SampleStream) -> None:
-        """Remove a stream; after the last one, samples are no longer collected."""
+        """Remove a stream; once the last one is gone, samples are no longer collected."""
         if self.feeds(stream):
             self._streams.discard(stream)
             if not self._streams:
                 self._watch(None)
 
     def close(self) -> None:
-        """End all streams, because the simulator goes back in time."""
+        """End all streams because the simulator is going back in time."""
         self._streams.clear()
         self._watch(None)
 
     def settle(self) -> None:
-        """Deliver everything that has arrived so far, before the sensor's errors or power change."""
+        """Deliver everything that has arrived so far, before the sensor's errors or power state change."""
         if self._streams:
             self.hand_out()
 

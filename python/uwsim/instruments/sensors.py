@@ -29,7 +29,7 @@ ScalarKind = Literal["depth", "pressure", "temperature", "altitude", "proximity"
 
 @dataclass(frozen=True, eq=False)
 class Sample(Generic[R]):
-    """A sensor's value, as returned by `Sensor.read`, with the time of its measurement and whether it is valid."""
+    """A sensor value as returned by `Sensor.read`, with the time of its measurement and whether it is valid."""
 
     value: R
     stamp_ns: int
@@ -46,9 +46,9 @@ class Sensor(Sealed, Generic[R]):
 
     Repeated reads at one time return the same sample; neither reads nor other sensors affect later samples.
 
-    kind: one of _core.sensor_kinds(). meaning: the measured quantities in words. on: whether the sensor is powered; see
-    Simulator.parameters. period_s: time between samples. spec: its mounting, parameters and errors. Axes: x forward, y
-    left, z up, unless the vehicle's YAML file rotates the sensor.
+    kind: one of _core.sensor_kinds(). meaning: a description of the measured quantities. on: whether the sensor is
+    powered; see Simulator.parameters. period_s: time between samples. spec: its mounting, parameters and errors. Axes:
+    x forward, y left, z up, unless the vehicle's YAML file rotates the sensor.
 
     - imu: angular_velocity_rad_s (3,), linear_acceleration_m_s2 (3,) (specific force), orientation_xyzw (4,)
     - velocity: linear_velocity_m_s (3,) over ground, angular_velocity_rad_s (3,)
@@ -104,7 +104,7 @@ class Sensor(Sealed, Generic[R]):
         return self._distortion
 
     def distort(self, distortion: Distortion | None) -> None:
-        """Distort readings from now on; None ends the distortion.
+        """Distort readings from now on; None stops the distortion.
 
         Faults call this. Raises ValueError if the distortion does not fit the sensor's fields.
         """
@@ -134,7 +134,7 @@ class Sensor(Sealed, Generic[R]):
 
     @property
     def unit(self) -> str | dict[str, str]:
-        """The unit of the value, such as "m"; for several quantities, a dict such as {"velocity_m_s": "m/s"}."""
+        """The unit of the value, such as "m", or for several quantities a dict such as {"velocity_m_s": "m/s"}."""
         return self._units if self._scalar is None else self._units[self._scalar]
 
     def read(self, *, noise: bool = True) -> R:
@@ -149,28 +149,28 @@ class Sensor(Sealed, Generic[R]):
     def sample(self, *, noise: bool = True) -> Sample[R]:
         """Return the value of `read` with its time and validity.
 
-        A sample is not valid if there is no measurement (a DVL without bottom lock, a distance out of range, no USBL
+        A sample is invalid if there is no measurement (a DVL without bottom lock, a distance out of range, no USBL
         fix), if the newest sample was dropped, if none has arrived yet, or if the sensor is off.
         """
         reading = self._simulation.read_sensor(self._vehicle, self._index, noise)
         return Sample(self._value(reading, noise), reading.stamp_ns, reading.valid and self.on)
 
     def stream(self, from_ns: int | None = None) -> SampleStream:
-        """Return a stream of the sensor's future samples: each once, in order of arrival, without dropped samples.
+        """Return a stream of the sensor's future samples, each delivered once, on arrival, without dropped samples.
 
-        from_ns: the earliest measurement time; by default, any time after now. Samples are kept until they are
-        taken, so take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that
-        is off are invalid.
+        from_ns: the earliest measurement time; by default, any time from now on. Samples are kept until they are taken,
+        so take them regularly. The stream ends when the simulator is reset or restored. Samples of a sensor that is off
+        are invalid.
         """
         return self._source.stream(self._simulation.time_ns + 1 if from_ns is None else from_ns)
 
     def end_streams(self) -> None:
-        """End all streams, because time goes back. Simulator calls this."""
+        """End all streams because time is going back. Simulator calls this."""
         self._source.close()
 
     @property
     def averaging_s(self) -> float:
-        """The period before a sample over which accelerations are averaged: the simulator's step in seconds."""
+        """The period before a sample over which accelerations are averaged: the simulator step in seconds."""
         return self._step_s
 
     @property
@@ -193,9 +193,9 @@ class Sensor(Sealed, Generic[R]):
 
 
 class Sensors(Named[Sensor[Any]]):
-    """A vehicle's sensors by name.
+    """A vehicle's sensors, keyed by name.
 
-    A sensor named after a kind is of that kind, so its name determines its readings' type.
+    A sensor named after a kind is of that kind, so its name determines the type of its readings.
     """
 
     if TYPE_CHECKING:

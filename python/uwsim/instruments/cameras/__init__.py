@@ -1,4 +1,4 @@
-"""Cameras and lamps: pictures of the world at the current time, as seen through the scenario's water."""
+"""Cameras and lamps: pictures of the world at the current time, seen through the scenario's water."""
 
 from uwsim.instruments.cameras.camera import Camera
 from uwsim.instruments.cameras.effects import EFFECTS

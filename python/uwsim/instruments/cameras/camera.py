@@ -23,14 +23,14 @@ from uwsim.scenario.build.optics import core_optics
 from uwsim.scenario.spec.camera import LARGEST_SIDE, CameraMount
 
 Floats = NDArray[np.float64]
-CLEARANCE_M = 0.3  # least height above the ground of a camera that follows a vehicle's heading
+CLEARANCE_M = 0.3  # minimum height above the ground of a camera that follows a vehicle's heading
 Carrier = int | tuple[Floats, Floats]
 """The carrier of a camera: a vehicle's index, or a fixed pose as position (3,) and orientation x, y, z, w (4,)."""
 
 
 @dataclass(eq=False)
 class _Lens:
-    """The native camera, built on first use because its table of rays takes time to compute."""
+    """The native camera, built on first use because computing its ray table takes time."""
 
     name: str
     mount: CameraMount
@@ -43,10 +43,10 @@ class _Lens:
 class Camera(Sealed):
     """A camera on a vehicle or on the station.
 
-    Its frame is x ahead, y left, z up; `info` has the intrinsics of the optical frame. Capturing does not advance
-    simulated time, and repeated captures at one time give the same picture for any number of threads. The vehicle that
-    carries a camera does not appear in its pictures, unless the camera follows the vehicle's heading. A camera with a
-    motor is panned and tilted with `aim`.
+    Its frame is x ahead, y left, z up; `info` holds the intrinsics of the optical frame. Capturing does not advance
+    simulated time, and repeated captures at one time give the same picture for any number of threads. A vehicle does
+    not appear in pictures from its own cameras, unless the camera follows the vehicle's heading. A camera with a motor
+    is panned and tilted with `aim`.
     """
 
     name: str
@@ -96,9 +96,9 @@ class Camera(Sealed):
     ) -> Frame:
         """Return a picture of the world as it is now, or as it was `at` a snapshot.
 
-        effects: "on", "off" (the plain scene, dry and under the open sky) or names of effects to apply. without: names
-        of effects to leave out. geometry_only: whether to omit colour and return only depth, normals, labels and
-        classes. radiance: whether to include the radiance. measure: whether to fill task_s. A camera that is off
+        effects: "on", "off" (the plain scene, dry and under the open sky), or the names of the effects to apply.
+        without: names of effects to omit. geometry_only: whether to omit colour and return only depth, normals, labels
+        and classes. radiance: whether to include the radiance. measure: whether to fill in task_s. A camera that is off
         returns a black picture in which nothing is hit. Raises ValueError for unknown effects, or if the camera is
         below the ground; a camera inside another solid shows the inside of that solid.
         """
@@ -164,7 +164,7 @@ class Camera(Sealed):
         return (0.0, 0.0) if self._head is None else self._head.angles_rad(self._scene.time_ns)
 
     def aim(self, pan_rad: float | None = None, tilt_rad: float | None = None) -> None:
-        """Turn towards these angles at the motor's rate; None leaves that axis's aim as it is.
+        """Turn to these angles at the motor's rate; None leaves the aim of that axis unchanged.
 
         Raises ValueError and changes nothing if an angle is beyond the motor's limits or the camera has no motor.
         """
@@ -178,10 +178,10 @@ class Camera(Sealed):
         self._scene.journal.note("aim_camera", camera=self._key, vehicle=self._owner, pan_rad=pan, tilt_rad=tilt)
 
     def resized(self, width: int, height: int | None = None) -> Camera:
-        """Return this camera with another size in pixels; by default, the height keeps the aspect ratio.
+        """Return this camera with a different size in pixels; by default, the height preserves the aspect ratio.
 
         The returned camera turns with this one and has the same horizontal field of view. Raises ValueError for sizes
-        beyond a mount's limits.
+        beyond the limits of a mount.
         """
         for name, pixels in (("width", width), ("height", height or 1)):
             if not 1 <= pixels <= LARGEST_SIDE:
@@ -193,9 +193,9 @@ class Camera(Sealed):
         return other
 
     def ray_table(self, *, distort: bool = True, in_water: bool = True) -> NDArray[np.float32]:
-        """Return X/Z and Y/Z of the ray through each pixel's centre in the optical frame, (H, W, 2) float32.
+        """Return X/Z and Y/Z of the ray through each pixel centre in the optical frame, (H, W, 2) float32.
 
-        distort: whether the rays are distorted as by the effect `distortion`. The deflections of `wobble` are not
+        distort: whether to distort the rays as the `distortion` effect does. The deflections of `wobble` are not
         included. in_water: whether they are refracted by the mount's flat port, if it has one; their lines then start
         from `ray_offsets_m`.
         """
@@ -209,7 +209,7 @@ class Camera(Sealed):
         return self._lens.core.ray_offsets_m()
 
     def snapshot(self) -> Snapshot:
-        """Return the current state, for a `capture` at a later time or on another thread."""
+        """Return the current state, for a later `capture` or one on another thread."""
         return self._scene.snapshot(with_lamps=True)
 
     def later(self) -> Callable[[], Frame]:
@@ -274,7 +274,7 @@ class Camera(Sealed):
         return np.concatenate([here @ turn, angular @ turn])
 
     def mounting_xyzw(self, snapshot: Snapshot | None = None) -> Floats:
-        """Return the rotation from the camera's frame to its carrier's, x, y, z, w (4,).
+        """Return the rotation from the camera frame to the carrier frame, x, y, z, w (4,).
 
         snapshot: the state to use; None for the current one.
         """
@@ -309,7 +309,7 @@ def _calibrated(k: Floats, rays: NDArray[np.float32]) -> tuple[Floats, Floats]:
 
 
 def heading_xyzw(orientation_xyzw: Floats) -> Floats:
-    """Return the rotation about the vertical from east to the heading of a body's x axis, x, y, z, w (4,)."""
+    """Return the rotation about the vertical from east to the heading of a body x axis, x, y, z, w (4,)."""
     return about_z(heading_rad(orientation_xyzw))
 
 

@@ -1,4 +1,4 @@
-"""Names of the effects that pictures can have."""
+"""Names of the effects available for pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WHOLE = {"on": "all effects", "off": "no effect"}
 
 
 def effects_on(effects: str | Collection[str]) -> list[str]:
-    """Return the names of the effects that are on.
+    """Return the names of the enabled effects.
 
     effects: "on" (all), "off" (none), one name or several. Raises ValueError for an unknown name.
     """

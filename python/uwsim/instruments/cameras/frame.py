@@ -41,13 +41,13 @@ class Frame:
     """A captured picture. All arrays are read-only and come from the same pass.
 
     rgb: (H, W, 3) uint8, sRGB; (0, W, 3) in a geometry-only frame. depth_m: (H, W) float32 along the optical axis, inf
-    if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangles' winding, 0 if nothing is
-    hit. labels: (H, W) uint16, indices into label_names. classes: (H, W) uint8, indices into class_names.
-    class_of_label: the class of each label. Depth, normals, labels and classes describe the first solid on the straight
-    ray through each pixel, as if the water and its surface were clear; colour follows the light through the surface.
-    radiance: (H, W, 3) float32 before exposure, if requested, in units in which the sun's irradiance outside the
-    atmosphere is 1. gain: factor from radiance to the exposed signal. rays: number of rays cast, by kind. task_s:
-    processor seconds by rendering task, if measured.
+    if nothing is hit. normals_world: (H, W, 3) float32, on the side given by the triangle winding, 0 if nothing is hit.
+    labels: (H, W) uint16, indices into label_names. classes: (H, W) uint8, indices into class_names. class_of_label:
+    the class of each label. Depth, normals, labels and classes describe the first solid on the straight ray through
+    each pixel, as if the water and its surface were clear; colour follows the light through the surface. radiance: (H,
+    W, 3) float32 before exposure, if requested, in units in which the sun's irradiance outside the atmosphere is 1.
+    gain: factor from radiance to the exposed signal. rays: number of rays cast, by kind. task_s: processor seconds by
+    rendering task, if measured.
     """
 
     rgb: NDArray[np.uint8]
@@ -102,7 +102,7 @@ class Frame:
         write_atomically(target, content.getvalue())
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all fields by name."""
+        """Return all fields, keyed by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def _arrays(self) -> dict[str, Any]:

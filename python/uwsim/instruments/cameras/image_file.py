@@ -14,7 +14,7 @@ SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 def check_suffix(name: str, path: Path) -> None:
-    """Raise ValueError unless the path ends in .png, .jpg or .jpeg. name: what the message calls the path."""
+    """Raise ValueError unless the path ends in .png, .jpg or .jpeg. name: how the message refers to the path."""
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"{name} = {path}: must end in .png, .jpg or .jpeg")
 

@@ -1,4 +1,4 @@
-"""Lamp: the lamps on one switch, which light the scene for all cameras."""
+"""Lamp: the lamps on one switch, whose light all cameras see."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class Lamp(Sealed):
-    """The lamps on one switch, such as rov.lamps["front"]. Every camera sees their light."""
+    """The lamps on one switch, such as rov.lamps["front"]. Their light is visible to every camera."""
 
     name: str
     spec: Lamps
@@ -32,12 +32,12 @@ class Lamp(Sealed):
         return f"<Lamp '{self.name}', {'on' if self.on else 'off'}>"
 
     def change(self, spec: Lamps) -> None:
-        """Replace the lamps' parameters. Simulator.parameters calls this."""
+        """Replace the lamp parameters. Simulator.parameters calls this."""
         self.__dict__["spec"] = spec
 
     @property
     def on(self) -> bool:
-        """Whether the lamps are on; at the start they are off, unless the vehicle's file sets `on`."""
+        """Whether the lamps are on. They start off unless the vehicle file sets `on`."""
         return self._on
 
     @on.setter
@@ -53,11 +53,11 @@ class Lamp(Sealed):
         self._on = on
 
     def report_to(self, journal: Journal, vehicle: str) -> None:
-        """Log in this journal when the lamps are switched."""
+        """Log each switching of the lamps in this journal."""
         self._journal, self._vehicle = journal, vehicle
 
     def lights(self, position_m: Floats, orientation_xyzw: Floats) -> list[_core.SpotLamp]:
-        """Return the lamps for the renderer, placed by the pose of their vehicle."""
+        """Return the lamps for the renderer, placed according to the vehicle pose."""
         lights = []
         for spot, turn in zip(self.spec.spots, self._orientations_xyzw, strict=True):
             position, orientation, _ = _core.mounted_pose(position_m, orientation_xyzw, spot.position_m, turn)

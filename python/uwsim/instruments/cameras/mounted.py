@@ -1,4 +1,4 @@
-"""Creates the cameras of vehicles and of the station."""
+"""Creates the cameras on vehicles and on the station."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from uwsim.scenario.spec.vehicle_entry import VehicleEntry
 
 
 def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> dict[str, Camera]:
-    """Return a vehicle's cameras by name: those in its file, and "chase".
+    """Return a vehicle's cameras, keyed by name: those in its file, plus "chase".
 
     index: the vehicle's index in the simulation.
     """
@@ -30,17 +30,17 @@ def vehicle_cameras(vehicle: VehicleEntry, index: int, scene: SharedScene) -> di
 
 
 def camera_mounts(model: VehicleModel) -> Mapping[str, CameraMount]:
-    """Return the mounts of a vehicle's cameras, by name."""
+    """Return the mounts of a vehicle's cameras, keyed by camera name."""
     return {"chase": chase_camera(model), **model.cameras}
 
 
 def change_cameras(cameras: Mapping[str, Camera], mounts: Mapping[str, CameraMount]) -> None:
-    """Replace the mounts of cameras, by name."""
+    """Replace the mounts of cameras, given by camera name."""
     for name, mount in mounts.items():
         cameras[name].change(mount)
 
 
 def station_cameras(station: Station, scene: SharedScene) -> dict[str, Camera]:
-    """Return the station's cameras, by name."""
+    """Return the station's cameras, keyed by name."""
     pose = np.asarray(station.position_m), about_z(math.radians(station.yaw_deg))
     return {name: Camera(name, mount, scene, pose) for name, mount in station.cameras.items()}

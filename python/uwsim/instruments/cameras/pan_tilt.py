@@ -1,4 +1,4 @@
-"""The motor that pans and tilts a camera: each axis turns towards its aim at a finite rate in simulated time."""
+"""The motor that pans and tilts a camera: each axis turns to its target angle at a finite rate in simulated time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TOLERANCE_RAD = 1e-9  # allows for rounding in limits converted from degrees
 
 
 class PanTiltHead:
-    """A pan-tilt motor. Its state is the angles of its axes at some time, and the angles that they turn to."""
+    """A pan-tilt motor. Its state consists of the axis angles at some time and the angles to which the axes turn."""
 
     def __init__(self, camera: str, spec: PanTilt) -> None:
         self._camera = camera
@@ -31,16 +31,16 @@ class PanTiltHead:
         self._motion = 0, (0.0, 0.0), (0.0, 0.0)
 
     def angles_rad(self, time_ns: int) -> Angles:
-        """Return pan, positive to port, and tilt, positive down, at a time."""
+        """Return pan, positive to port, and tilt, positive down, at a given time."""
         since_ns, start, aim = self._motion
         reach = self._rate_rad_s * max(time_ns - since_ns, 0) * 1e-9
         pan, tilt = (a + min(max(b - a, -reach), reach) for a, b in zip(start, aim, strict=True))
         return pan, tilt
 
     def aim(self, time_ns: int, pan_rad: float | None, tilt_rad: float | None) -> None:
-        """Turn to these angles from time_ns on; None leaves that axis's aim as it is.
+        """Turn to these angles from time_ns on; None leaves the aim of that axis unchanged.
 
-        Raises ValueError and changes nothing if an angle is beyond its limits.
+        Raises ValueError and changes nothing if an angle is beyond the axis limits.
         """
         given = (pan_rad, tilt_rad)
         for axis, value, (low, high) in zip(MOTORS, given, self._limits_rad, strict=True):

@@ -1,4 +1,4 @@
-"""Saves and restores the states of lamps and of cameras' motors."""
+"""Saves and restores the states of lamps and camera motors."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class SavedLamps:
         return {vehicle: {name: lamp.on for name, lamp in lamps.items()} for vehicle, lamps in self._lamps.items()}
 
     def restore(self, state: Mapping[str, Mapping[str, bool]]) -> None:
-        """Continue from the result of `save`. Raises ValueError if its lamps differ from these."""
+        """Continue from the result of `save`. Raises ValueError if the saved lamps differ from these."""
         require_names("lamps", _paths(state), _paths(self._lamps))
         for vehicle, lit in state.items():
             for name, on in lit.items():
@@ -31,7 +31,7 @@ class SavedLamps:
 
 
 class SavedHeads:
-    """Saves the motion of cameras with a motor, by name."""
+    """Saves the motion of cameras that have a motor, by name."""
 
     STATE: ClassVar[Any] = dict[str, Motion]
 
@@ -43,7 +43,7 @@ class SavedHeads:
         return {name: head.save() for name, head in self._heads.items()}
 
     def restore(self, state: Mapping[str, Motion]) -> None:
-        """Continue from the result of `save`. Raises ValueError if its cameras differ from these."""
+        """Continue from the result of `save`. Raises ValueError if the saved cameras differ from these."""
         require_names("cameras", state, self._heads)
         for name, motion in state.items():
             self._heads[name].restore(motion)

@@ -1,4 +1,4 @@
-"""The state that all of a simulator's cameras share: the scene, its light, and the current poses."""
+"""The state shared by all of a simulator's cameras: the scene, its light, and the current poses."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Snapshot:
     """The scene's variable state at one time.
 
     positions_m (n, 3), orientations_xyzw (n, 4), velocities_body (n, 6): pose and velocity of each vehicle. lamps: the
-    lamps that are on. aims_rad: pan and tilt of the cameras with a motor, by name.
+    lamps that are on. aims_rad: pan and tilt of each motorised camera, by name.
     """
 
     time_ns: int
@@ -52,7 +52,7 @@ class _Native:
 
 
 class SharedScene:
-    """The scene of a simulator's cameras.
+    """The scene that a simulator's cameras share.
 
     optics: water, sun and wind; may be replaced. lamps: for each vehicle, its lamps, keyed by switch name. heads: the
     cameras' motors, keyed by camera name. The native scene is built for the first picture, so that simulators that take
@@ -78,7 +78,7 @@ class SharedScene:
 
     @property
     def core(self) -> _core.CameraScene:
-        """The native scene: the world with its materials, and the vehicles' hulls.
+        """The native scene: the world with its materials, plus the vehicle hulls.
 
         Raises ScenarioError if it cannot be built.
         """
@@ -89,7 +89,7 @@ class SharedScene:
         return copy(self)
 
     def restart(self, scenario: Scenario) -> None:
-        """Restart with a scenario that differs from the first only in its seed, with its initial lamps and light."""
+        """Restart with a scenario that differs from the first only in its seed; lamps and light are reset."""
         if scenario.seed != self._scenario.seed:
             self._native = _Native(scenario, self._world, self._rays)
         self._scenario = scenario
@@ -101,7 +101,7 @@ class SharedScene:
             head.restart()
 
     def change(self, scenario: Scenario) -> None:
-        """Switch to a scenario that differs only in parameters."""
+        """Switch to a scenario that differs only in its parameters."""
         before = self._scenario
         hulls = [vehicle_hull(vehicle.model)[0] for vehicle in scenario.vehicles]
         same_hulls = all(
@@ -121,12 +121,12 @@ class SharedScene:
         return self._simulation.time_ns
 
     def ground_m(self, position_m: Floats) -> float:
-        """Return z of the terrain at a position (3,), whose z is ignored; -inf outside the terrain."""
+        """Return the terrain height z at a position (3,), whose own z is ignored; -inf outside the terrain."""
         height = float(self._world.height_at(position_m[None, :2])[0])
         return height if np.isfinite(height) else -np.inf
 
     def snapshot(self, *, with_lamps: bool) -> Snapshot:
-        """Return the current state; it is consistent even if other threads step the simulation meanwhile."""
+        """Return the current state, which is consistent even if other threads step the simulation meanwhile."""
         while True:
             version = self._simulation.version
             states = [self._simulation.state(k) for k in range(len(self.lamps))]

@@ -1,1 +1,1 @@
-"""Sonars: a vehicle's multibeams, imaging sonars, and soundings along bent rays."""
+"""Sonars: a vehicle's multibeams and imaging sonars, and soundings along bent rays."""

@@ -1,7 +1,7 @@
 """The depth-map method: a multibeam's ranges from a depth image, as in simulators based on game engines.
 
 A depth image is rendered at the sonar's pose, each beam selects the pixel column at its angle, and depth is converted
-to range by 1 / cos(angle). uwsim casts a ray along each beam, which is exact; this method is for comparison.
+to range by 1 / cos(angle). uwsim itself casts a ray along each beam, which is exact; this method is for comparison.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from uwsim import _core
 from uwsim.instruments.sonars.imaging import Place, checked_pose, pose_matrix
 
 REDUCTIONS = {"middle": _core.RowReduction.MIDDLE, "nearest": _core.RowReduction.NEAREST}
-EDGE_MARGIN = 1e-9  # relative widening of a camera's field of view, so that rounding keeps the outermost beams
+EDGE_MARGIN = 1e-9  # relative widening of a camera's field of view, so that rounding does not lose the outermost beams
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +116,7 @@ class Difference:
 
 
 def difference(found_m: ArrayLike, exact_m: ArrayLike) -> Difference:
-    """Compare ranges (n,) with exact ranges (n,); differences are NaN if no beam has an echo in both.
+    """Compare ranges (n,) with exact ranges (n,); the statistics are NaN if no beam has an echo in both.
 
     Raises ValueError if the shapes differ.
     """

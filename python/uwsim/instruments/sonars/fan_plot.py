@@ -1,4 +1,4 @@
-"""Plots a ping's fan, for notebooks and `ping.plot()`."""
+"""Plots the fan of a ping, for notebooks and `ping.plot()`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIZE_IN = (6.0, 4.0)
 
 
 def plot(ping: _core.Ping) -> Figure:
-    """Return a figure of the echoes in the sonar's plane, with ahead up and port left, coloured by intensity."""
+    """Return a figure of the echoes in the sonar's plane, coloured by intensity, with ahead up and port on the left."""
     figure = Figure(SIZE_IN, layout="constrained")
     axes = figure.add_subplot()
     heard = np.asarray(ping.valid)

@@ -30,7 +30,7 @@ class Fleet(imaging.Place, Protocol):
 
     @property
     def vehicles(self) -> Mapping[str, Any]:
-        """The vehicles by name; each of them has a pose."""
+        """The vehicles, keyed by name; each has a pose."""
 
     def around(self, vehicle: str | None = None) -> Surroundings:
         """Return the surroundings of a sonar on a vehicle."""
@@ -69,27 +69,27 @@ class ImagingSonar(Sealed):
     def ping(self, *arguments: Any, with_labels: bool = False) -> Any:
         """Ping once from the current pose. The arguments and the result depend on the kind; see look, line and profile.
 
-        with_labels: whether to include the surface that each cell shows.
+        with_labels: whether to include the surface shown in each cell.
         """
         return self.later(*arguments, with_labels=with_labels)()
 
     def later(self, *arguments: Any, with_labels: bool = False) -> Callable[[], Any]:
-        """Store the current state; return a function that pings from it at any time, on any thread: see `ping`."""
+        """Store the current state; return a function that pings from it at any time, on any thread; see `ping`."""
         around, pose, model = self._sim.around(self._vehicle), self.world_from_sonar, self.model
         return lambda: self._kind.ping(around, pose, model, self.stream, *arguments, with_labels=with_labels)
 
     def look(self, *, with_labels: bool = False) -> SonarImage:
-        """Return a forward-looking sonar's picture. Raises ValueError for another kind of sonar."""
+        """Return a picture from a forward-looking sonar. Raises ValueError for any other kind of sonar."""
         self._require(ForwardLooking)
         return cast(SonarImage, self.ping(with_labels=with_labels))
 
     def line(self, *, with_labels: bool = False) -> Waterfall:
-        """Return one ping of a side-scan sonar, a waterfall of one row. Raises ValueError for another kind of sonar."""
+        """Return one side-scan sonar ping as a one-row waterfall. Raises ValueError for any other kind of sonar."""
         self._require(SideScan)
         return cast(Waterfall, self.ping(with_labels=with_labels))
 
     def profile(self, angles_rad: ArrayLike, *, with_labels: bool = False) -> Profiles:
-        """Return a single beam's pings at angles (n,) from the current pose. Raises ValueError for other kinds."""
+        """Return single-beam pings at angles (n,) from the current pose. Raises ValueError for any other kind."""
         self._require(SingleBeam)
         return cast(Profiles, self.ping(angles_rad, with_labels=with_labels))
 
@@ -111,11 +111,11 @@ def checked_model(place: imaging.Place, mount: ImagingMount) -> Acoustics:
 
 
 def imaging_models(place: imaging.Place, vehicle: VehicleEntry) -> dict[str, Acoustics]:
-    """Return the models of a vehicle's imaging sonars, by name. Raises ValueError if one is invalid."""
+    """Return the models of a vehicle's imaging sonars, keyed by name. Raises ValueError if one is invalid."""
     return {name: checked_model(place, mount) for name, mount in vehicle.model.imaging_sonars.items()}
 
 
 def imaging_sonars(sim: Fleet, vehicle: VehicleEntry) -> dict[str, ImagingSonar]:
-    """Return a vehicle's imaging sonars, by name."""
+    """Return a vehicle's imaging sonars, keyed by name."""
     mounts = vehicle.model.imaging_sonars
     return {name: ImagingSonar(sim, vehicle.name, name, mount) for name, mount in mounts.items()}

@@ -16,7 +16,7 @@ from uwsim.base.sealed import Sealed
 
 
 class Sonar(Sealed):
-    """A multibeam sonar, whose head faces forward and tilts.
+    """A multibeam sonar, whose head faces forward and can be tilted.
 
     mode: "geometry" (one exact ray per beam) or "physics" (echoes with errors; see _core.PhysicsPing).
     """
@@ -55,7 +55,7 @@ class Sonar(Sealed):
         return f"<Sonar '{self.name}': {self.model.name}, {fan}, {self.mode} mode>"
 
     def aim(self, elevation_rad: float) -> None:
-        """Set the elevation that the head turns to: positive up, 0 straight ahead. Raises ValueError beyond +-pi/2.
+        """Set the elevation to which the head turns: positive up, 0 straight ahead. Raises ValueError beyond +-pi/2.
 
         The head turns as simulated time passes, at the model's tilt rate; `elevation_rad` is its current elevation.
         """
@@ -73,8 +73,8 @@ class Sonar(Sealed):
     def ping_rate_max_hz(self) -> float:
         """The highest ping rate at which sound returns from the maximum range before the next ping: c / (2 range).
 
-        c is the speed of sound at the head's current depth. A survey does not exceed this rate; `ping` does not enforce
-        it, since pinging takes no simulated time.
+        c is the speed of sound at the head's current depth. Surveys stay within this rate; `ping` does not enforce it,
+        since pinging takes no simulated time.
         """
         return self._simulation.sonar_ping_rate_max_hz(self._vehicle, self._index)
 
@@ -88,7 +88,7 @@ class Sonar(Sealed):
         version = self._simulation.version
         last = self._last
         if last is None or last[0] != version:
-            self.__dict__["_last"] = last = version, self._new_ping()  # faster than by __setattr__, which checks names
+            self.__dict__["_last"] = last = version, self._new_ping()  # faster than __setattr__, which checks names
         return last[1]
 
     def _new_ping(self) -> _core.Ping:
@@ -97,10 +97,10 @@ class Sonar(Sealed):
         return self._simulation.ping(self._vehicle, self._index)
 
     def ping_batch(self, world_from_body: NDArray[np.float64], threads: int | None = None) -> _core.PingBatch:
-        """Ping from many poses of the vehicle, (n, 4, 4) rigid transforms, without moving the vehicle.
+        """Ping from many vehicle poses, (n, 4, 4) rigid transforms, without moving the vehicle.
 
         The result's arrays are (n, beams); see _core.PingBatch. The mode is always geometry, with the head at its
-        current elevation. threads: by default all; results do not depend on it. Raises ValueError if a pose is not
+        current elevation. threads: defaults to all; results do not depend on it. Raises ValueError if a pose is not
         rigid.
         """
         return self._simulation.ping_batch(self._vehicle, self._index, world_from_body, threads)

@@ -1,4 +1,4 @@
-"""Poses of sonars as matrices (4, 4), world from sonar."""
+"""Sonar poses as matrices (4, 4), world from sonar."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from uwsim.base.quaternions import about_x, about_y, about_z, product
 
 Matrix = NDArray[np.float64]
 
-POSE_TOLERANCE = 1e-6  # largest deviation of a pose's rotation from orthogonality
+POSE_TOLERANCE = 1e-6  # maximum deviation of a pose's rotation from orthogonality
 
 
 def pose_matrix(
@@ -37,7 +37,7 @@ def pose_matrix(
 
 
 def checked_pose(pose: ArrayLike, name: str = "world_from_sonar") -> Matrix:
-    """Return the pose as (4, 4) float64. Raises ValueError unless it is a finite rotation and position."""
+    """Return the pose as (4, 4) float64. Raises ValueError unless its rotation and position are finite and valid."""
     matrix = np.asarray(pose, np.float64)
     if matrix.shape != (4, 4):
         raise ValueError(f"{name}.shape = {matrix.shape}: expected (4, 4)")

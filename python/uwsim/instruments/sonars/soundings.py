@@ -19,7 +19,7 @@ __all__ = ["SoundSpeedProfile", "beam_directions", "sound_points", "sound_speed_
 
 
 def beam_directions(ping: _core.PhysicsPing | _core.Ping) -> NDArray[np.float64]:
-    """Return unit vectors along the beams at transmission, (beams, 3), world; see beam_angles.h for their angles."""
+    """Return unit vectors along the beams at transmission, (beams, 3), world; see beam_angles.h for the angles."""
     angles = ping.angles_rad.astype(np.float64)
     axes = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
     return np.asarray(axes @ ping.world_from_sonar[:3, :3].T, np.float64)
@@ -28,8 +28,8 @@ def beam_directions(ping: _core.PhysicsPing | _core.Ping) -> NDArray[np.float64]
 def sound_points(ping: _core.PhysicsPing | _core.Ping, profile: _core.SoundSpeedProfile) -> NDArray[np.float64]:
     """Return the end of each beam's ray, traced for half its travel time: (beams, 3), world, NaN without a detection.
 
-    profile: the assumed profile; the true profile is sound_speed_profile(sim.world.water). The head's motion is not
-    corrected. Raises ValueError for a ping in geometry mode, which has no travel times.
+    profile: the assumed profile; the true profile is sound_speed_profile(sim.world.water). Head motion is not corrected
+    for. Raises ValueError for a ping in geometry mode, which has no travel times.
     """
     if not isinstance(ping, _core.PhysicsPing):
         raise ValueError(f"ping is a {type(ping).__name__}: must be of `mode: physics`, which has travel times")

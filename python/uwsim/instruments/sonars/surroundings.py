@@ -1,4 +1,4 @@
-"""A sonar's surroundings: the surfaces and the water around it at one time."""
+"""A sonar's surroundings: the surfaces and water around it at one time."""
 
 from __future__ import annotations
 

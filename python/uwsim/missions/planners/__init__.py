@@ -1,1 +1,1 @@
-"""Planners: missions that decide where to fly from what the vehicle senses. One method per file; each is a step."""
+"""Planners: missions that decide where to fly from what the vehicle senses. Each method is a step in its own file."""

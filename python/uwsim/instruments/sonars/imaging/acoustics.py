@@ -1,4 +1,4 @@
-"""The common part of all imaging sonars: acoustic parameters, the place where they ping, and the native instrument."""
+"""The common part of all imaging sonars: acoustic parameters, their surroundings, and the native instrument."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Place(Protocol):
 
     @property
     def strengths_db(self) -> Mapping[str, float]:
-        """Lambert strengths of the surfaces' materials by name: World.label_names, then the vehicles in `scene`."""
+        """Lambert strength of each surface's material by name: World.label_names, then the vehicles in `scene`."""
 
     @property
     def seed(self) -> int:
@@ -53,7 +53,7 @@ class Place(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Acoustics:
-    """Acoustic parameters that all imaging sonars have. Levels are in dB re 1 uPa.
+    """Acoustic parameters common to all imaging sonars. Levels are in dB re 1 uPa.
 
     source_level_db: level at 1 m. noise_level_db: noise in the receiver's band, after beam forming. Surfaces scatter
     like the scenario's materials unless overridden by one of these Lambert strengths (per square metre at normal
@@ -106,15 +106,15 @@ class ImagingKind:
 
 
 def check(model: Acoustics, sim: Place | None = None) -> None:
-    """Raise ValueError, which names the parameter, if a model is invalid.
+    """Raise ValueError, naming the parameter, if a model is invalid.
 
-    strengths_db is checked only if a sim is passed.
+    strengths_db is checked only if a sim is given.
     """
     instrument(sim, model)
 
 
 def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = Acoustics) -> _core.ImagingSonar:
-    """Return the native instrument. Raises ValueError, which names the parameter, if the model is invalid."""
+    """Return the native instrument. Raises ValueError, naming the parameter, if the model is invalid."""
     if not isinstance(model, expected) or not model.kind:
         raise ValueError(
             f"model is a {type(model).__name__}: must be a {expected.__name__} of uwsim.instruments.sonars.imaging"
@@ -126,14 +126,14 @@ def instrument(sim: Place | None, model: Acoustics, expected: type[Acoustics] = 
     figures = {
         name: _number(name, value, parameters[name].type)
         for name, value in given.items()
-        if value is not None or np.isnan(parameters[name].by_default)  # a None is left to the core's default
+        if value is not None or np.isnan(parameters[name].by_default)  # None leaves the parameter at the core's default
     }
     strengths_db = [] if sim is None else _strengths_by_label(sim, model)
     return _core.ImagingSonar(model.kind, figures, strengths_db)
 
 
 def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: float) -> Levels:
-    """Return the mean noise level after the time-varied gain, for each range bin: (bins,)."""
+    """Return the mean noise level after the time-varied gain in each range bin, (bins,)."""
     gain_db = np.zeros(model.range_bins)
     if model.time_varied_gain:
         absorption_db_m = core.absorption_db_m(sim.world.water, head_z_m)
@@ -142,12 +142,12 @@ def noise_db(model: Acoustics, core: _core.ImagingSonar, sim: Place, head_z_m: f
 
 
 def labels_of(arrays: Mapping[str, Levels], name: str = "labels") -> Labels | None:
-    """Return the labels of each cell among a ping's arrays, if they were requested."""
+    """Return the label of each cell from a ping's arrays, or None if labels were not requested."""
     return arrays[name].astype(np.uint16) if name in arrays else None
 
 
 def whole_number(value: int, name: str) -> int:
-    """Return a ping number as an int. Raises ValueError unless it is a whole number and not negative."""
+    """Return a ping number as an int. Raises ValueError unless it is a non-negative whole number."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
         raise ValueError(f"{name} = {value!r}: must be a whole number, not negative")
     return int(value)
@@ -162,7 +162,7 @@ def _number(name: str, value: Any, type_name: str) -> float:
 
 
 def _strengths_by_label(sim: Place, model: Acoustics) -> list[float]:
-    """Return each surface's strength: the model's for that surface, else for its class, else its material's."""
+    """Return each surface's strength: the model's for that surface or else for its class, or else its material's."""
     given_db, material_db = model.strengths_db, sim.strengths_db
     fixed = sim.world.label_names
     names = [*fixed, *(name for name in material_db if name not in fixed)]  # the vehicles come last

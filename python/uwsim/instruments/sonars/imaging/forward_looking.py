@@ -1,4 +1,4 @@
-"""The forward-looking sonar: one broad transmission, received in many narrow beams; see forward_looking.cpp."""
+"""The forward-looking sonar: one broad transmission received in many narrow beams; see forward_looking.cpp."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class ForwardLooking(Acoustics):
 class SonarImage:
     """A picture taken by a forward-looking sonar.
 
-    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of the noise alone.
+    level_db: (bins, beams) float32, dB re 1 uPa, finite. noise_db: (bins,) float32, the mean level of noise alone.
     ranges_m (bins,), bearings_rad (beams,): float64, the centres of the cells; bearings are about the sonar's z axis
     and increase from starboard to port. world_from_sonar (4, 4). labels: (bins, beams) uint16, if requested: the
     surface, by Simulator.label_names, whose mean echo is the strongest in each cell; 0 where none is above the noise.
@@ -72,8 +72,8 @@ def look_ahead(
 ) -> SonarImage:  # fmt: skip
     """Return a picture taken by a forward-looking sonar. Raises ValueError if an argument is invalid.
 
-    name: name of its random stream. number: selects the picture's noise; by default the simulated time in
-    nanoseconds. with_labels: whether to include the surface that each cell shows.
+    name: name of the sonar's random stream. number: selects the picture's noise; defaults to the simulated time in
+    nanoseconds. with_labels: whether to include the surface shown in each cell.
     """
     model = model or ForwardLooking()
     pose = checked_pose(world_from_sonar)

@@ -35,18 +35,18 @@ class FanPixels:
 
 
 def fan_pixels(image: SonarImage, height: int = 900) -> FanPixels:
-    """Return a forward-looking picture (ranges, bearings) warped into its plane. Raises ValueError for height <= 0."""
+    """Return a forward-looking picture (ranges, bearings) warped to its plane. Raises ValueError for height <= 0."""
     model = image.model
     return polar_pixels(image.level_db, model.range_max_m, model.field_of_view_rad, height)
 
 
 def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, height: int) -> FanPixels:
-    """Return levels (bins, beams) warped into their plane.
+    """Return levels (bins, beams) warped to their plane.
 
     Bins divide reach_m evenly; beams run from starboard to port.
 
-    Power is averaged over the range bins within a pixel, and then interpolated between four neighbours. Raises
-    ValueError unless height is positive.
+    Power is averaged over the range bins within a pixel, then interpolated between four neighbours. Raises ValueError
+    unless height is positive.
     """
     if height < 1:
         raise ValueError(f"height = {height} pixels: must be positive")
@@ -71,7 +71,7 @@ def polar_pixels(level_db: Levels, reach_m: float, field_of_view_rad: float, hei
 
 
 def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
-    """Return the levels shown as black and white, around the median of the echoes, as an operator would set them.
+    """Return the levels to show as black and white, around the median of the echoes, as an operator would set them.
 
     level_db, noise_db: arrays whose shapes broadcast. Shadows, which contain only noise, are dark; hard targets
     saturate. Without enough echoes, noise stays near black.
@@ -84,9 +84,9 @@ def shown_range(level_db: Levels, noise_db: Levels) -> tuple[float, float]:
 
 
 def in_colours(level_db: Levels, limits_db: tuple[float, float]) -> NDArray[np.uint8]:
-    """Return levels (rows, columns) as colours (rows, columns, 3) from AMBER; NaN becomes NIGHT.
+    """Return levels (rows, columns) as AMBER colours (rows, columns, 3); NaN becomes NIGHT.
 
-    limits_db: the levels of the first and the last colour, see shown_range.
+    limits_db: the levels of the first and last colours, see shown_range.
     """
     low, high = limits_db
     anchors = np.array([_rgb(colour) for colour in AMBER], np.float64)

@@ -1,4 +1,4 @@
-"""The side-scan sonar: a beam on either side, narrow along the track and wide across it; see side_scan.cpp."""
+"""The side-scan sonar: a beam on each side, narrow along the track and wide across it; see side_scan.cpp."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class SideScan(Acoustics):
     """A side-scan sonar. The defaults resemble the StarFish 450.
 
     [SF] starfishsonar.com, "What is a side scan sonar": beams 30 deg below the horizontal, most of the energy within 60
-    deg. That page's width along the track is 2 deg; the default here is that of a longer array. Values without a source
-    are assumed. planes: number of planes of rays across the track, spread over the beam's width. detection_db: level
-    above the noise at which the first bottom return begins.
+    deg. That page gives an along-track width of 2 deg; the default here is that of a longer array. Values without a
+    source are assumed. planes: number of planes of rays across the track, spread over the beam's width. detection_db:
+    level above the noise at which the first bottom return begins.
     """
 
     kind: ClassVar[str] = "side_scan"
@@ -49,7 +49,7 @@ class SideScan(Acoustics):
 
 @dataclass(frozen=True, eq=False)
 class Waterfall:
-    """A side-scan sonar's pings along a track, one per row.
+    """Side-scan sonar pings along a track, one per row.
 
     port_db, starboard_db: (pings, bins) float32 over slant range, dB re 1 uPa. noise_db: (bins,) float32, the mean
     level of the noise alone, in the water at the first ping. ranges_m: (bins,) float64. altitude_m: (pings,) float32,
@@ -69,13 +69,13 @@ class Waterfall:
     starboard_labels: Labels | None = None
 
     def picture_db(self) -> Levels:
-        """Return the picture, (pings, 2 bins) float32: port on the left, mirrored, and starboard on the right."""
+        """Return the picture, (pings, 2 bins) float32: port, mirrored, on the left and starboard on the right."""
         return np.concatenate([self.port_db[:, ::-1], self.starboard_db], axis=1)
 
     def over_ground(self) -> Waterfall:
         """Return the same pings by ground range, r -> sqrt(r^2 - altitude^2), assuming a level bottom.
 
-        This removes the water column. Pings without altitude and cells beyond the largest range are NaN.
+        This removes the water column. Pings without altitude and cells beyond the maximum range are NaN.
         """
         slant_m = np.hypot(self.ranges_m[None, :], self.altitude_m[:, None].astype(np.float64))
         columns = np.floor(np.minimum(slant_m, 1e9) / self.model.bin_m).astype(np.int64)
@@ -94,8 +94,8 @@ def look_aside(
 ) -> Waterfall:  # fmt: skip
     """Ping once from each pose (pings, 4, 4), x along the track. Raises ValueError if an argument is invalid.
 
-    name: name of its random stream. Ping k has the number first_ping + k, so a track gives the same result in one call
-    or in several. with_labels: whether to include the surface that each cell shows.
+    name: name of the sonar's random stream. Ping k has the number first_ping + k, so a track gives the same result
+    whether it is pinged in one call or in several. with_labels: whether to include the surface shown in each cell.
     """
     model = model or SideScan()
     poses = np.array([checked_pose(pose, f"worlds_from_sonar[{k}]") for k, pose in enumerate(worlds_from_sonar)])

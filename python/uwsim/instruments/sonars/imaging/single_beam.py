@@ -27,7 +27,7 @@ class SingleBeam(Acoustics):
     """A profiling sonar with one pencil beam. The defaults resemble the Imagenex 881L.
 
     [IM] Imagenex, data sheet 445-039: 675 kHz, 1.8 deg, 10 mm. The beam is conical here; the 881L's is a fan of 1.8 x
-    20 deg. Values without a source are assumed. detection_db: least height of an echo's peak above the noise; lower
+    20 deg. Values without a source are assumed. detection_db: minimum height of an echo's peak above the noise; lower
     echoes are discarded.
     """
 
@@ -66,7 +66,7 @@ class Profiles:
 
     @property
     def points_world_m(self) -> NDArray[np.float64]:
-        """The echoes in the world, (angles, 3) float64: the range along the beam's axis; NaN if there is no echo."""
+        """The echo positions in the world, (angles, 3) float64, along the beam axes; NaN if there is no echo."""
         ranges = np.where(np.isfinite(self.ranges_m), self.ranges_m, np.nan).astype(np.float64)
         flat = np.stack([np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(ranges))], axis=1)
         return np.asarray((flat * ranges[:, None]) @ self.world_from_sonar[:3, :3].T + self.world_from_sonar[:3, 3])
@@ -76,10 +76,10 @@ def profile(
     sim: Place, world_from_sonar: ArrayLike, angles_rad: ArrayLike, model: SingleBeam | None = None, *,
     name: str = "single_beam", first_ping: int = 0, with_labels: bool = False,
 ) -> Profiles:  # fmt: skip
-    """Ping once at each angle (n,) about the sonar's z axis, counted from its x axis, positive to port.
+    """Ping once at each angle (n,) about the sonar's z axis, measured from its x axis, positive to port.
 
-    name: name of its random stream. Ping k has the number first_ping + k. with_labels: whether to include the surface
-    that each cell shows. Raises ValueError if an argument is invalid.
+    name: name of the sonar's random stream. Ping k has the number first_ping + k. with_labels: whether to include the
+    surface shown in each cell. Raises ValueError if an argument is invalid.
     """
     model = model or SingleBeam()
     pose = checked_pose(world_from_sonar)
