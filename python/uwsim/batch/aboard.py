@@ -1,4 +1,4 @@
-"""The onboard programs of one member of a batch: its faults and its vehicles' failsafes, as in a Simulator."""
+"""The onboard programs of one batch member: its faults and its vehicles' failsafes, as in a Simulator."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from uwsim.simulator.vehicle import Vehicle
 
 
 class MemberAboard:
-    """The onboard programs of a member; valid until the member is reset.
+    """A member's onboard programs; valid until the member is reset.
 
-    events: the log of faults, alarms and failsafes so far. faults: injects and ends faults. failsafes: the failsafe of
-    each vehicle by name; see uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and `override`. agenda:
-    schedules these programs.
+    events: the log of faults, alarms and failsafes so far. faults: injects and ends faults. failsafes: each vehicle's
+    failsafe, keyed by vehicle name; see uwsim.simulator.failures.Failsafe for `state`, `cause`, `alarms` and
+    `override`. agenda: schedules these programs.
     """
 
     agenda: Agenda
@@ -48,7 +48,7 @@ class MemberAboard:
     ) -> None:
         """core: the newly created member, which is not changed. control: the control settings of each vehicle.
 
-        Raises ValueError for faults of parts that the member does not have.
+        Raises ValueError for faults in parts that the member does not have.
         """
         scenario = member.original
         self._core, self._world, self._water = core, world, member.water
@@ -94,24 +94,24 @@ class MemberAboard:
 
     @property
     def tick(self) -> int:
-        """The number of steps since the member's start."""
+        """The number of steps since the start of the member."""
         return self._core.tick
 
     def acts_within(self, steps: int) -> bool:
-        """Return whether anything is due within this number of steps."""
+        """Return whether anything is due within this many steps."""
         return self.agenda.due_tick < self.tick + steps
 
     def hear_effort(self, vehicle: str, effort: NDArray[np.float64]) -> None:
-        """Note that an effort (6,) was set, so the vehicle is not silent; a steering failsafe overrides the effort."""
+        """Record that an effort (6,) was set, so the vehicle is not silent; a steering failsafe overrides it."""
         if vehicle in self.failsafes:
             self._vehicles[vehicle].set_effort(*effort.tolist())
 
     def tell(
         self, vehicle: int, sensor: int, noise: bool, values: NDArray[np.float64], valid: NDArray[np.bool_]
     ) -> None:
-        """Convert a sample to the sensor's reading, like Sensor.read.
+        """Convert a sample to the sensor's reading, as Sensor.read does.
 
-        `values` (width,) and `valid` (1,) are changed in place.
+        `values` (width,) and `valid` (1,) are modified in place.
         """
         instrument = self._sensors[vehicle][sensor]
         if not instrument.on:
@@ -121,16 +121,16 @@ class MemberAboard:
             values[...] = instrument.distortion.of_rows(values[None], fields)[0]
 
     def camera_is_on(self, vehicle: str, camera: str) -> bool:
-        """Return whether a camera of the vehicle's file is on; if not, its pictures are black."""
+        """Return whether a camera in the vehicle file is on; if it is off, its pictures are black."""
         entry = next(entry for entry in self._parameters.scenario.vehicles if entry.name == vehicle)
         return camera not in entry.model.cameras or entry.model.cameras[camera].on
 
     def save(self) -> dict[str, Any]:
-        """Return these programs' part of a saved state."""
+        """Return the part of a saved state that belongs to these programs."""
         return {"programs": self._programs.save(), "events": self.events.save()}
 
     def _change(self, scenario: Scenario) -> None:
-        """Apply a scenario that differs from the current one only in parameters. Raises ValueError."""
+        """Apply a scenario that differs from the current one only in its parameters. Raises ValueError."""
         before = self._parameters.scenario
         other_water = scenario.water != before.water
         water = scenario_water(scenario, self._world) if other_water else self._water

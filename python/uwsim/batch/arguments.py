@@ -1,4 +1,4 @@
-"""Validates a batch's per-member arguments."""
+"""Validates the per-member arguments of a batch."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FaultList = Sequence[Mapping[str, Any]]
 
 
 class _Faults(Model):
-    """Validates faults that are passed as arguments instead of in a file."""
+    """Validates faults passed as arguments rather than in a file."""
 
     faults: Annotated[tuple[FaultSpec, ...], Field(max_length=1000)]
 
@@ -31,7 +31,7 @@ def whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int]:
-    """Return the seeds of the chosen members out of n. Raises ValueError."""
+    """Return the seeds of the selected members, given n members in all. Raises ValueError."""
     given = list(values)
     if len(given) != n:
         raise ValueError(f"seeds: {len(given)} of them: expected n = {n}")
@@ -39,7 +39,7 @@ def seeds(values: Iterable[Any], n: int, chosen: Iterable[int]) -> dict[int, int
 
 
 def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -> dict[int, dict[str, Any]]:
-    """Return the parameters of the chosen members out of n; a single mapping applies to all. Raises ValueError."""
+    """Return the parameters of the selected members of n; a single mapping applies to all. Raises ValueError."""
     each = [given] * n if isinstance(given, Mapping) else given
     if len(each) != n:
         raise ValueError(f"parameters: {len(each)} mappings: expected one, or n = {n}")
@@ -47,7 +47,7 @@ def changes(given: Changes | Sequence[Changes], n: int, chosen: Iterable[int]) -
 
 
 def faults(given: FaultList | Sequence[FaultList], n: int, chosen: Iterable[int]) -> dict[int, tuple[FaultModel, ...]]:
-    """Return the faults of the chosen members out of n; a single list applies to all. Raises ValueError."""
+    """Return the faults of the selected members of n; a single list applies to all. Raises ValueError."""
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
         raise ValueError(f"faults is {type(given).__name__}: must be a list of faults, or n of them")
     if all(isinstance(one, Mapping) for one in given):
@@ -82,7 +82,7 @@ def rows(values: ArrayLike, name: str, n: int, width: int) -> NDArray[np.float64
 
 
 def members(mask: ArrayLike | None, n: int) -> list[int]:
-    """Return the members selected by a mask (n,) bool; without one, all. Raises ValueError."""
+    """Return the indices of the members selected by a mask (n,) bool, or all without one. Raises ValueError."""
     if mask is None:
         return list(range(n))
     chosen = np.asarray(mask)

@@ -42,17 +42,17 @@ MEMBERS_MAX = 1_000_000
 class Batch(Sealed):
     """n independent simulations of one scenario.
 
-    Member k equals Simulator(scenario, seed=seeds[k]) with parameters[k] set, to the last bit, for any number of
-    threads. The members share terrain, obstacles and the acceleration structures for rays and contacts.
+    Member k is bit-identical to Simulator(scenario, seed=seeds[k]) with parameters[k] set, for any number of threads.
+    The members share the terrain, the obstacles and the acceleration structures for rays and contacts.
 
-    scenario: a packaged scenario's name, the path of a YAML file, or a Scenario. seeds: n whole numbers; by default the
-    scenario's seed and the numbers that follow it. parameters: values by name, with the names of Simulator.parameters,
-    as one mapping per member or a single mapping for all. faults: these replace the scenario's faults and have the same
-    keys; n lists, or one list for all. threads: the number of threads; by default one per core.
+    scenario: the name of a packaged scenario, the path of a YAML file, or a Scenario. seeds: n whole numbers; defaults
+    to the scenario's seed and the numbers that follow it. parameters: values keyed by the names in
+    Simulator.parameters, as one mapping per member or a single mapping for all. faults: n lists, or one list for all,
+    that replace the scenario's faults and have the same keys. threads: number of threads; defaults to one per core.
 
     Calls release the GIL and use all threads. `observe`, `read` and `ping` return arrays that belong to the batch: the
     next such call overwrites them, so copy what you keep. Only one thread at a time may use a batch. Raises ValueError;
-    errors of one member begin with its index, such as batch[3].
+    the message for an error in one member begins with its index, such as batch[3].
     """
 
     scenario: Scenario
@@ -121,12 +121,12 @@ class Batch(Sealed):
         return self._fixed_world
 
     def step(self, n: int = 1, efforts: ArrayLike | Mapping[str, ArrayLike] | None = None) -> None:
-        """Set efforts, if passed, and advance every member by n fixed steps; efforts are held until replaced.
+        """Set efforts, if given, and advance every member by n fixed steps; efforts are held until replaced.
 
         efforts: (n, 6) in [-1, 1], surge to yaw, for each member's first vehicle, or a dict of such arrays by vehicle;
-        float64 in C order is not copied. Raises ValueError for invalid efforts, before any step. Also raises ValueError
-        if a member's motion diverges, after all others have been stepped: that member stays where it was and must
-        be reset.
+        float64 in C order is not copied. Raises ValueError for invalid efforts before taking any step. Also raises
+        ValueError if a member's motion diverges, after all others have been stepped; that member stays where it was and
+        must be reset.
         """
         steps = whole(n, "n", 0, 2**63 - 1)
         if efforts is not None:
@@ -143,14 +143,14 @@ class Batch(Sealed):
         self._programs.step(steps)
 
     def observe(self, vehicle: str | None = None) -> BatchMotion:
-        """Return the true motion of a vehicle, by default the first, in each member."""
+        """Return the true motion of a vehicle (by default the first) in each member."""
         index = self._vehicle(vehicle)
         motion = self._motion[index]
         self._core.motion(index, *motion.writable)
         return motion.shown
 
     def read(self, sensor: str, vehicle: str | None = None, *, noise: bool = True) -> BatchSamples:
-        """Return the latest sample of a sensor in each member, like Sensor.read."""
+        """Return the latest sample from a sensor in each member, like Sensor.read."""
         index = self._vehicle(vehicle)
         sensors = self._members.vehicles[index].sensors
         names = [spec.name for spec in sensors]
@@ -166,9 +166,9 @@ class Batch(Sealed):
         return samples.shown
 
     def ping(self, vehicle: str | None = None) -> BatchPings:
-        """Ping with the first sonar of a vehicle in each member; in physics mode, BatchPhysicsPings are returned.
+        """Ping with a vehicle's first sonar in each member; in physics mode, BatchPhysicsPings are returned.
 
-        All members' sonars must have the same number of beams and the same mode. Raises ValueError.
+        The sonars of all members must have the same number of beams and the same mode. Raises ValueError.
         """
         index = self._vehicle(vehicle)
         if not self._members.vehicles[index].sonars:
@@ -194,11 +194,11 @@ class Batch(Sealed):
         mask: ArrayLike | None = None,
         vehicle: str | None = None,
     ) -> None:
-        """Move a vehicle to a pose instantly in each member, like Vehicle.place; a docked vehicle is released.
+        """Move a vehicle instantly to a pose in each member, like Vehicle.place; a docked vehicle is released.
 
         position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body (n, 6): one row per member, or a single row for
-        all. mask (n,) bool: selects members; the others' rows are ignored. Raises ValueError for a pose that is not
-        free, after the other members' vehicles have been placed.
+        all. mask (n,) bool: selects members; the others' rows are ignored. Raises ValueError if a pose is not free,
+        after the vehicles of the other members have been placed.
         """
         members = arguments.members(mask, self.n)
         positions = arguments.rows(position_world_m, "position_world_m", self.n, 3)
@@ -208,7 +208,7 @@ class Batch(Sealed):
         self._core.set_states(self._vehicle(vehicle), members, states)
 
     def release(self, mask: ArrayLike | None = None, vehicle: str | None = None) -> None:
-        """Release a vehicle from the station, in all members or those selected by a mask (n,) bool.
+        """Release a vehicle from the station in all members, or in those selected by a mask (n,) bool.
 
         See Vehicle.release.
         """
@@ -222,10 +222,10 @@ class Batch(Sealed):
         parameters: Changes | Sequence[Changes] | None = None,
         faults: FaultList | Sequence[FaultList] | None = None,
     ) -> None:
-        """Restart members in their initial state: all, or those selected by a mask (n,) bool.
+        """Restart all members, or those selected by a mask (n,) bool, in their initial state.
 
-        seeds, parameters, faults: replace the previous ones from now on; as in the constructor, but only those of the
-        selected members are used. Raises ValueError without changing anything.
+        seeds, parameters, faults: replace the previous ones from now on; as in the constructor, but only the values for
+        the selected members are used. Raises ValueError without changing anything.
         """
         chosen = arguments.members(mask, self.n)
         if seeds is None and parameters is None and faults is None:
@@ -255,7 +255,7 @@ class Batch(Sealed):
         return self._members.member(k, self._seeds[k], self._changes[k], self._faults[k])
 
     def simulator(self, member: int) -> Simulator:
-        """Return a Simulator in a member's current state, for a closer look; it is independent of the batch."""
+        """Return a Simulator in a member's current state, independent of the batch, for closer inspection."""
         k = whole(member, "member", 0, self.n - 1)
         scenario = self.scenario.with_changes(seed=self._seeds[k])
         if self._faults[k] != scenario.faults:

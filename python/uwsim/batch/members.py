@@ -1,4 +1,4 @@
-"""Definitions from which the members of a batch are built."""
+"""The definitions from which batch members are built."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from uwsim.simulator.parameters.tree import Place
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """The definition of a member.
+    """A member's definition.
 
     original: the scenario with the member's seed and faults. scenario: `original` with the member's parameters applied.
     """
@@ -46,15 +46,15 @@ class Member:
 
     @property
     def has_programs(self) -> bool:
-        """Whether the member has programs: faults, or a vehicle with a failsafe."""
+        """Whether the member has any programs, that is, faults or a vehicle with a failsafe."""
         failsafes = (entry.failsafe or entry.model.failsafe for entry in self.scenario.vehicles)
         return bool(self.scenario.faults) or any(failsafes)
 
 
 class Members:
-    """Builds the specs of members of one scenario and world; identical vehicles share their specs.
+    """Builds the specs for members of one scenario and world; identical vehicles share specs.
 
-    vehicles: the specs of the scenario's vehicles, without any member's parameters.
+    vehicles: the specs of the scenario's vehicles, without any member parameters.
     """
 
     def __init__(self, scenario: Scenario, world: _core.World) -> None:
@@ -66,7 +66,7 @@ class Members:
     def member(self, index: int, seed: int, changes: Changes, faults: Sequence[FaultModel]) -> Member:
         """Return the definition of the member with this index, seed, parameters and faults.
 
-        Raises ValueError that names the member.
+        Raises ValueError, naming the member.
         """
         try:
             original = self._scenario.model_copy(update={"seed": seed, "faults": tuple(faults)})
@@ -81,7 +81,7 @@ class Members:
 
     @cached_property
     def control(self) -> list[ControlSettings]:
-        """The control settings of each vehicle, which no parameter changes."""
+        """The control settings of each vehicle, which no parameter affects."""
         entries = zip(self._scenario.vehicles, self.vehicles, strict=True)
         return [vehicle_control(self._scenario, entry.model, spec) for entry, spec in entries]
 
@@ -89,7 +89,7 @@ class Members:
         """Return a copy of a scenario with the given parameter values.
 
         Locating the parameters takes most of the time, so their locations are cached once the first numbers for these
-        names have been accepted: which parameters have an effect does not depend on the numbers.
+        names have been accepted: which parameters take effect does not depend on the numbers.
         """
         names = tuple(changes)
         if not names:
@@ -100,7 +100,7 @@ class Members:
             try:
                 return edited(original, dict(zip(places, changes.values(), strict=True)))
             except ScenarioError:
-                pass  # reported below, with the parameters' names
+                pass  # reported below, with the parameter names
         parameters = Parameters(original, lambda _: None, lambda *_, **__: None, {})
         parameters.update(changes)
         if are_numbers:

@@ -1,4 +1,4 @@
-"""Programs of a batch's members. Members with programs are stepped in parts, from one of their events to the next."""
+"""The programs of batch members. Members with programs are stepped in parts, from each of their events to the next."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from uwsim.batch.results import BatchSamples, Buffers
 
 
 class Programs:
-    """Keeps track of members' faults, failsafes and sensors that are off. Members without any of these add no cost.
+    """Keeps track of members' faults, failsafes and switched-off sensors. Members without these cost nothing extra.
 
-    Each member has its own agenda (`base/agenda.py`): between two ticks at which its Python items act, it is stepped
-    like any other member. The members may be at different ticks meanwhile, so that every round of parts keeps all
-    threads busy.
+    Each member has its own agenda (`base/agenda.py`): between ticks at which its Python items act, it is stepped like
+    any other member. Members may temporarily be at different ticks, so that every round of parts keeps all threads
+    busy.
     """
 
     def __init__(self, core: _core.Batch, world: _core.World, scene: _core.RayScene, members: Members, n: int) -> None:
@@ -33,7 +33,7 @@ class Programs:
             self._new(k, member)
 
     def begin(self, k: int, member: Member) -> None:
-        """Start the programs of a member that has just been created."""
+        """Start the programs of a newly created member."""
         self._aboard.pop(k, None)
         self._made.pop(k, None)
         self._off.pop(k, None)
@@ -44,7 +44,7 @@ class Programs:
             self._aboard[k] = self._new(k, member)
 
     def begin_again(self, members: Iterable[int]) -> None:
-        """Restart the programs of members that have been restarted with the same definition."""
+        """Restart the programs of members that were restarted with the same definition."""
         for k in members:
             self._aboard.pop(k, None)
             if k in self._made:
@@ -55,7 +55,7 @@ class Programs:
         return k in self._aboard
 
     def aboard(self, k: int, made: Callable[[], Member]) -> MemberAboard:
-        """Return a member's onboard programs, creating them if there are none yet."""
+        """Return a member's onboard programs, creating them if necessary."""
         if k not in self._aboard:
             self._aboard[k] = self._new(k, made())
         return self._aboard[k]
@@ -67,7 +67,7 @@ class Programs:
             raise ValueError(f"batch[{k}]: {error}") from None
 
     def hear_efforts(self, vehicle: str, efforts: NDArray[np.float64]) -> None:
-        """Notify the failsafes of efforts (n, 6) that were set."""
+        """Notify the failsafes that efforts (n, 6) were set."""
         for k, aboard in self._aboard.items():
             aboard.hear_effort(vehicle, efforts[k])
 
@@ -98,7 +98,7 @@ class Programs:
             raise ValueError(mistakes[0])
 
     def tell(self, vehicle: int, sensor: int, noise: bool, samples: Buffers[BatchSamples]) -> None:
-        """Change samples in place where a member's sensor is off or has failed."""
+        """Modify samples in place where a member's sensor is off or has failed."""
         values, _, valid = samples.writable
         for k, off in self._off.items():
             if k not in self._aboard and (vehicle, sensor) in off:

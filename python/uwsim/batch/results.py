@@ -20,7 +20,7 @@ class BatchMotion:
     """Pose and velocity of one vehicle in each member. The arrays are read-only and belong to the batch.
 
     time_ns (n,) uint64: time since the member's start. position_world_m (n, 3), orientation_xyzw (n, 4), velocity_body
-    (n, 6) [m/s, rad/s]: float64. collisions (n,) uint64: the number of contacts that have begun. released (n,) bool.
+    (n, 6) [m/s, rad/s]: float64. collisions (n,) uint64: number of contacts begun so far. released (n,) bool.
     """
 
     time_ns: NDArray[np.uint64]
@@ -33,7 +33,7 @@ class BatchMotion:
 
 @dataclass(frozen=True, eq=False)
 class BatchSamples:
-    """The latest sample of one sensor in each member; see Sensor.read. The batch owns the arrays; they are read-only.
+    """The latest sample from one sensor in each member; see Sensor.read. The read-only arrays belong to the batch.
 
     values (n, width) float64: all fields, concatenated. fields: one view per field, (n,) or (n, width). stamp_ns (n,)
     uint64: the time of the measurement. valid (n,) bool.
@@ -47,7 +47,7 @@ class BatchSamples:
 
 @dataclass(frozen=True, eq=False)
 class BatchPings:
-    """A ping of one sonar in each member; see Ping. The arrays are read-only and belong to the batch.
+    """A ping from one sonar in each member; see Ping. The arrays are read-only and belong to the batch.
 
     (n, beams): ranges_m, incidence_rad, intensity_db float32, labels uint16, valid bool; points_sonar_m (n, beams, 3)
     float32; world_from_sonar (n, 4, 4) float64.
@@ -64,7 +64,7 @@ class BatchPings:
 
 @dataclass(frozen=True, eq=False)
 class BatchPhysicsPings(BatchPings):
-    """A ping in physics mode of one sonar in each member, with the additional arrays of _core.PhysicsPing.
+    """A physics-mode ping from one sonar in each member, with the additional arrays of _core.PhysicsPing.
 
     (n, beams): snr_db, travel_time_s, deviation_m, vertical_deviation_m, horizontal_deviation_m float32, detections
     uint8.
@@ -80,7 +80,7 @@ class BatchPhysicsPings(BatchPings):
 
 @dataclass(frozen=True, eq=False)
 class Buffers(Generic[R]):
-    """The arrays that the core fills, in the order that it expects, and the read-only result that exposes them."""
+    """The arrays that the core fills, in the order it expects, and the read-only result that exposes them."""
 
     writable: tuple[NDArray[Any], ...]
     shown: R
