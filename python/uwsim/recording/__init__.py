@@ -12,5 +12,5 @@ __all__ = ["Command", "Recorded", "Recorder", "Recording", "open"]
 
 
 def open(path: str | Path) -> Recording:  # noqa: A001  # recording.open("run.mcap")
-    """Open a recording, including that of a run that was killed. Raises ValueError or OSError."""
+    """Open a recording, even one from a run that was killed. Raises ValueError or OSError."""
     return Recording(path)

@@ -1,4 +1,4 @@
-"""A recording as a ROS 1 bag for Debian's rosbag: messages in ROS 1's serialization, written by `rosbags`."""
+"""A recording as a ROS 1 bag for Debian's rosbag: messages in ROS 1 serialization, written by `rosbags`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.channels.messages import to_bytes
 
 
 class BagSink:
-    """A .bag file. It has no attachments, and no index until it is closed; `rosbag reindex` can add one."""
+    """A .bag file. It has no attachments, and has no index until it is closed; `rosbag reindex` can add one."""
 
     def __init__(self, path: Path) -> None:
         """Create the file. Raises OSError if it exists or cannot be written."""
@@ -28,7 +28,7 @@ class BagSink:
         self._connections: dict[str, Connection] = {}
 
     def encode(self, reading: Reading) -> bytes:
-        """Return a message in ROS 1's serialization."""
+        """Return a message in ROS 1 serialization."""
         return to_bytes(reading.message, ros=1)
 
     def add_channel(self, channel: Channel) -> None:
@@ -42,14 +42,14 @@ class BagSink:
         )
 
     def write(self, topic: str, time_ns: int, sequence: int, data: bytes | memoryview) -> None:
-        """Append a message. ROS 1 interprets time 0 as missing, so time 0 is written as 1 ns."""
+        """Append a message. Time 0 is written as 1 ns, since ROS 1 takes time 0 to mean that the time is missing."""
         self._writer.write(self._connections[topic], max(time_ns, 1), data)
 
     def flush(self) -> None:
-        """Do nothing, since chunks are written when they are full."""
+        """Do nothing, since chunks are written as they fill up."""
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write the index, and close the file. Raises OSError."""
+        """Write the index and close the file. Raises OSError."""
         try:
             self._writer.close()
         except BaseException:
@@ -58,6 +58,6 @@ class BagSink:
             raise
 
     def abandon(self) -> None:
-        """Close after a write error, with the index if there is space for it."""
+        """Close after a write error, with an index if there is space for it."""
         with contextlib.suppress(Exception):
             self.close({})

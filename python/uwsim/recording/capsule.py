@@ -1,4 +1,4 @@
-"""Packs a scenario with all files that it names into JSON and attachments of a recording, and unpacks it."""
+"""Packs a scenario with all the files that it names into JSON and recording attachments, and unpacks it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAME = re.compile(r"files/\d+/[^/\0]*[^/\0.][^/\0]*")
 
 
 def pack(scenario: Scenario) -> dict[str, bytes]:
-    """Return a scenario as named contents: SCENARIO, and each file that it names. Raises OSError."""
+    """Return a scenario as contents by name: SCENARIO, and each file that it names. Raises OSError."""
     values = plain(scenario)
     names = {path: f"files/{k}/{path.name}" for k, path in enumerate(sorted(set(_paths(values))))}
     files = {name: path.read_bytes() for path, name in names.items()}
@@ -33,10 +33,10 @@ def pack(scenario: Scenario) -> dict[str, bytes]:
 
 
 def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
-    """Return the scenario from the result of `pack`.
+    """Return the scenario from a result of `pack`.
 
-    Files at their original paths are used if they are unchanged, so that textures next to meshes are found; otherwise
-    they are written to the folder. Raises ValueError or OSError.
+    Files that are unchanged at their original paths are used there, so that textures next to meshes are found; other
+    files are written to the folder. Raises ValueError or OSError.
     """
     if SCENARIO not in contents:
         raise ValueError(f"the recording holds no {SCENARIO}")
@@ -49,7 +49,7 @@ def unpack(contents: Mapping[str, bytes], folder: Path) -> Scenario:
 
 
 def fingerprint(scenario: Scenario) -> str:
-    """Return a digest that is equal for equal scenarios, including their files."""
+    """Return a digest that is the same for equal scenarios, including their files."""
     return scenario_fingerprint(scenario)
 
 

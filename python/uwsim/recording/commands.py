@@ -1,4 +1,4 @@
-"""Commands in a recording: one JSON message each, on a separate topic."""
+"""Commands in a recording, each one JSON message on a separate topic."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ BYTES = "$bytes"
 
 
 class Command(NamedTuple):
-    """A command, and the tick at the start of which it took effect; for a jump in time, the tick that it led to.
+    """A command, and the tick at whose start it took effect or, for a jump in time, the tick that it led to.
 
-    name: a command of uwsim.live.COMMANDS, reset or restore_state. arguments: JSON types and bytes.
+    name: a command in uwsim.live.COMMANDS, reset or restore_state. arguments: JSON types and bytes.
     """
 
     tick: NonNegativeInt
@@ -34,12 +34,12 @@ def command_message(command: Command) -> Any:
 
 
 def command_of(message: Any) -> Command:
-    """Decode the command in a message. Raises ValueError if it contains none."""
+    """Decode the command in a message. Raises ValueError if the message contains none."""
     return command_from(message.data)
 
 
 def command_from(text: str) -> Command:
-    """Decode a command from JSON. Raises ValueError if it contains none."""
+    """Decode a command from JSON. Raises ValueError if the text contains none."""
     try:
         command = _COMMAND.validate_json(text)
     except ValidationError as error:
@@ -48,7 +48,7 @@ def command_from(text: str) -> Command:
 
 
 def _json_values(value: Any) -> Any:
-    """Return plain values with bytes encoded as base64."""
+    """Return plain values, with bytes encoded as base64."""
     if isinstance(value, bytes):
         return {BYTES: base64.b64encode(value).decode()}
     if isinstance(value, dict):

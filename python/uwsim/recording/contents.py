@@ -1,9 +1,9 @@
-"""The content of a recording except its messages, read once, with all checksums, indexes and counts verified.
+"""The contents of a recording except its messages, read once, with all checksums, indexes and counts verified.
 
 A finished file has a checksum over all its bytes. If the process was killed, the file lacks it, but each chunk and
-attachment has a checksum, and the header contains that of the metadata at the start. So any wrong bit is detected in
-either case. Files rewritten by other tools, such as `mcap filter`, are verified against the checksums and indexes that
-they contain.
+attachment has a checksum, and the header contains the checksum of the leading metadata, so any corrupted bit is
+detected in either case. Files rewritten by other tools, such as `mcap filter`, are verified against the checksums and
+indexes that they contain.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ INDEXES: dict[int, str] = {
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk of a file. checksum: CRC-32 of its record's content. channels: those with messages in it."""
+    """A chunk of a file. checksum: CRC-32 of the record's content. channels: those with messages in the chunk."""
 
     number: int
     start: int
@@ -57,10 +57,10 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class Contents:
-    """A file without its messages. metadata, attachments: by name. schemas, channels: by number.
+    """A file without its messages. metadata, attachments: keyed by name. schemas, channels: keyed by number.
 
-    counts: number of messages by channel. indexes: the expected index at the end, by kind of record. is_ours: whether
-    uwsim wrote the file itself. is_whole: whether the data are complete; complete: whether the index is, too.
+    counts: number of messages per channel. indexes: the expected index at the end, by kind of record. is_ours: whether
+    uwsim wrote the file itself. is_whole: whether the data are complete; complete: whether the index is also complete.
     """
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -75,14 +75,14 @@ class Contents:
     complete: bool = False
 
     def announce(self, record: Channel | Schema) -> None:
-        """Add a channel or a schema. Raises ValueError if its number is already used for a different one."""
+        """Add a channel or schema. Raises ValueError if its number is already used for a different one."""
         known: dict[int, Any] = self.channels if isinstance(record, Channel) else self.schemas
         if known.setdefault(record.id, record) != record:
             raise ValueError(f"its {type(record).__name__.lower()} {record.id} differs from an earlier one")
 
 
 def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]:
-    """Yield the messages of chunks. Raises ValueError if a chunk has changed since it was first read, or OSError."""
+    """Yield the messages in chunks. Raises ValueError if a chunk has changed since it was first read, or OSError."""
     with path.open("rb") as file:
         for chunk in chunks:
             file.seek(chunk.start)
@@ -95,14 +95,14 @@ def read_messages(path: Path, chunks: Sequence[ChunkPlace]) -> Iterator[Message]
 
 
 class DataReader:
-    """Reads and validates the records up to the end of the data, filling `contents`."""
+    """Reads and validates the records up to the end of the data, filling in `contents`."""
 
     def __init__(self, file: RecordFile) -> None:
         self.contents = Contents()
         self._file = file
-        self._start_checksum: int | None = None  # checksum of the metadata at the start, from the header
-        self._index: dict[int, list[tuple[int, int]]] = {}  # expected index of the last chunk's messages, by channel
-        self._sequences: dict[int, int] = {}  # sequence number of each channel's last message
+        self._start_checksum: int | None = None  # checksum of the leading metadata, from the header
+        self._index: dict[int, list[tuple[int, int]]] = {}  # expected index of messages in the last chunk, by channel
+        self._sequences: dict[int, int] = {}  # sequence number of the last message on each channel
         self._before = 0  # checksum of everything before the current record
         self._take: dict[int, Callable[[Record, Any], None]] = {
             Opcode.HEADER: self._take_header,
@@ -203,13 +203,13 @@ class DataReader:
         self.contents.is_whole = True
 
     def _require_indexed(self) -> None:
-        """Raise ValueError if an index of the last chunk's messages is missing."""
+        """Raise ValueError if an index of messages in the last chunk is missing."""
         chunks = self.contents.indexes[Opcode.CHUNK_INDEX]
         if self.contents.is_ours and chunks and set(chunks[-1].message_index_offsets) != set(self._index):
             raise ValueError(f"before it, an index of chunk {len(chunks)} is missing")
 
     def _require_in_turn(self, message: Message) -> None:
-        """Raise ValueError for a message without a channel, or one that is out of sequence in its channel."""
+        """Raise ValueError for a message that has no channel or is out of sequence in its channel."""
         channel = self.contents.channels.get(message.channel_id)
         if channel is None:
             raise ValueError(f"it has a message of channel {message.channel_id}, which does not exist")
@@ -224,7 +224,7 @@ class DataReader:
         self._sequences[message.channel_id] = message.sequence
 
     def _compare(self, given: int, found: int) -> None:
-        """Raise ValueError if a checksum differs from the stored one; other tools store 0 if they have none."""
+        """Raise ValueError if a checksum differs from the stored one; other tools store 0 for no checksum."""
         if given != found and (given or self.contents.is_ours):
             raise ValueError(WRONG_CHECKSUM)
 

@@ -1,4 +1,4 @@
-"""Messages that follow from a survey's pings, and so are not recorded but generated for readers."""
+"""Messages that follow from a survey's pings and are therefore generated for readers instead of being recorded."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ Make = Callable[[TakenPing], Any]
 
 
 class Derived:
-    """The topics of a survey's recording that follow from its pings; each has one message per ping.
+    """The topics of a survey recording that follow from its pings, each with one message per ping.
 
-    The map is the one that a live run would build from these pings. channels: by name.
+    The map is the one that a live run would build from these pings. channels: keyed by name.
     """
 
     def __init__(self, recording: Recording) -> None:

@@ -31,7 +31,7 @@ class Parting:
 class Comparison:
     """A comparison of two recordings. compared: number of messages. partings: by tick, then in recording order.
 
-    notes: differences other than in messages, such as the seed, as text.
+    notes: differences outside the messages, such as the seed, as text.
     """
 
     compared: int
@@ -40,12 +40,12 @@ class Comparison:
 
     @property
     def same(self) -> bool:
-        """Whether all messages of both recordings are identical to the last byte."""
+        """Whether all messages in both recordings are byte-identical."""
         return not self.partings
 
 
 def diff(first: Recording, second: Recording) -> Comparison:
-    """Compare two recordings message by message: the n-th messages of each channel, in recording order."""
+    """Compare two recordings message by message, pairing the n-th messages of each channel, in recording order."""
     found: dict[str, Parting] = {}
     waiting: dict[str, deque[tuple[int, Recorded]]] = defaultdict(deque)  # of the recording (0 or 1) that is ahead
     compared = 0

@@ -10,11 +10,11 @@ import numpy as np
 from uwsim.channels.message_types import fields
 from uwsim.channels.messages import from_bytes
 
-SHOWN = 50  # number of characters shown of long text
+SHOWN = 50  # number of characters of long text that are shown
 
 
 def differences(kind: str, first: bytes, second: bytes) -> str:
-    """Return the first two fields that differ, and by how much, as one line."""
+    """Return the first two fields that differ, and by how much, on one line."""
     found = list(_fields(kind, from_bytes(first, kind), from_bytes(second, kind), ""))
     if not found:
         return "bytes that belong to no field"
@@ -32,7 +32,7 @@ def largest(kind: str, first: bytes, second: bytes) -> float:
 
 
 def _parts(kind: str, first: Any, second: Any, path: str) -> Iterator[tuple[str, Any, Any]]:
-    """Yield path and values of all fields that are not messages themselves."""
+    """Yield the path and both values of every field that is not itself a message."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -78,7 +78,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def _short(value: Any, at: int) -> str:
-    """Return a value as text; for long text, the part around a position."""
+    """Return a value as text; long text is reduced to the part around a position."""
     if isinstance(value, str) and len(value) > SHOWN:
         start = max(at - SHOWN // 2, 0)
         value = ("..." if start else "") + value[start : start + SHOWN] + ("..." if start + SHOWN < len(value) else "")

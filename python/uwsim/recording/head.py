@@ -1,4 +1,4 @@
-"""The multibeam whose pings a recording contains, built from the recording's own scenario."""
+"""The multibeam whose pings a recording contains, built from the scenario in the recording."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class RecordedHead:
     """A multibeam.
 
-    interval_s: time between pings. prefix: the prefix of its vehicle's topics and frames. hull_m: the box around its
+    interval_s: time between pings. prefix: prefix of the vehicle's topics and frames. hull_m: bounding box of the
     vehicle's hull.
     """
 
@@ -35,7 +35,7 @@ class RecordedHead:
     scenario: Scenario
 
     def new_map(self) -> OccupancyMap:
-        """Return an empty map, like that at the start of a live run of the scenario."""
+        """Return an empty map, like the one at the start of a live run of the scenario."""
         return empty_map(self.scenario)
 
 

@@ -10,7 +10,7 @@ from uwsim.recording.reader import Recording
 
 
 def live_map(recording: Recording, vehicle: str | None = None) -> tuple[OccupancyMap, int]:
-    """Return the map, in odom, of a vehicle's pings since the last jump in time, and their number.
+    """Return the map, in odom, of a vehicle's pings since the last jump in time, and the number of pings.
 
     Raises ValueError.
     """

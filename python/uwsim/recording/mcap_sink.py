@@ -1,7 +1,8 @@
-"""A recording as MCAP in rosbag2's format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
+"""A recording as MCAP in rosbag2 format: CDR, ros2msg schemas, type hashes, QoS, index and metadata.
 
-Written with the `mcap` library. The writer of `rosbags` cannot end a chunk before it is full, has neither checksums nor
-attachments, and creates a folder: a kill would lose up to a megabyte, which is minutes of a run with few messages.
+Written with the `mcap` library. The writer in `rosbags` cannot end a chunk before it is full, has neither checksums nor
+attachments, and creates a folder: a killed process would lose up to a megabyte, which is minutes of a run with few
+messages.
 """
 
 from __future__ import annotations
@@ -40,19 +41,19 @@ LIBRARY = re.compile("uwsim(?:, start ([0-9a-f]{8}))?")
 """The writer's name in the header, with the checksum of the metadata at the start, which is not otherwise protected if
 the process is killed. Recordings of earlier builds lack this, and have no checksum over all data at their end."""
 ROSBAG2_VERSION = 9
-FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's infinite duration
+FOREVER = QosTime(0x7FFFFFFF, 0xFFFFFFFF)  # rmw's value for an infinite duration
 DEPTH = 10
 QOS = "offered_qos_profiles"
 
 
 class McapSink:
-    """An MCAP file. Each flush ends a chunk, which then survives the end of this process."""
+    """An MCAP file. Each flush ends a chunk, which then outlives the process."""
 
     def __init__(self, path: Path, start: Mapping[str, str], attachments: Mapping[str, bytes]) -> None:
-        """Create the file, with metadata and attachments. Raises OSError if it exists or cannot be written."""
+        """Create the file with metadata and attachments. Raises OSError if it exists or cannot be written."""
         self._path = path
         self._file = path.open("xb")
-        # LZ4 takes a tenth of zstd's time, and all MCAP readers support it.
+        # LZ4 takes a tenth of the time of zstd, and all MCAP readers support it.
         self._writer = Writer(
             self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4, enable_data_crcs=True
         )
@@ -95,12 +96,12 @@ class McapSink:
         self._first_ns, self._last_ns = min(self._first_ns, time_ns), max(self._last_ns, time_ns)
 
     def flush(self) -> None:
-        """End the chunk and pass it to the operating system. Raises OSError."""
+        """End the chunk and hand it to the operating system. Raises OSError."""
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._flushed = self._file.tell()
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write metadata and index, and close the file. Raises OSError."""
+        """Write the metadata and index, and close the file. Raises OSError."""
         with self._file:
             self._writer.add_metadata(END, dict(end))
             self._writer.add_metadata(ROSBAG2, {"serialized_metadata": _yaml(self._rosbag2_metadata())})
@@ -109,9 +110,9 @@ class McapSink:
             os.fsync(self._file.fileno())
 
     def abandon(self) -> None:
-        """Close after a write error, and truncate the file to its state at the last flush.
+        """Close after a write error, truncating the file to its state at the last flush.
 
-        The part written since then has gaps: if data followed it, the file would be damaged instead of merely cut off.
+        Anything written since then has gaps: if data followed it, the file would be damaged instead of merely cut off.
         """
         kept = os.dup(self._file.fileno())
         with contextlib.suppress(OSError):
@@ -121,7 +122,7 @@ class McapSink:
         os.close(kept)
 
     def _rosbag2_metadata(self) -> dict[str, Any]:
-        """Return the information shown by `ros2 bag info`, as in a bag folder's metadata.yaml."""
+        """Return the information that `ros2 bag info` shows, as in a bag folder's metadata.yaml."""
         count = sum(self._counts.values())
         times = {
             "starting_time": {"nanoseconds_since_epoch": self._first_ns if count else 0},
@@ -156,7 +157,7 @@ class McapSink:
 
 
 def metadata_of(channel: Channel) -> dict[str, str]:
-    """Return a channel's metadata for the file: those of rosbag2, and its rate and description."""
+    """Return a channel's metadata for the file: the rosbag2 metadata, plus the channel's rate and description."""
     return {
         QOS: _qos_yaml(qos(channel)),
         "topic_type_hash": schema(channel.type).type_hash,
@@ -166,7 +167,7 @@ def metadata_of(channel: Channel) -> dict[str, str]:
 
 
 def qos(channel: Channel) -> Qos:
-    """Return a channel's quality of service: reliable, and kept for late subscribers if it is latched."""
+    """Return a channel's quality of service: reliable and, if latched, kept for late subscribers."""
     durability = QosDurability.TRANSIENT_LOCAL if channel.latched else QosDurability.VOLATILE
     return Qos(
         QosHistory.KEEP_LAST,

@@ -1,4 +1,4 @@
-"""Metadata of a recorded run, at its beginning and end: text in the file, validated values here."""
+"""The metadata at the beginning and end of a recorded run: text in the file, validated values here."""
 
 from __future__ import annotations
 
@@ -38,9 +38,10 @@ class Start(BaseModel):
 
 
 class End(BaseModel):
-    """Metadata at the end of a recording that was closed properly. dropped: number of messages omitted, by channel.
+    """Metadata at the end of a recording that was closed properly. dropped: messages omitted, by channel.
 
-    on_wall_clock: whether the run was ever at wall-clock speed; unlike the start's value, this covers the whole run.
+    on_wall_clock: whether the run was ever at wall-clock speed; unlike the value at the start, this covers the whole
+    run.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -53,7 +54,7 @@ class End(BaseModel):
 
 
 def checked(kind: type[Metadata], text: Mapping[str, str]) -> Metadata:
-    """Return metadata as validated values. Raises ValueError with the first invalid one."""
+    """Return metadata as validated values. Raises ValueError for the first invalid one."""
     try:
         return kind.model_validate(text)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""Moments: renders a recording's pictures during a replay, at the simulated times when they were taken."""
+"""Moments: renders a recording's pictures during a replay, at the simulated times at which they were taken."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from uwsim.simulator.simulator import Simulator
 
 
 class Moments:
-    """An observer that renders pictures when the simulator reaches the times of their stamps.
+    """An observer that renders pictures when the simulator reaches their time stamps.
 
     At wall-clock speed, a picture is started by the first reader after the previous one is ready, so its time depends
     on the machine and on all readers; it is known only from the recorded stamps. A command at the same tick may have
@@ -59,12 +59,12 @@ class Moments:
         self.again()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """After a jump in time, become due where time continues."""
+        """After a jump in time, resume at the point where time continues."""
         if name in JUMPS:
             self._be_due(bisect_left(self._ticks, self._sim.tick))
 
     def again(self) -> None:
-        """Render the pictures that are due now, even if already rendered, since a command may have changed the view."""
+        """Render the pictures due now again, since a command may have changed the view."""
         tick = self._sim.tick
         self._be_due(bisect_right(self._ticks, tick))
         if tick not in self._due:
@@ -77,7 +77,7 @@ class Moments:
                 self._seen.add(_digest(kind[0], encode(message)))
 
     def shows(self, recorded: Recorded) -> bool:
-        """Return whether a recorded picture was rendered identically to the last byte."""
+        """Return whether a recorded picture was rendered byte-identically."""
         return _digest(recorded.type, recorded.data) in self._seen
 
     def _be_due(self, place: int) -> None:

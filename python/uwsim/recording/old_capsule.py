@@ -1,8 +1,8 @@
-"""Scenarios in old recordings, which contain all fields of all models, whether or not the scenario set them.
+"""Scenarios in old recordings, which contain all fields of all models, whether or not the scenario had set them.
 
-In such scenarios the presence of a key has no meaning. So keys whose presence matters are removed if they have their
-default value; the scenario is then built as it was for the recording. It cannot be determined whether a value of
-`sonar.noise` or `link.carries` was set to exactly its default.
+In such scenarios, the presence of a key has no meaning. Keys whose presence matters are therefore removed if they have
+their default value; the scenario is then built as it was for the recording. It is impossible to determine whether a
+value of `sonar.noise` or `link.carries` was set to exactly its default.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Pacer: paces the simulated time of a recording against the wall clock."""
+"""Pacer: keeps the simulated time of a recording in pace with the wall clock."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class Pacer:
-    """Waits until simulated time is due. Starts with the first call, and restarts when simulated time goes back."""
+    """Waits until a simulated time is due. Starts with the first call, and restarts when simulated time goes back."""
 
     def __init__(self, speed: float | Literal["max"]) -> None:
         """speed: simulated seconds per wall-clock second, or "max". Raises ValueError."""
@@ -18,7 +18,7 @@ class Pacer:
         self._last_ns: int | None = None
 
     def wait(self, time_ns: int) -> None:
-        """Wait until this simulated time is due."""
+        """Wait until the given simulated time is due."""
         if self._speed == "max":
             return
         due_s = 1e-9 * time_ns / self._speed

@@ -1,4 +1,4 @@
-"""The pings of a multibeam with the exact poses at which they were taken, from which maps are built."""
+"""A multibeam's pings with the exact poses at which they were taken, from which maps are built."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def ping_channel(pings: Pings) -> Channel:
 
 
 def survey_ping(sim: Simulator) -> Any:
-    """Return a ping of the first vehicle at the current time, in the world frame, as in a survey."""
+    """Return a ping from the first vehicle at the current time, in the world frame, as in a survey."""
     rov = sim.rov
     ping = rov.sonar.ping()
     return ping_message(ping, rov.telemetry(), "world", rov.pose.world_from_body, ping.world_from_sonar)

@@ -1,4 +1,4 @@
-"""The pings of a recording, in the form that mapping needs."""
+"""The pings in a recording, in the format that mapping needs."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class RecordedPing:
 
 
 class Panel(NamedTuple):
-    """The warnings on the vehicle's panel at the time of a ping."""
+    """The warnings shown on the vehicle's panel at the time of a ping."""
 
     range_warning: bool
     proximity_warning: bool
@@ -42,7 +42,7 @@ class Panel(NamedTuple):
 
 
 def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
-    """Return the channel of a vehicle's pings, by default of the first vehicle that has any. Raises ValueError."""
+    """Return the channel with a vehicle's pings (default: the first vehicle that has any). Raises ValueError."""
     topics = [name for name in recording.channels if name == NAME or name.endswith("/" + NAME)]
     if not topics:
         raise ValueError(f"recording '{recording.path}': holds no pings ({NAME})")
@@ -55,7 +55,7 @@ def ping_topic(recording: Recording, vehicle: str | None = None) -> str:
 
 
 def recorded_pings(recording: Recording, topic: str) -> Iterator[tuple[TakenPing, Panel]]:
-    """Yield the pings of a channel in order, each with the poses at which it was taken."""
+    """Yield the pings on a channel in order, each with the poses at which it was taken."""
     for recorded in recording.messages(topic):
         message = recorded.message
         panel = Panel(message.range_warning, message.proximity_warning, message.collision_warning)

@@ -12,7 +12,7 @@ from uwsim.recording.sink import Sink
 
 WAITING_BYTES = 64 << 20
 """Maximum number of queued bytes; beyond it, messages are dropped or, at maximum speed, steps wait."""
-MESSAGE_BYTES = 200  # size of an entry in the queue, in addition to its data
+MESSAGE_BYTES = 200  # size of a queue entry, in addition to its data
 FLUSH_S = 1.0
 """Wall time after which written data are passed to the operating system; a kill loses at most this much."""
 GATHER_S = 0.1
@@ -23,9 +23,9 @@ Item = tuple[str, int, int, bytes | memoryview]  # topic, time_ns, sequence, dat
 
 
 class WritingQueue:
-    """Messages waiting to be written to a sink by a thread.
+    """Messages waiting for a thread to write them to a sink.
 
-    error: why nothing more can be written, such as a full disk; the simulation continues.
+    error: why nothing more can be written, such as a full disk; the simulation continues regardless.
     """
 
     def __init__(self, sink: Sink, limit_bytes: int = WAITING_BYTES) -> None:
@@ -59,7 +59,7 @@ class WritingQueue:
         return True
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write all queued messages, and close the sink. Raises OSError, including for an earlier error."""
+        """Write all queued messages and close the sink. Raises OSError, even for an earlier error."""
         with self._changed:
             self._ends = True
             self._changed.notify_all()
@@ -74,7 +74,7 @@ class WritingQueue:
         while True:
             with self._changed:
                 if not self._ends and self._bytes <= self._limit_bytes // 2:
-                    self._changed.wait(GATHER_S)  # waking for each message would slow down the steps
+                    self._changed.wait(GATHER_S)  # waking the thread for each message would slow down the steps
                 items, self._items = self._items, deque()
                 self._bytes = 0
                 self._changed.notify_all()

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class ChannelInfo(NamedTuple):
-    """A channel of a recording: name without leading slash, type in ROS 2's notation, number of messages, rate."""
+    """A channel in a recording: name without leading slash, type in ROS 2 notation, number of messages, rate."""
 
     name: str
     type: str
@@ -56,15 +56,15 @@ class Recorded(NamedTuple):
 
 
 class Recording:
-    """A recording written by a Recorder as .mcap.
+    """A recording written by a Recorder in .mcap format.
 
     start, end: the metadata at both ends; end is None if the run was killed. complete: whether the file was closed
-    properly. attachments: by name. channels: those recorded; derived: others that can be read by name because they
-    follow from a survey's pings.
+    properly. attachments: keyed by name. channels: the recorded channels; derived: others that can be read by name
+    because they follow from a survey's pings.
     """
 
     def __init__(self, path: str | Path) -> None:
-        """Read everything except the messages. Raises ValueError for a file that is not a recording, or OSError."""
+        """Read everything except the messages. Raises ValueError if the file is not a recording, or OSError."""
         self.path = Path(path)
         if self.path.suffix == ".bag":
             raise ValueError(f"recording '{path}': ROS 1 bags cannot be read; record to .mcap instead")
@@ -86,7 +86,7 @@ class Recording:
 
     @cached_property
     def channels(self) -> dict[str, ChannelInfo]:
-        """The recorded channels by name."""
+        """The recorded channels, keyed by name."""
         found = {}
         for number, channel in self._channels.items():
             name = channel.topic.removeprefix("/")
@@ -98,7 +98,7 @@ class Recording:
 
     @cached_property
     def derived(self) -> dict[str, ChannelInfo]:
-        """Channels, by name, that were not recorded but follow from a survey's pings."""
+        """The channels, keyed by name, that were not recorded but follow from a survey's pings."""
         if self._derived is None:
             return {}
         count = self.channels[PINGS].message_count
@@ -117,7 +117,7 @@ class Recording:
         return Derived(self)
 
     def info(self, topic: str) -> ChannelInfo:
-        """Return information about a channel, recorded or derived. Raises ValueError for an unknown channel."""
+        """Return information about a channel, recorded or derived. Raises ValueError if it is unknown."""
         name = self._named(topic)
         return self.channels[name] if name in self.channels else self.derived[name]
 
@@ -137,12 +137,12 @@ class Recording:
 
     @property
     def dropped(self) -> dict[str, int]:
-        """Number of messages dropped from each channel because writing was too slow."""
+        """The number of messages dropped from each channel because writing was too slow."""
         return {} if self.end is None else self.end.dropped
 
     @property
     def was_on_wall_clock(self) -> bool:
-        """Whether steps may not have waited for pictures, so that the pictures' times depend on the machine.
+        """Whether the simulation may have run ahead of its pictures, so that their times depend on the machine.
 
         Assumed to be True for a run that was killed.
         """
@@ -151,11 +151,11 @@ class Recording:
 
     @property
     def notes(self) -> dict[str, Any]:
-        """Values for the whole run; those known only at its end are missing if the file was cut off."""
+        """Values that apply to the whole run; those known only at its end are missing if the file was cut off."""
         return (self.end or self.start).notes
 
     def messages(self, *topics: str) -> Iterator[Recorded]:
-        """Yield the messages of these topics, by default of all recorded ones, in recording order.
+        """Yield the messages on these topics, by default all recorded topics, in recording order.
 
         Messages derived from a ping follow it. Raises ValueError for an unknown topic.
         """
@@ -221,9 +221,9 @@ class Recording:
             raise ValueError(f"recording '{self.path}': has version {version}: this uwsim reads {VERSION}")
 
     def _require_our_types(self) -> None:
-        """Raise ValueError if a channel has no type, or one of our types with different fields in this version.
+        """Raise ValueError if a channel has no type, or has one of our types with different fields from this version.
 
-        Fields that this version appends are nan in the recording's messages.
+        Fields that this version appends are nan in the recorded messages.
         """
         for channel in self._channels.values():
             if channel.schema_id not in self._schemas:
@@ -246,9 +246,9 @@ class Recording:
 
 
 def _appended(recorded: str, ours: str) -> int | None:
-    """Return how many float32 values our definition of a type has after the recorded one; None if others differ.
+    """Return how many float32 values our definition of a type appends to the recorded one; None if others differ.
 
-    In CDR they follow the recorded bytes, at a multiple of four.
+    In CDR, they follow the recorded bytes at a multiple of four.
     """
     (old, *old_parts), (new, *new_parts) = (
         [_fields(part) for part in re.split("={9,}", text)] for text in (recorded, ours)
@@ -265,7 +265,7 @@ def _fields(text: str) -> list[str]:
 
 
 def _read_contents(path: Path) -> Contents:
-    """Read a file to its end, or to where it is cut off. Raises ValueError if it is damaged, or OSError."""
+    """Read a file to its end, or to the point where it is cut off. Raises ValueError if it is damaged, or OSError."""
     with path.open("rb") as opened:
         file = RecordFile(path, opened)
         data = DataReader(file)

@@ -47,16 +47,16 @@ class Recorder:
 
     path: a new file, .mcap, or .bag for ROS 1 (which cannot be replayed). topics, without: patterns of channels to
     record and to omit, such as "camera/*". By default all channels are recorded; for a survey, all except pictures and
-    those derived from its pings (FROM_PINGS, and the map), which readers still provide, see Recording.derived. shared:
-    a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the feed of
-    other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of taking their
-    own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values for the
-    metadata.
+    channels derived from the pings (FROM_PINGS, and the map), which readers can still provide, see Recording.derived.
+    shared: a server's channel table, so that pings and pictures are taken only once; by default a new one. feed: the
+    feed of other sinks, such as a ROS 2 node, which then share the recorder's readings and their bytes instead of
+    taking their own. kind: LIVE or SURVEY. written: channels whose messages come only from `write`. notes: plain values
+    for the metadata.
 
     Messages are encoded on the simulator's thread and written on another. At wall-clock speed, steps never wait:
     messages that do not fit into the queue (queue_bytes) are dropped, counted in `dropped` and reported. At maximum
-    speed, steps wait instead, and nothing is lost. If the process is killed, all but the last second is kept. Raises
-    ValueError, OSError.
+    speed, steps wait instead, and nothing is lost. If the process is killed, all but the last second survives. Raises
+    ValueError or OSError.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class Recorder:
         return [channel for channel in said if self._is_chosen(channel)]
 
     def _follows(self, channel: Channel) -> bool:
-        """Return whether a survey's channel can be derived from the pings or, like pictures, from the replay."""
+        """Return whether a survey channel can be derived from the pings or, like pictures, from the replay."""
         from_pings = {self._table.sources[0].topic(name) for name in FROM_PINGS}
         is_truth_again = channel.name.endswith("ground_truth/odom")
         return channel.late or channel.type == MAP_TYPE or channel.name in from_pings or is_truth_again
@@ -136,7 +136,7 @@ class Recorder:
         """Stop recording and finish the file. Raises OSError if anything could not be written."""
         if self._queue is None:
             return
-        end = self._on_simulator(self._end)  # between two steps, so that each tick is recorded completely
+        end = self._on_simulator(self._end)  # between steps, so that each tick is recorded completely
         queue, self._queue = self._queue, None
         try:
             queue.close(end)
@@ -150,7 +150,7 @@ class Recorder:
             logger.warning("%s: %d messages were left out: %s", self.path, self.dropped.total(), dict(self.dropped))
 
     def try_close(self) -> OSError | None:
-        """Close; return the error, if any, for callers that save other results before reporting it."""
+        """Close, returning the error, if any, so that the caller can save other results before reporting it."""
         try:
             self.close()
         except OSError as error:
@@ -169,7 +169,7 @@ class Recorder:
     def hear(self, channels: Iterable[Channel]) -> list[Channel]:
         """Return a server's channels, wrapped so that messages received on them, such as /cmd_vel, are also recorded.
 
-        Call before `start`. These messages are only for readers: a replay needs only the resulting commands.
+        Call this before `start`. These messages are only for readers: a replay needs only the resulting commands.
         """
         return [self._heard(channel) if channel.direction == "in" else channel for channel in channels]
 
@@ -186,7 +186,7 @@ class Recorder:
         return replace(channel, apply=apply)
 
     def write(self, channel: Channel, message: Any) -> None:
-        """Record a message, at the current time, on a channel that is not read automatically.
+        """Record a message at the current time on a channel that is not read automatically.
 
         Call this on the simulator's thread.
         """
@@ -224,7 +224,7 @@ class Recorder:
         }
 
     def _is_kept(self) -> bool:
-        """Return whether the file still exists, though perhaps under a different name."""
+        """Return whether the file still exists, even under a different name."""
         links = os.fstat(self._descriptor).st_nlink
         os.close(self._descriptor)
         return links > 0
@@ -287,7 +287,7 @@ class Recorder:
             return
         topic, data, waits = reading.channel.name, sink.encode(reading), self._may_wait()
         self._on_wall_clock |= not waits
-        with self._lock:  # received messages come from other threads; sequence numbers must follow the queue's order
+        with self._lock:  # received messages come from other threads, and sequence numbers must follow the queue order
             item = (topic, reading.time_ns, self._sequences[topic], data)
             self._sequences[topic] += 1
             is_put = queue.put(item, waits=waits, needed=needed)
@@ -302,5 +302,5 @@ def _matches(channel: Channel, patterns: Sequence[str]) -> bool:
 
 
 def state_digest(sim: Simulator) -> str:
-    """Return a digest that is equal for two simulators in exactly the same state."""
+    """Return a digest that is the same for two simulators in exactly the same state."""
     return hashlib.blake2b(sim.save_state(), digest_size=16).hexdigest()

@@ -1,7 +1,7 @@
-"""The records of a recording's file, read one by one with their positions, so that damage is detected and located.
+"""The records in a recording file, read one by one with their positions, so that damage is detected and located.
 
-An MCAP record consists of a kind, a length and a content. If the process was killed, the file ends within its last
-record; anything else that cannot be read is damage.
+An MCAP record consists of a kind, a length and a content. If the process was killed, the file ends in the middle of its
+last record; anything else that cannot be read is damage.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FIRST = len(MAGIC)
 _HEAD = struct.Struct("<BQ")  # kind, length of the content
 HEAD_BYTES = _HEAD.size
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, times of recording and of publishing
-_PEEKED = 1 << 16  # number of bytes read from a truncated record, enough to contain its lengths
+_PEEKED = 1 << 16  # number of bytes read from a truncated record, enough to contain its length fields
 _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, EOFError, OverflowError, MemoryError)
 """Errors raised for damaged content; RuntimeError comes from lz4, ValueError also from bytes that are not text."""
 
@@ -36,8 +36,8 @@ _UNREADABLE = (McapError, struct.error, RuntimeError, ValueError, EOFError, Over
 class Layout(NamedTuple):
     """A kind of record.
 
-    parts: fields of its content: a number of bytes or, if negative, the size of a length field followed by that many
-    bytes.
+    parts: the fields of the content, each given as a number of bytes or, if negative, as the size of a length field
+    that is followed by that many bytes.
     """
 
     name: str
@@ -65,11 +65,11 @@ LAYOUTS = {
 
 
 class CutOffError(Exception):
-    """The file ends within a record, as after a kill."""
+    """The file ends in the middle of a record, as after a kill."""
 
 
 class Message(NamedTuple):
-    """A message in a chunk. offset: position of its record in the unpacked chunk."""
+    """A message in a chunk. offset: position of the record in the unpacked chunk."""
 
     channel_id: int
     sequence: int
@@ -79,7 +79,7 @@ class Message(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A record in the file. start: its position. number: counted from 1 among records of its kind."""
+    """A record in the file. start: its position. number: counted from 1 among records of the same kind."""
 
     kind: int
     number: int
@@ -98,12 +98,12 @@ class Record(NamedTuple):
 
     @property
     def place(self) -> str:
-        """The record's description and byte range."""
+        """A description of the record with its byte range."""
         return _place(self.kind, self.number, self.start, self.start + self.length)
 
     @contextmanager
     def named(self, file: RecordFile) -> Iterator[None]:
-        """Convert a ValueError in the block to the error for a damaged file, with the record's place."""
+        """Convert a ValueError raised in the block to the error for a damaged file, naming the record."""
         try:
             yield
         except ValueError as error:
@@ -138,9 +138,9 @@ class RecordFile:
         return ValueError(f"recording '{self.path}': damaged: {what}")
 
     def magic(self) -> bool:
-        """Return whether the next bytes are those with which every MCAP file begins and ends.
+        """Return whether the next bytes are the magic bytes at the beginning and end of every MCAP file.
 
-        Raises CutOffError if the file ends within them.
+        Raises CutOffError if the file ends in the middle of them.
         """
         found = self._read(min(len(MAGIC), self._size - self.position))
         if len(found) < len(MAGIC) and MAGIC.startswith(found):
@@ -170,7 +170,7 @@ class RecordFile:
 
     @property
     def _ends_whole(self) -> bool:
-        """Whether the file ends like a finished one."""
+        """Whether the file ends as a finished one does."""
         if self._size < 2 * len(MAGIC):
             return False
         here = self._file.tell()
@@ -180,7 +180,7 @@ class RecordFile:
         return last == MAGIC
 
     def _require_cut_off(self, kind: int, number: int, start: int, length: int) -> None:
-        """Raise ValueError if a record's length is wrong, as opposed to its end being missing."""
+        """Raise ValueError if a record's length is wrong, as opposed to the record being cut off."""
         peeked = self._file.read(min(_PEEKED, self._size - self.position))
         expected = _length(LAYOUTS[Opcode(kind)].parts, peeked)
         if self._ends_whole or expected not in (None, length):
@@ -197,7 +197,7 @@ class RecordFile:
 
 
 def unpacked(chunk: kinds.Chunk) -> bytes:
-    """Return a chunk's content. Raises ValueError if it is damaged."""
+    """Return the content of a chunk. Raises ValueError if the chunk is damaged."""
     if chunk.uncompressed_size > CHUNK_BYTES_MAX:
         raise ValueError(f"its size of {chunk.uncompressed_size:,} bytes is too large")
     try:
@@ -233,7 +233,7 @@ def in_chunk(data: bytes) -> Iterator[Message | kinds.Channel | kinds.Schema]:
 
 
 class _Strict:
-    """Content that raises an error if read beyond its end."""
+    """A byte stream that raises an error if read beyond its end."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -259,7 +259,7 @@ def _parsed(parser: Any, content: bytes) -> Any:
 
 
 def _length(parts: tuple[int, ...], content: bytes) -> int | None:
-    """Return the length of a content according to its length fields, or None if not all of them are there."""
+    """Return the length of a content as given by its length fields, or None if some of them are missing."""
     at = 0
     for part in parts:
         if part > 0:

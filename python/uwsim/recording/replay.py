@@ -37,12 +37,12 @@ OnTime = Callable[[int], None]
 
 @dataclass
 class ReplayResult:
-    """The result of a replay. sim: the simulator at its end. messages: number of messages compared, by channel.
+    """The result of a replay. sim: the simulator at the end. messages: number of messages compared, by channel.
 
-    commands: number issued. difference: the first difference, or None if everything is bit-identical. state_compared:
-    whether the final state was compared, which requires a recording that was closed properly and replayed to its end.
-    left_out: messages missing from the recording because writing was too slow, or pictures were too late. not_compared:
-    channels that do not depend only on the simulator, such as the pace on the wall clock.
+    commands: number of commands issued. difference: the first difference, or None if everything is bit-identical.
+    state_compared: whether the final state was compared, which requires a recording that was closed properly and
+    replayed to its end. left_out: messages missing from the recording because writing was too slow or pictures were
+    late. not_compared: channels that do not depend on the simulator alone, such as the pace relative to the wall clock.
     """
 
     sim: Simulator
@@ -55,9 +55,9 @@ class ReplayResult:
 
 
 def new_simulator(recording: Recording, threads: int | None = None) -> Simulator:
-    """Return a simulator of the recording's scenario in its initial state.
+    """Return a simulator for the recording's scenario, in its initial state.
 
-    Raises ValueError if this is not possible with this build.
+    Raises ValueError if this build cannot provide one.
     """
     if STATE not in recording.attachments:
         raise ValueError(f"recording '{recording.path}': holds no {STATE}")
@@ -101,12 +101,12 @@ def give(sim: Simulator, table: Table, command: Command) -> None:
             table.pictures.set_stream(arguments.pop("key"), Stream(**arguments))
         else:
             bound_command(command.name, command.arguments)(sim)
-    except (KeyError, TypeError) as error:  # for arguments that a recorder never writes
+    except (KeyError, TypeError) as error:  # for arguments that no recorder writes
         raise ValueError(f"{command.name}: {error}") from None
 
 
 class _Replay:
-    """A replay in progress. _said: messages from the replay that are not yet compared."""
+    """A replay in progress. _said: replayed messages not yet compared."""
 
     def __init__(self, recording: Recording, threads: int | None, from_ns: int, on_time: OnTime | None) -> None:
         self._recording = recording
@@ -162,7 +162,7 @@ class _Replay:
         return self.result
 
     def _count_what_is_left(self) -> None:
-        """Count the replay's messages after the last recorded message of each channel."""
+        """Count the replayed messages that come after the last recorded message on each channel."""
         for topic, said in self._said.items():
             if said and not self._may_lack:
                 tick = said[0][1] // self._recording.step_ns

@@ -1,4 +1,4 @@
-"""The destination of a recording: a common interface for all formats."""
+"""The destination of a recording, with a common interface for all formats."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from uwsim.channels.feed import Reading
 
 
 class Sink(Protocol):
-    """A file that accepts messages. All calls except `encode` come from one thread at a time."""
+    """A file that accepts messages. Except for `encode`, all calls come from one thread at a time."""
 
     def encode(self, reading: Reading) -> bytes | memoryview:
-        """Return a message in the serialization of the format."""
+        """Return a message in the format's serialization."""
 
     def add_channel(self, channel: Channel) -> None:
         """Register a channel before its first message."""
@@ -22,10 +22,10 @@ class Sink(Protocol):
         """Append a message at its simulated time. Raises OSError."""
 
     def flush(self) -> None:
-        """Pass everything written so far to the operating system, so that it survives this process. Raises OSError."""
+        """Hand everything written so far to the operating system, so that it outlives this process. Raises OSError."""
 
     def close(self, end: Mapping[str, str]) -> None:
-        """Write the end of the file, and close it. Raises OSError."""
+        """Write the end of the file and close it. Raises OSError."""
 
     def abandon(self) -> None:
         """Close after a write error, keeping everything readable."""

@@ -1,4 +1,4 @@
-"""The end of a recording's file: index and counts, which must match the data before it."""
+"""The end of a recording file: index and counts, which must match the data before it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WITHOUT_CHECKSUM = 16
 
 
 def read_summary(file: RecordFile, contents: Contents) -> None:
-    """Read everything after the data, and verify it against the data. Raises CutOffError or ValueError."""
+    """Read everything after the data and verify it against the data. Raises CutOffError or ValueError."""
     start, file.checksum = file.position, 0
     given: dict[int, list[Any]] = {kind: [] for kind in INDEXES}
     statistics: Statistics | None = None

@@ -27,7 +27,8 @@ def arrow(recording: Recording, topic: str) -> pyarrow.Table:
     """Return a channel as an Arrow table.
 
     Columns: TIME, the simulated time in seconds at which the message was recorded, then each field by its path, such as
-    "pose.pose.position.x". Stamps are whole nanoseconds; arrays are lists, and messages in arrays are structs.
+    "pose.pose.position.x". Time stamps are integers in nanoseconds; arrays become lists, and messages in arrays become
+    structs.
     """
     need_extra("pyarrow", "tables", "a recording as a table")
     import pyarrow
@@ -48,7 +49,7 @@ def arrow(recording: Recording, topic: str) -> pyarrow.Table:
 
 
 def pandas_frame(recording: Recording, topic: str) -> pandas.DataFrame:
-    """Return a channel as a pandas DataFrame, indexed by simulated seconds; columns as in `arrow`."""
+    """Return a channel as a pandas DataFrame indexed by simulated seconds, with the columns of `arrow`."""
     need_extra("pandas", "tables", "a recording as a table")
     return arrow(recording, topic).to_pandas().set_index(TIME)
 
@@ -56,9 +57,9 @@ def pandas_frame(recording: Recording, topic: str) -> pandas.DataFrame:
 def dataset(recording: Recording, topic: str) -> xarray.Dataset:
     """Return a channel as an xarray Dataset over the coordinate TIME.
 
-    Numbers have dimension (time,), arrays (time, FIELD), padded with NaN if their length varies. A LaserScan has (time,
-    beam) and the coordinate `angle_rad`; a PointCloud2 has its fields as (time, point); pictures are (time, row,
-    column[, rgb]). Text and messages in arrays are omitted.
+    Numbers have dimension (time,); arrays have (time, FIELD) and are padded with NaN if their length varies. A
+    LaserScan has (time, beam) and the coordinate `angle_rad`; a PointCloud2 has its fields as (time, point); pictures
+    are (time, row, column[, rgb]). Text and messages in arrays are omitted.
     """
     need_extra("xarray", "tables", "a recording as a dataset")
     import xarray
@@ -83,7 +84,7 @@ Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 
 
 def _columns(kind: str, path: str = "", get: Callable[[Any], Any] = lambda message: message) -> Iterator[Column]:
-    """Yield name, getter and kind of each field; nested messages are expanded, except those in arrays."""
+    """Yield each field's name, getter and kind; nested messages are expanded, except those in arrays."""
     for field in fields(kind, 2):
         if field.attribute is None:
             continue
@@ -170,7 +171,7 @@ def _cloud_variables(kind: str, messages: list[Any]) -> Variables:
 
 
 def cloud_field(message: Any, name: str) -> NDArray[Any]:
-    """Return one field of a PointCloud2, (points,). Raises ValueError if it does not exist."""
+    """Return one field of a PointCloud2, (points,). Raises ValueError if there is no such field."""
     for field in message.fields:
         if field.name == name:
             element = np.dtype(BLOCK[field.datatype]).newbyteorder(">" if message.is_bigendian else "<")
@@ -201,7 +202,7 @@ def _image_variables(kind: str, messages: list[Any]) -> Variables:
 
 
 def _padded(arrays: list[Any]) -> NDArray[Any]:
-    """Return arrays as rows, padding shorter ones with NaN."""
+    """Return arrays as the rows of one array, with shorter ones padded with NaN."""
     lengths = {len(array) for array in arrays}
     if len(lengths) <= 1:
         return np.array(arrays).reshape(len(arrays), -1) if lengths != {0} else np.zeros((len(arrays), 0))

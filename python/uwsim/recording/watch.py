@@ -1,4 +1,4 @@
-"""Watch: reads a simulator's channels at their rates, at the same ticks regardless of how the simulator is driven."""
+"""Watch: reads a simulator's channels at their rates, at the same ticks however the simulator is driven."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ TakeCommand = Callable[[str, dict[str, Any]], object]
 
 
 class Watch:
-    """Passes on all messages of the channels and all commands, in order.
+    """Forwards all messages on the channels and all commands, in order.
 
     Channels are read when `start` is called, after each jump in time and at all multiples of their period, before the
-    commands of that tick. So a replay reads the same messages at the same ticks. A channel without a rate is read only
-    at the start and after jumps.
+    commands of that tick, so that a replay reads the same messages at the same ticks. A channel without a rate is read
+    only at the start and after jumps.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Watch:
             subscription.cancel()
 
     def commanded(self, name: str, arguments: dict[str, Any]) -> None:
-        """Pass on a command; after a jump in time, read everything again."""
+        """Forward a command; after a jump in time, read all channels again."""
         if self._command is not None:
             self._command(name, arguments)
         if name in JUMPS:
