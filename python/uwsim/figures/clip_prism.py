@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class ClipPrism:
-    """A vertical prism over a convex polygon corners_m (k, 2), open at the top, with its floor at z = floor_m."""
+    """A vertical prism over a convex polygon corners_m (k, 2), open at the top and closed by a floor at z = floor_m."""
 
     corners_m: NDArray[np.float64]
     floor_m: float

@@ -1,4 +1,4 @@
-"""Figure of the area of bed that several missions have surveyed over time."""
+"""Figure of the area of bed surveyed by several missions over time."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Curve = tuple[Sequence[float], Sequence[float]]
 
 
 def draw_comparison(path: Path, curves: Mapping[str, Sequence[Curve]]) -> None:
-    """Draw a line per flight, of surveyed area [m2] over time [s]; flights of the same mission have the same colour.
+    """Draw one line per flight, surveyed area [m2] over time [s]; flights of the same mission share a colour.
 
-    curves: by mission, one per flight. Raises OSError.
+    curves: keyed by mission, with one curve per flight. Raises OSError.
     """
     figure = new_figure(9.6, 4.4)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

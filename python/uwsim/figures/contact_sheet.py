@@ -15,7 +15,7 @@ GAP = 4  # pixels between pictures
 
 
 def contact_sheet(rows: Sequence[Sequence[Image]]) -> Image:
-    """Return rows of pictures, each (H, W, 3) uint8, as one picture on a white background."""
+    """Return rows of pictures, each (H, W, 3) uint8, as a single picture on a white background."""
     height, width, _ = rows[0][0].shape
     columns = max(len(row) for row in rows)
     sheet = np.full((len(rows) * (height + GAP) - GAP, columns * (width + GAP) - GAP, 3), 255, np.uint8)

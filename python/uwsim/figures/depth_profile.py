@@ -1,4 +1,4 @@
-"""Figure of the sonar's depth and the true seabed below it, along the path."""
+"""Figure of the sonar's depth and the true seabed below, along the path."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ GROUND, GROUND_LINE, WATER = "#b9ab98", "#6d6150", "#e6f0f6"
 
 
 def draw_depth_profile(path: Path, world: _core.World, path_world_m: NDArray[np.float64]) -> None:
-    """Draw the height z of the sonar and of the terrain below it, over the distance flown.
+    """Draw the height z of the sonar and of the terrain below it against the distance flown.
 
-    path_world_m: (n, 3), the sonar's position at each ping, n >= 2. Raises ValueError if there are fewer positions,
-    OSError if the file cannot be written.
+    path_world_m: (n, 3), the sonar's position at each ping, n >= 2. Raises ValueError for fewer positions, OSError if
+    the file cannot be written.
     """
     if len(path_world_m) < 2:
         raise ValueError(f"path_world_m = {len(path_world_m)} positions: must be two or more")

@@ -13,7 +13,7 @@ CURVES_MAX = 8
 
 
 def draw_divergence(path: Path, gaps: Mapping[str, Sequence[tuple[float, float]]], title: str) -> None:
-    """Draw the largest absolute difference of any value in each message, in that value's unit, over simulated time.
+    """Draw each message's largest absolute difference in any value, in the unit of that value, over simulated time.
 
     gaps: (time [s], difference above 0) by channel, in drawing order; only the first CURVES_MAX channels are drawn.
     Raises OSError.

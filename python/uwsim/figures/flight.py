@@ -1,4 +1,4 @@
-"""Figures of a flight: track over the true bed, depth and altitude, commands and battery, and the estimate's error."""
+"""Figures of a flight: track over the true bed, depth and altitude, commands and battery, and estimation error."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def draw_depth(
     bed_m: NDArray[np.float64],
     collided: NDArray[np.bool_],
 ) -> None:
-    """Draw the vehicle's z and that of the bed below over time, (n,) each, and mark contacts. Raises OSError."""
+    """Draw the z of the vehicle and of the bed below it over time, (n,) each, and mark contacts. Raises OSError."""
     figure, axes = _over_time("Depth and altitude", "z [m], 0 is the surface", time_s, 2.5)
     minutes = time_s / 60.0
     lowest = float(np.nanmin(np.append(bed_m[np.isfinite(bed_m)], z_m)))
@@ -135,7 +135,7 @@ def draw_power(
 
 
 def draw_estimate(path: Path, errors: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]) -> None:
-    """Draw distances [m] from the true position over times [s], (n,) each, as pairs by name. Raises OSError."""
+    """Draw distances [m] from the true position over times [s], (n,) each, as named pairs. Raises OSError."""
     figure, axes = _over_time("Estimate against truth", "distance [m]", next(iter(errors.values()))[0], 2.2)
     for colour, (name, (time_s, error_m)) in zip(_colours(len(errors)), errors.items(), strict=True):
         axes.plot(time_s / 60.0, error_m, color=colour, linewidth=1.4, label=name)

@@ -1,4 +1,4 @@
-"""Figure of a map's growth: its area and its distance from the true surface, over time."""
+"""Figure of a map's growth: its area and its distance from the true surface over time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from uwsim.figures.style import ACCENT, INK, add_legend, label_axes, new_figure,
 
 
 def draw_growth(path: Path, rows: Sequence[Mapping[str, float]]) -> None:
-    """Draw rows with time_s, area_m2, distance_mean_m and distance_p95_m. Raises OSError."""
+    """Draw rows containing time_s, area_m2, distance_mean_m and distance_p95_m. Raises OSError."""
     figure = new_figure(WIDTH_IN, 3.6)
     minutes = [row["time_s"] / 60.0 for row in rows]
     area, distance = figure.add_axes((0.0, 0.58, 1.0, 0.42)), figure.add_axes((0.0, 0.0, 1.0, 0.42))

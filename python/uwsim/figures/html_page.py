@@ -13,7 +13,7 @@ STYLE = Path(__file__).with_name("report_style.css")
 
 
 def filled_page(template: Path, **values: Any) -> str:
-    """Return a page rendered from a template, in the common style."""
+    """Return a page rendered from a template in the common style."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     style = Markup(STYLE.read_text(encoding="utf-8"))
     return environment.from_string(template.read_text(encoding="utf-8")).render(style=style, **values)

@@ -1,4 +1,4 @@
-"""Figure of a link trial: delay, delivery and goodput, against range and against time."""
+"""Figure of a link trial: delay, delivery and goodput against range and time."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def draw_link_trial(trial: Trial, path: Path) -> None:
 
 
 def _draw_open_water(trial: Trial, top: Axes, middle: Axes, reach_m: float) -> None:
-    """Draw the theoretical values, up to the range reach_m."""
+    """Draw the theoretical values up to the range reach_m."""
     curve = trial.open_water
     near = curve.range_m <= reach_m
     top.plot(

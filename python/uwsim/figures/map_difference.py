@@ -1,4 +1,4 @@
-"""Figure of the occupied voxels of two maps from above, coloured by the maps that contain them."""
+"""Figure of the occupied voxels of two maps from above, coloured by which of the maps contain them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from uwsim.figures.style import FAINT_INK, add_legend, label_axes, new_figure, s
 from uwsim.mapping.difference import MapDifference
 
 WIDTH_IN = 9.6
-BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue from Okabe and Ito's palette
+BOTH, ONLY_FIRST, ONLY_SECOND = "#c9d1d8", "#d55e00", "#0072b2"  # vermilion and blue from the Okabe-Ito palette
 
 
 def draw_map_difference(path: Path, found: MapDifference, names: tuple[str, str]) -> None:
-    """Draw the columns that have an occupied voxel in only one of the maps, or in both. names: the maps' names.
+    """Draw the columns that have an occupied voxel in only one of the maps, or in both. names: the map names.
 
     Raises ValueError if neither map has an occupied voxel, OSError if the file cannot be written.
     """
@@ -48,7 +48,7 @@ def draw_map_difference(path: Path, found: MapDifference, names: tuple[str, str]
 
 
 def _draw_columns(axes: Any, centres_m: NDArray[np.float64], resolution_m: float, colour: str, order: int) -> None:
-    """Paint the squares of the voxels' columns."""
+    """Fill the squares of the voxel columns."""
     if not len(centres_m):
         return
     corner = centres_m[:, :2].min(axis=0) - resolution_m / 2.0

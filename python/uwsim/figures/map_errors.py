@@ -1,4 +1,4 @@
-"""Figure of a map's errors: errors of seabed depth from above, missed and false voxels, and the error distribution."""
+"""Figure of a map's errors: seabed depth errors from above, missed and false voxels, and the error distribution."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from uwsim.scoring.s44 import CONFIDENCE, ORDERS
 from uwsim.scoring.seabed_comparison import SeabedComparison
 
 WIDTH_IN, CURVE_HEIGHT_IN, GAP_IN = 9.6, 3.0, 1.7
-ERRORS = matplotlib.colormaps["PuOr_r"]  # suitable for red-green colour blindness
+ERRORS = matplotlib.colormaps["PuOr_r"]  # distinguishable with red-green colour blindness
 OBSTACLE, UNJUDGED = "#8f98a1", "#f1f4f6"
 MISSED_EDGE, FALSE_EDGE = "#c51b7d", "#00798c"
-LIMIT_VOXELS = 2.0  # colour range, wide enough that rounding by half a voxel stays pale and larger errors stand out
+LIMIT_VOXELS = 2.0  # colour range, wide enough that half-voxel rounding stays pale and larger errors stand out
 
 
 def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float64]) -> None:

@@ -44,7 +44,7 @@ def draw_map_from_above(
     occupied_centres_m: NDArray[np.floating],
     area_name: str = "area to survey",
 ) -> None:
-    """Draw each column's highest occupied voxel, the polygon (k, 2), the path (n, 3) of pings, and missed voxels.
+    """Draw the highest occupied voxel in each column, the polygon (k, 2), the ping path (n, 3), and missed voxels.
 
     Raises OSError if the file cannot be written.
     """
@@ -97,7 +97,7 @@ def draw_map_from_above(
 def top_heights(
     centres_m: NDArray[np.floating], resolution_m: float
 ) -> tuple[NDArray[np.float64], tuple[float, float, float, float]]:
-    """Return the highest centre in each column of voxels, and the grid's west, east, south and north borders.
+    """Return the highest centre in each voxel column, and the grid's west, east, south and north borders.
 
     centres_m: (n, 3), n > 0. Rows run from south to north, columns from west to east; empty columns are nan.
     """

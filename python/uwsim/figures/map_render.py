@@ -24,10 +24,10 @@ MIN_WIDTH, MAX_WIDTH = 200, 8000
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """The direction from which a map is drawn, and the picture's width.
+    """The direction from which a map is drawn, and the width of the picture.
 
-    azimuth_deg: direction from the map's centre to the eye, counter-clockwise from east. elevation_deg: angle of the
-    eye above the horizon. width: in pixels.
+    azimuth_deg: direction from the map centre to the eye, counterclockwise from east. elevation_deg: angle of the eye
+    above the horizon. width: in pixels.
     """
 
     azimuth_deg: float = -118.0
@@ -78,7 +78,7 @@ def draw_map(path: Path, occupancy: OccupancyMap, viewpoint: Viewpoint, title: s
 
 
 def _cubes(occupancy: OccupancyMap) -> tuple[NDArray[np.float64], float]:
-    """Return the world centres (n, 3) and the edge of at most MAX_CUBES cubes, each of 1, 8, 64, ... voxels."""
+    """Return the world centres (n, 3) and edge length of at most MAX_CUBES cubes, each of 1, 8, 64, ... voxels."""
     centres = occupancy.occupied_voxels()
     if not len(centres):
         raise ValueError("the map has no occupied voxels: there is nothing to draw")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-VIEW_DISTANCE = 2.0  # distance from the box's centre, in diagonals of the box
+VIEW_DISTANCE = 2.0  # distance from the box's centre, in box diagonals
 MIN_ASPECT, MAX_ASPECT = 0.2, 2.0
 MIN_BOX_M = 1.0e-3
 
@@ -31,11 +31,11 @@ class PinholeView:
 
     @property
     def pixel_rad(self) -> float:
-        """The approximate angle that a pixel subtends."""
+        """The approximate angle subtended by a pixel."""
         return (self.window[1] - self.window[0]) / self.width
 
     def rays(self, rows: NDArray[np.int64], scale: int) -> NDArray[np.float64]:
-        """Return unit vectors (len(rows) * width * scale, 3) through all pixels of these rows.
+        """Return unit vectors (len(rows) * width * scale, 3) through all pixels in these rows.
 
         scale: each pixel is divided into scale x scale; rows are then those of the finer image.
         """
@@ -62,7 +62,7 @@ def view_of_box(
     """Return a view of an axis-aligned box, `width` pixels wide and as high as needed.
 
     The height is kept between MIN_ASPECT and MAX_ASPECT times the width, so the view of a thin box shows more than the
-    box. azimuth_rad: direction from the box's centre to the eye, counter-clockwise from east. elevation_rad: angle of
+    box. azimuth_rad: direction from the box's centre to the eye, counterclockwise from east. elevation_rad: angle of
     the eye above the horizon, seen from the centre.
     """
     middle, half = (low_m + high_m) / 2.0, np.maximum((high_m - low_m) / 2.0, MIN_BOX_M / 2.0)

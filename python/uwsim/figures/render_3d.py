@@ -1,4 +1,4 @@
-"""Renders 3D pictures of the true world and of voxel maps with the sonar's ray casting; needs no display."""
+"""Renders 3D pictures of the true world and of voxel maps by means of the sonar's ray casting; needs no display."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Cast = Callable[[NDArray[np.float64], NDArray[np.float64]], _core.RayHits]
 
 
 def cast_at_world(rays: _core.RayScene) -> Cast:
-    """Return a function that casts rays at a world, for pictures."""
+    """Return a function that casts rays at a world, for use in pictures."""
     return partial(rays.cast, max_range_m=FAR_M, exact=False)
 
 
@@ -42,9 +42,9 @@ def cast_at_cubes(centres_world_m: NDArray[np.floating], edge_m: float) -> Cast:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The content of a picture. cast: casts rays at it. colours: returns colours (n, 3) in [0, 1] for heights (n,).
+    """The subject of a picture. cast: casts rays at it. colours: returns colours (n, 3) in [0, 1] for heights (n,).
 
-    prism: clips the world. height_at: returns the ground's height, so that the prism's cuts through the ground can be
+    prism: clips the world. height_at: returns the ground height, so that the prism's cuts through the ground can be
     painted. voxel_m: size of the voxels, whose edges are drawn.
     """
 
@@ -107,7 +107,7 @@ def _draw_rows(
 
 
 def _background(view: PinholeView, rows: slice) -> NDArray[np.float64]:
-    """Return the background's colour in each row, (rows, 3)."""
+    """Return the background colour of each row, (rows, 3)."""
     up = 1.0 - (np.arange(rows.start, rows.stop)[:, None] + 0.5) / view.height
     return np.asarray(BACKGROUND_TOP * up + BACKGROUND_BOTTOM * (1.0 - up))
 
@@ -157,7 +157,7 @@ def _span(
 
 
 def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points (n, 3) are sunlit, (n,) bool. Parts outside the prism cast no shadow."""
+    """Return a mask (n,) of the points (n, 3) that are sunlit. Parts outside the prism cast no shadow."""
     directions = np.broadcast_to(sun_world, points_m.shape)
     blocked_m = subject.cast(points_m, directions).ranges_m
     _, leave = _span(subject.prism, points_m, sun_world)
@@ -167,7 +167,7 @@ def _lit(subject: Subject, points_m: NDArray[np.float64], sun_world: NDArray[np.
 def _edge_shade(
     points_m: NDArray[np.float64], normals: NDArray[np.float64], voxel_m: float, pixel_m: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return factors (n,) that darken the edges of cubes; the lines fade out where cubes are only a few pixels wide."""
+    """Return factors (n,) that darken cube edges; the lines fade out where cubes are only a few pixels wide."""
     grid = points_m / voxel_m
     to_line = np.abs(grid - np.round(grid)) * voxel_m
     to_line[np.arange(len(normals)), np.abs(normals).argmax(axis=1)] = np.inf
@@ -177,7 +177,7 @@ def _edge_shade(
 
 
 def _depth_shade(depth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return factors (rows, columns, 1) that darken pixels behind their surroundings, so that shapes stand out.
+    """Return factors (rows, columns, 1) that darken pixels lying behind their surroundings, to make shapes stand out.
 
     Unsharp masking of the depth buffer (Luft, Colditz and Deussen 2006) at two scales.
     """

@@ -33,7 +33,7 @@ WATER, GROUND = "#e6f0f6", "#b9ab98"
 
 
 class FanPing(Protocol):
-    """The parts of a ping that the figure needs."""
+    """The parts of a ping needed for the figure."""
 
     @property
     def ranges_m(self) -> NDArray[np.floating]:
@@ -49,7 +49,7 @@ class FanPing(Protocol):
 
 
 def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float) -> None:
-    """Draw a ping's beams and echoes and the vehicle over the true terrain, from above and from the side."""
+    """Draw a ping's beams and echoes, with the vehicle, over the true terrain, from above and from the side."""
     ends_m, echo = beam_ends_m(ping, range_max_m)
     figure = new_figure(WIDTH_IN, WIDTH_IN)
     plan = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -61,7 +61,7 @@ def sonar_fan(path: Path, world: _core.World, ping: FanPing, range_max_m: float)
 
 
 def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return each beam's end in the world (beams, 3), at its echo or the maximum range, and whether it has an echo."""
+    """Return each beam's end (beams, 3) in the world, at its echo or the maximum range, and a mask of echoes."""
     echo = np.isfinite(ping.ranges_m) & (ping.ranges_m <= range_max_m)
     lengths = np.where(echo, ping.ranges_m, range_max_m)
     flat = np.stack([np.cos(ping.angles_rad), np.sin(ping.angles_rad), np.zeros(len(lengths))], axis=1)
@@ -69,9 +69,9 @@ def beam_ends_m(ping: FanPing, range_max_m: float) -> tuple[NDArray[np.float64],
 
 
 def _level_axes(ping: FanPing) -> NDArray[np.float64]:
-    """Return the directions to starboard and ahead as rows (2, 2) of east and north.
+    """Return the starboard and forward directions as rows (2, 2) of east and north.
 
-    Ahead is the sonar's x axis, seen from above.
+    Forward is the sonar's x axis, seen from above.
     """
     ahead = ping.world_from_sonar[:2, 0]
     length = float(np.linalg.norm(ahead))
@@ -87,7 +87,7 @@ def draw_plan(
     ends_m: NDArray[np.float64],
     echo: NDArray[np.bool_],
 ) -> float:
-    """Draw the fan from above, with ahead up; return the height in inches that makes both scales equal."""
+    """Draw the fan from above, with ahead up; return the height in inches at which both scales are equal."""
     origin, level = ping.world_from_sonar[:3, 3], _level_axes(ping)
     ends = (ends_m[:, :2] - origin[:2]) @ level.T
     low, high = np.minimum(ends.min(axis=0), 0.0), np.maximum(ends.max(axis=0), 0.0)

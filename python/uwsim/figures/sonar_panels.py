@@ -1,4 +1,4 @@
-"""Draws the results of imaging sonars into axes, with one function per kind of sonar."""
+"""Draws imaging sonar results into axes, with one function per kind of sonar."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHOWN_BINS = 500
 
 
 def draw_image(axes: Axes, image: SonarImage) -> float:
-    """Draw a forward-looking picture with range rings and bearings; return the drawing's ratio of height to width."""
+    """Draw a forward-looking picture with range rings and bearings; return the drawing's height-to-width ratio."""
     pixels = fan_pixels(image)
     low, high = shown_range(image.level_db, image.noise_db[:, None])
     left, right, bottom, top = pixels.extent_m
@@ -71,7 +71,7 @@ def _draw_rings(axes: Axes, image: SonarImage) -> None:
 
 
 def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_ground: bool = False) -> None:
-    """Draw a side-scan sonar's pings, spacing_m apart, with the first at the bottom and port on the left."""
+    """Draw side-scan pings, spacing_m apart, with the first at the bottom and port on the left."""
     shown = waterfall.over_ground() if over_ground else waterfall
     level_db = shown.picture_db()
     low, high = shown_range(waterfall.picture_db(), np.concatenate([waterfall.noise_db[::-1], waterfall.noise_db]))
@@ -93,10 +93,10 @@ def draw_waterfall(axes: Axes, waterfall: Waterfall, spacing_m: float, *, over_g
 
 
 def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], depth_m: float) -> None:
-    """Draw a single beam's echoes in its plane of rotation, the detected ranges, and the true bed.
+    """Draw single-beam echoes in their plane of rotation, the detected ranges, and the true bed.
 
-    The head looks down with its y axis to port; angles increase evenly. bed_m: (n, 2), positions to starboard of the
-    head and above it. depth_m: how far the drawing extends below the head.
+    The head looks down with its y axis to port; angles are evenly spaced and increasing. bed_m: (n, 2), positions to
+    starboard of the head and above it. depth_m: how far the drawing extends below the head.
     """
     together = max(profiles.model.range_bins // SHOWN_BINS, 1)
     bins = profiles.model.range_bins // together
@@ -122,6 +122,6 @@ def draw_profiles(axes: Axes, profiles: Profiles, bed_m: NDArray[np.float64], de
 
 
 def _round_step(about: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is not less than `about`."""
+    """Return the smallest value of 1, 2 or 5 times a power of ten that is not less than `about`."""
     scale = 10.0 ** np.floor(np.log10(about))
     return float(next(scale * digit for digit in (1.0, 2.0, 5.0, 10.0) if scale * digit >= about * (1 - 1e-9)))

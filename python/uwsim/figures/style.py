@@ -1,4 +1,4 @@
-"""Common style of all figures: white background, heights in viridis, vehicles in warm colours."""
+"""The common style of all figures: white background, heights in viridis, vehicles in warm colours."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def label_axes(axes: Axes, title: str, x_label: str, y_label: str) -> None:
 def add_colour_bar(
     figure: Figure, axes: Axes, limits: Normalize, colours: Colormap, label: str, left: float = 1.015
 ) -> None:
-    """Add a colour bar as tall as the axes. left: its distance from the axes' left border, in widths of the axes."""
+    """Add a colour bar as tall as the axes. left: its distance from the left edge of the axes, in axes widths."""
     place = axes.inset_axes((left, 0.0, 0.018, 1.0))
     bar = figure.colorbar(ScalarMappable(norm=limits, cmap=colours), cax=place)
     bar.set_label(label, fontsize=9.5, color=INK)
@@ -59,7 +59,7 @@ def add_colour_bar(
 
 
 def add_legend(axes: Axes, columns: int) -> Legend:
-    """Add a legend below the axes, below the ticks and label of the x axis."""
+    """Add a legend below the axes, under the x axis ticks and label."""
     return axes.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.4, ncols=columns, fontsize=9.5, frameon=False,
         handletextpad=0.5,
@@ -67,19 +67,19 @@ def add_legend(axes: Axes, columns: int) -> Legend:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a PNG atomically, without date or version, so that the same figure gives the same bytes. Raises OSError."""
+    """Write a PNG atomically, without date or version, so that equal figures give equal bytes. Raises OSError."""
     canvas: Any = FigureCanvasAgg(figure)  # matplotlib's class has no types
     _fit(figure, canvas)
     canvas.draw()
     buffer = io.BytesIO()
-    # No alpha, and run-length compression: this takes half as long as the default, for the same number of bytes.
+    # No alpha, and run-length compression: half the time of the default, for the same number of bytes.
     opaque = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     opaque.save(buffer, "png", compress_level=1, compress_type=zlib.Z_RLE)
     write_atomically(path, buffer.getvalue())
 
 
 def _fit(figure: Figure, canvas: Any) -> None:
-    """Fit a figure's size to its contents; savefig's bbox_inches="tight" would draw it twice."""
+    """Fit a figure's size to its contents; savefig's bbox_inches="tight" would draw the figure twice."""
     if (layout := figure.get_layout_engine()) is not None:
         layout.execute(figure)
         figure.set_layout_engine("none")

@@ -41,7 +41,7 @@ _Row = tuple[PinholeView, NDArray[np.uint8], NDArray[np.uint8] | None]
 
 @dataclass(frozen=True, eq=False)
 class _Comparison:
-    """The truth, the map, and the colour scale of heights for both."""
+    """The truth, the map, and the height colour scale for both."""
 
     world: _core.World
     truth: _core.RayScene
@@ -56,7 +56,7 @@ class _Comparison:
 
 @dataclass(frozen=True, eq=False)
 class TruthAndMap:
-    """Rendered pictures of truth and map, ready for layout."""
+    """Rendered pictures of truth and map, ready to be laid out."""
 
     rows: list[_Row]
     map_name: str
@@ -72,8 +72,8 @@ def render_truth_and_map(
 ) -> TruthAndMap:
     """Render the polygon (k, 2) as a block cut from the world, and the map's voxels in the same view.
 
-    A second row shows a close-up of both at the solid that stands highest in the map, if there is one. rays: the ray
-    scene of the same world. May run on a separate thread, in parallel with other figures.
+    A second row shows a close-up of both around the tallest solid in the map, if there is one. rays: the ray scene of
+    the same world. May run on a separate thread, in parallel with other figures.
     """
     area = area_world_m[ConvexHull(area_world_m).vertices]
     occupied = occupied_centres_m[inside_polygon(occupied_centres_m[:, :2], area)]
@@ -124,7 +124,7 @@ def _compose(
 
 
 def _ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the terrain's heights on a grid of about 200 x 200 inside the polygon; (0,) if there is no terrain."""
+    """Return the terrain heights on a grid of about 200 x 200 inside the polygon; (0,) if there is no terrain."""
     low, high = area_m.min(axis=0), area_m.max(axis=0)
     x, y = np.meshgrid(np.linspace(low[0], high[0], 200), np.linspace(low[1], high[1], 200))
     grid = np.stack([x.ravel(), y.ravel()], axis=1)
@@ -135,7 +135,7 @@ def _ground_heights(world: _core.World, area_m: NDArray[np.float64]) -> NDArray[
 def _detail_block(
     world: _core.World, occupied_centres_m: NDArray[np.floating], voxel_m: float
 ) -> NDArray[np.float64] | None:
-    """Return a rectangle (4, 2) around the solid that stands highest above the ground in the map, if there is one.
+    """Return a rectangle (4, 2) around the solid that stands highest above the ground in the map, or None.
 
     Solids higher than half the rectangle's length are ignored, since the picture could not show the ground around them.
     """
@@ -157,7 +157,7 @@ def _detail_block(
 
 
 def _solids(world: _core.World) -> list[_core.RayScene]:
-    """Return a separate ray scene for each of the world's solids."""
+    """Return a separate ray scene for each solid in the world."""
     vertices, triangles, labels = world.surface_mesh(with_terrain=False)
     solids = []
     for label in np.unique(labels):
