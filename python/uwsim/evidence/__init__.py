@@ -1,1 +1,1 @@
-"""Evidence that results can be trusted: validation, reproduced figures, checks of scenarios, fingerprints."""
+"""Evidence that results can be trusted: validation, reproduced figures, scenario checks, fingerprints."""

@@ -1,4 +1,4 @@
-"""A hash of everything that a short run produces, to check that machines give the same results.
+"""A hash of everything that a short run produces, for checking that different machines give the same results.
 
     print(fingerprint().whole)
 
@@ -39,7 +39,7 @@ ROUGH_WATER: dict[str, Any] = {
 class Fingerprint:
     """The fingerprint of a run.
 
-    parts: a digest of each kind of result. machine: properties on which results may depend.
+    parts: a digest of each kind of result. machine: machine properties on which results may depend.
     """
 
     scenario: str
@@ -49,14 +49,14 @@ class Fingerprint:
 
     @property
     def whole(self) -> str:
-        """The digest of all parts together."""
+        """The digest of all parts combined."""
         return _digest("".join(f"{name}:{digest}\n" for name, digest in self.parts.items()).encode())
 
 
 def fingerprint(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Fingerprint:
-    """Fly, and digest poses, samples, pings in both modes, pictures and maps.
+    """Fly the scenario, and digest poses, samples, pings in both modes, pictures and maps.
 
     Raises ScenarioError or ValueError if the scenario or an argument is invalid.
     """
@@ -71,7 +71,7 @@ def fingerprint(
 def results(
     scenario: str | Path | Scenario = "lake", *, seed: int | None = None, threads: int | None = None
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the arrays to be hashed, in order, each with the name of its part.
+    """Yield the arrays to be hashed, in order, each with the name of the part to which it belongs.
 
     Raises the same errors as `fingerprint`.
     """
@@ -124,7 +124,7 @@ def _flown(sim: Simulator, where: str) -> Iterator[tuple[str, NDArray[Any]]]:
         yield f"intensities{where}", ping.intensity_db
         yield f"labels{where}", ping.labels
         echoes = ping.points_sonar_m[np.isfinite(ping.ranges_m)]
-        points = transform_points(echoes, ping.world_from_sonar)  # NumPy's products depend on the CPU
+        points = transform_points(echoes, ping.world_from_sonar)  # NumPy's matrix products depend on the CPU
         occupancy.insert_scan(points, ping.world_from_sonar[:3, 3])
         if number % PINGS_PER_PICTURE == 0:
             for camera in vehicle.cameras.values():

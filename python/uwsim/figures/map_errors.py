@@ -25,7 +25,7 @@ LIMIT_VOXELS = 2.0  # colour range, wide enough that half-voxel rounding stays p
 
 
 def draw_map_errors(path: Path, score: MapScore, area_world_m: NDArray[np.float64]) -> None:
-    """Draw each cell's error in seabed depth in the polygon (k, 2), and the share of cells within each absolute error.
+    """Draw each cell's error in seabed depth in the polygon (k, 2), and the share of cells below each absolute error.
 
     Raises OSError if the file cannot be written.
     """

@@ -136,7 +136,7 @@ class Outbox:
         self._wake()
 
     def _check_bytes(self) -> None:
-        """Disconnect the client, whose limit is exceeded, unless only one message is queued: this may have any size."""
+        """Disconnect the client, which is over its limit, unless only one message (of any size) is queued."""
         waiting = len(self._replies) + sum(len(mailbox.samples) for mailbox in self._mailboxes.values())
         if waiting > 1:
             size, most = self._account.bytes / 1e6, self._account.limit / 1e6

@@ -1,4 +1,4 @@
-"""Reproduces published results: each figure of the paper as a picture drawn by uwsim, with its values."""
+"""Reproduces published results: each figure in the paper, as a picture drawn by uwsim with its values."""
 
 from uwsim.evidence.reproduce.paper import reproduce_paper
 

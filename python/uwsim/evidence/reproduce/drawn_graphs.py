@@ -1,4 +1,4 @@
-"""The transform tree and the node map, drawn from data of a running system (Figs. 10 and 11)."""
+"""The transform tree and the node map, drawn from a running system's data (Figs. 10 and 11)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.figures.style import ACCENT, FAINT_INK, INK, new_figure, save_figure
 
 Place = tuple[float, float]
 BEND = 0.22
-ASPECT = 12.0 / 4.6  # width over height of the node map
+ASPECT = 12.0 / 4.6  # aspect ratio (width to height) of the node map
 BOX = {"boxstyle": "round,pad=0.45", "facecolor": "#eef4f8", "edgecolor": INK, "linewidth": 0.9}
 
 
@@ -60,7 +60,7 @@ def node_map(edges: Sequence[Edge], path: Path) -> Figure:
 
 
 def _draw_tree(axes: Axes, links: Sequence[Link], title: str) -> None:
-    """Draw a tree from top to bottom, with its leaves side by side."""
+    """Draw a tree from top to bottom, with the leaves side by side."""
     _bare(axes, title)
     children: dict[str, list[Link]] = {}
     for link in links:
@@ -104,7 +104,7 @@ def _leaves(children: dict[str, list[Link]], frame: str) -> int:
 
 
 def _layered(pairs: Sequence[tuple[str, str]]) -> dict[str, Place]:
-    """Place nodes from left to right by their longest path from a source; nodes at the same distance are stacked."""
+    """Place nodes from left to right by the longest path to them from a source; nodes with equal paths are stacked."""
     names = list(dict.fromkeys(name for pair in pairs for name in pair))
     level = dict.fromkeys(names, 0)
     for _ in names:

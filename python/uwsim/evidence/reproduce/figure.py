@@ -1,4 +1,4 @@
-"""Figure: a reproduced figure of the paper, with its title and values."""
+"""Figure: a reproduced figure from the paper, with its title and values."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ PAPER = "Development of an Underwater Simulator using Unity3D and Robot Operatin
 
 @dataclass(frozen=True)
 class Figure:
-    """One of the paper's figures.
+    """One of the figures in the paper.
 
     number: its number in the paper. subject_known: whether the subject of the paper's figure with this number is known;
-    the other figures show further things that the paper describes, in its order. columns, rows: the table behind the
-    picture. values: single values.
+    the remaining figures show other things that the paper describes, in the paper's order. columns, rows: the table
+    behind the picture. values: single values.
     """
 
     number: int
@@ -27,5 +27,5 @@ class Figure:
 
     @property
     def name(self) -> str:
-        """The name of the figure's files, without suffix."""
+        """The name of the figure files, without suffix."""
         return f"fig{self.number:02d}"

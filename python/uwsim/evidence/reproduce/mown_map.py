@@ -1,4 +1,4 @@
-"""The flight of the published lawn-mower, and the map that the chain builds from its pings (Fig. 12)."""
+"""The flight of the published lawn-mower, and the map that the processing chain builds from its pings (Fig. 12)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ORIGIN_M = np.array(ORIGINS["published"])  # of the world, in odom
 
 
 class Flight:
-    """A flight in the scenario `paper` over its channels, as nodes would fly it, stepping a paused simulator."""
+    """A flight in the `paper` scenario over its channels, as nodes would fly it, stepping a paused simulator."""
 
     def __init__(self, live: LiveSimulator) -> None:
         self._live = live
@@ -40,7 +40,7 @@ class Flight:
         self.track_m: list[tuple[float, float, float]] = []
 
     def fly(self) -> list[Key]:
-        """Fly to the end; return the keys pressed. Raises RuntimeError if the flight takes too long."""
+        """Fly to the end; return the key messages sent. Raises RuntimeError if the flight takes too long."""
         mower, keys = published_mower(), []
         key = next(mower)
         while self._live.simulator.time_s < LONGEST_S:

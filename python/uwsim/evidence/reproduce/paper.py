@@ -1,4 +1,4 @@
-"""Draws all figures, and writes a table of their values and a page that shows them."""
+"""Draws all figures, and writes a table of their values and a page that displays them."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ TEMPLATE = Path(__file__).with_name("page.html.j2")
 def reproduce_paper(out: Path, said: Callable[[str], object] = lambda text: None) -> list[Figure]:
     """Write Figs. 1 to 12 as fig01.png to fig12.png, figures.json with their values, and index.html. Raises OSError.
 
-    said: called with a line about each finished file. Pictures and values are the same in every run, except the rates
-    in Fig. 10.
+    said: called with a one-line message about each finished file. Pictures and values are the same in every run, except
+    for the rates in Fig. 10.
     """
     out.mkdir(parents=True, exist_ok=True)
     with alone_in(out):
@@ -79,7 +79,7 @@ def _shown(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return JSON values; numbers that are not finite, such as a range without echo, become None."""
+    """Return JSON values; non-finite numbers, such as a range without an echo, become None."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""A running system: the simulator behind rosbridge, the paper's chain as nodes, and a client's view of both."""
+"""A running system: the simulator behind rosbridge, the paper's chain of nodes, and a client's view of both."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NODES_PROGRAM = "from uwsim.cli.main import main; main()"
 PATIENCE_S = 60.0
 LISTEN_S = 4.0  # of simulated time
 SIMULATOR = "/uwsim"
-OWN_TOPICS = {  # topics that identify a client of rosbridge, where clients have no names
+OWN_TOPICS = {  # topics that identify clients of rosbridge, which gives them no names
     "decodedDepth": "string_decoder", "scan": "scan_publisher", "laserPointCloud": "laser_to_cloud",
     "tf": "tf_broadcaster", INSERTED: "octomap",
 }  # fmt: skip
@@ -32,7 +32,7 @@ QUIET = ("clock", "rosout")
 
 @dataclass(frozen=True)
 class Link:
-    """A transform: its frames, and its rate in simulated time; 0 if it is published only once."""
+    """A transform: its frames and its rate in simulated time (0 if it is published only once)."""
 
     parent: str
     child: str
@@ -60,7 +60,7 @@ class Client:
         self._connection.send(json.dumps({"op": op, **fields}))
 
     def ask(self, service: str, **args: Any) -> dict[str, Any]:
-        """Call a service and return its response; messages that arrive meanwhile are stored in `heard`."""
+        """Call a service and return its response; messages that arrive in the meantime are stored in `heard`."""
         self.say("call_service", service=service, args=args, id=service)
         deadline_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < deadline_s:
@@ -74,7 +74,7 @@ class Client:
 
 @contextmanager
 def running(map_file: Path) -> Iterator[tuple[Client, Client]]:
-    """Run `paper` and the five nodes; yield clients of their server and of a server with the standard topics."""
+    """Run `paper` and the five nodes; yield a client of their server and one of a server with the standard topics."""
     with (
         LiveSimulator("paper", paused=True) as live,
         RosbridgeServer(live, wire="published", origin="published") as server,
@@ -117,7 +117,7 @@ def transforms(client: Client) -> list[Link]:
 
 
 def connections(client: Client) -> list[Edge]:
-    """Return the connections reported by rosapi; a client is named after the node whose topics it publishes."""
+    """Return the connections reported by rosapi; each client is named after the node whose topics it publishes."""
     details = {name: client.ask("/rosapi/node_details", node=name) for name in client.ask("/rosapi/nodes")["nodes"]}
     names = {
         node: next((OWN_TOPICS[t.strip("/")] for t in found["publishing"] if t.strip("/") in OWN_TOPICS), node)

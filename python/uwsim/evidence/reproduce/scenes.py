@@ -1,4 +1,4 @@
-"""Pictures of the scenario `paper`: vehicle, scene, screens (Figs. 1, 2, 4 and 5)."""
+"""Pictures of the `paper` scenario: vehicle, scene, screens (Figs. 1, 2, 4 and 5)."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def start_screen(path: Path) -> Figure:
 
 
 def main_screen(sim: Simulator, path: Path) -> Figure:
-    """Draw Fig. 5: the vehicle's and the station's pictures next to the panel."""
+    """Draw Fig. 5: the vehicle and station pictures next to the panel."""
     place(sim, BEFORE_THE_GATE)
     panel = sim.rov.telemetry()
     rows = [

@@ -28,7 +28,7 @@ STAND_INS: dict[str, Any] = {
 
 
 def check_file(source: str | Path) -> CheckReport:
-    """Return the report on a packaged scenario or a YAML file. Mistakes in the file are reported, not raised."""
+    """Return the report on a packaged scenario or a YAML file. Mistakes in the file are reported rather than raised."""
     try:
         path = find_yaml(source, "scenarios")
         document = read_yaml(path, shown_name(path))
@@ -81,7 +81,7 @@ def _mistakes(document: YamlDocument, folder: Path) -> tuple[str, ...]:
 
 
 def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scenario:
-    """Return the scenario without obstacles and vehicles that have invalid parts."""
+    """Return the scenario without the obstacles and vehicles that have invalid parts."""
     spoilt = {path[:2] for path in left.left_out}
     is_spoilt = {path[0] for path in left.left_out}
     kept: dict[str, Any] = {}
@@ -89,7 +89,7 @@ def _sound(scenario: Scenario, document: YamlDocument, left: Remainder) -> Scena
     for kind in ("obstacles", "vehicles"):
         items = enumerate(getattr(scenario, kind))
         sound = [(left.in_file((kind, k))[1], item) for k, item in items if left.in_file((kind, k)) not in spoilt]
-        if kind not in left.values:  # only stand-ins
+        if kind not in left.values:  # stand-ins only
             sound = []
         if "station" in is_spoilt and kind == "vehicles":
             sound = [(k, vehicle) for k, vehicle in sound if vehicle.start is not None]

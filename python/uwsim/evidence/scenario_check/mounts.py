@@ -1,4 +1,4 @@
-"""The mounts of a vehicle's parts: their distance from the hull, and whether the hull blocks their beams."""
+"""The mounts of a vehicle's parts: how far they are from the hull, and whether the hull blocks their beams."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ SKIN_M = 1e-3
 
 @dataclass(frozen=True)
 class Mount:
-    """A part that is fixed to the hull.
+    """A part fixed to the hull.
 
     key: its key in the model's file, such as "sensors". name: its name there; empty for a single part. away_m: distance
     from the hull's bounding box; 0 inside. off_down_deg: angle between a DVL's axis and straight down on a level
     vehicle; None for other parts. beams_in_hull: share of its beams or lines of sight that enter the hull from outside;
-    0 for parts without beams, or within an open frame, whose members the beams may miss.
+    0 for parts without beams, and for parts within an open frame, whose members the beams may miss.
     """
 
     key: str
@@ -81,7 +81,7 @@ def _mounted(model: VehicleModel) -> Iterator[tuple[str, str, ArrayLike, Floats,
         if camera.follows == "body":
             yield "cameras", name, camera.position_m, _turned(camera.yaw_pitch_roll_deg, AHEAD), False
     for name, sonar in model.imaging_sonars.items():
-        looks = sonar.kind != "side_scan"  # a side-scan has a transducer on either side
+        looks = sonar.kind != "side_scan"  # a side-scan has a transducer on each side
         ahead = _turned(sonar.yaw_pitch_roll_deg, AHEAD)
         yield "imaging_sonars", name, sonar.position_m, ahead if looks else blind, False
     if model.sonar is not None:
@@ -133,10 +133,10 @@ def _degrees_between(one: ArrayLike, other: ArrayLike) -> float:
 
 
 def enters(origin_m: Floats, direction: Floats, corners_m: Floats) -> bool:
-    """Return whether a ray from outside a closed surface of outward-winding triangles (m, 3, 3) hits the surface.
+    """Return whether a ray from outside a closed surface of outward-wound triangles (m, 3, 3) hits the surface.
 
-    Returns False for a ray from inside, which first hits a back face. Moeller and Trumbore 1997, "Fast, minimum storage
-    ray-triangle intersection".
+    Returns False for a ray from inside, since it first hits a back face. Moeller and Trumbore 1997, "Fast, minimum
+    storage ray-triangle intersection".
     """
     a = corners_m[:, 0]
     ab, ac = corners_m[:, 1] - a, corners_m[:, 2] - a

@@ -1,4 +1,4 @@
-"""The report of a check: mistakes, warnings, and properties of what was built."""
+"""The report on a check: mistakes, warnings, and properties of what was built."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class CheckReport:
     """The result of checking a file.
 
     mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties of
-    a vehicle's file in fresh water, None for other files.
+    a vehicle file's contents in fresh water, None for other files.
     """
 
     file: str

@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 class Bed:
     """The terrain.
 
-    extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: share of its area above water.
+    extent_m: west, south, east, north. lowest_m, highest_m: z. dry_share: share of its area that is above water.
     """
 
     extent_m: tuple[float, float, float, float]
@@ -52,8 +52,8 @@ class ObstacleScene:
     """An obstacle in the scene.
 
     lowest_m, highest_m: z. clearance_m: smallest height of its points above the bed; negative if it is sunk in. size_m:
-    extent along x, y and z of the world. buried_share, above_water_share: shares of its surface below the bed and above
-    the water. beside_terrain: whether a part of it is outside the terrain.
+    extent along the world's x, y and z. buried_share, above_water_share: shares of its surface below the bed and above
+    the water. beside_terrain: whether any part of it is outside the terrain.
     """
 
     name: str
@@ -69,14 +69,14 @@ class ObstacleScene:
 
 @dataclass(frozen=True)
 class VehicleScene:
-    """A vehicle at its start.
+    """A vehicle at its starting position.
 
-    altitude_m: smallest height of its hull above the bed. beside_terrain: whether a part of the hull is outside the
+    altitude_m: smallest height of its hull above the bed. beside_terrain: whether any part of the hull is outside the
     terrain. free_m: distance to the nearest surface; for a docked vehicle, from the dock's exit. radius_m: radius of a
     sphere around its hull. weight_n: weight in air. net_buoyancy_n: buoyancy minus weight, deep in still water;
-    positive if the vehicle rises. lift_n: largest thrust down (negative) and up. current_m_s: current at its start, see
-    CURRENT_SHARE. holds_current: whether it can hold its position in that current. figures: properties of its model in
-    this water.
+    positive if the vehicle rises. lift_n: maximum downward (negative) and upward thrust. current_m_s: current at the
+    start, see CURRENT_SHARE. holds_current: whether it can hold its position in that current. figures: properties of
+    its model in this water.
     """
 
     name: str
@@ -98,7 +98,7 @@ class VehicleScene:
 
 @dataclass(frozen=True)
 class Scene:
-    """The whole scene. sight_m: the largest range at which cameras see a dark target, see CONTRAST.
+    """The whole scene. sight_m: the maximum range at which cameras see a dark target, see CONTRAST.
 
     station_bed_m: z of the bed.
     """
@@ -113,13 +113,13 @@ class Scene:
     vehicles: tuple[VehicleScene, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the scene as plain values, with None for numbers that are not finite."""
+        """Return the scene as plain values, with None for non-finite numbers."""
         values: dict[str, Any] = plain(asdict(self))
         return values
 
 
 def plain(value: Any) -> Any:
-    """Return values for JSON, with None for numbers that are not finite."""
+    """Return values for JSON, with None for non-finite numbers."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -128,7 +128,7 @@ def plain(value: Any) -> Any:
 
 
 def measured_scene(sim: Simulator) -> Scene:
-    """Return the scene of a simulator at its start."""
+    """Return a simulator's scene at the start."""
     scenario = sim.scenario
     terrain = build_terrain(scenario.terrain)
     part = terrain.window(scenario.terrain.window_m)
@@ -213,7 +213,7 @@ def _vehicle(sim: Simulator, entry: VehicleEntry, terrain: Terrain) -> VehicleSc
 
 
 def _current_m_s(sim: Simulator, position_m: tuple[float, float, float]) -> float:
-    """Return the speed of the current at a position, without waves, which only move a vehicle back and forth."""
+    """Return the speed of the current at a position, ignoring waves, which only move a vehicle back and forth."""
     calm = sim.scenario.water.model_copy(update={"surface": StillSurface()})
     water = build_water(calm, bottom_depth_m=sim.world.water.bottom_depth_m, seed=sim.scenario.seed)
     times_s = np.linspace(0.0, sim.scenario.mission_time_s, CURRENT_TIMES).tolist()
@@ -227,13 +227,13 @@ def _three(values: Floats) -> tuple[float, float, float]:
 
 
 def _lift_n(control: _core.ControlModel) -> tuple[float, float]:
-    """Return the thrusters' largest forces downward (negative) and upward."""
+    """Return the largest downward (negative) and upward force of the thrusters."""
     down, up = (float(control.reachable((0.0, 0.0, sign * 1e5, 0.0, 0.0, 0.0))[2]) for sign in (-1.0, 1.0))
     return down, up
 
 
 def _holds(control: _core.ControlModel, speed_m_s: float) -> bool:
-    """Return whether the thrusters can drive the vehicle ahead at a speed through the water, or the water is still."""
+    """Return whether the thrusters can drive the vehicle ahead at a given speed through the water (0: still water)."""
     if speed_m_s < STILL_M_S:
         return True
     ahead = np.array([speed_m_s, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -32,7 +32,7 @@ the water. TINY_M: size, about that of a fist.
 
 
 def surprises(sim: Simulator, scene: Scene) -> tuple[str, ...]:
-    """Return a sentence about each likely oversight, with its line in the file."""
+    """Return a sentence about each likely oversight, with the line number in the file."""
     source = sim.scenario.source_file
     found: list[tuple[tuple[str | int, ...], str]] = []
     for index, obstacle in enumerate(scene.obstacles):

@@ -1,4 +1,4 @@
-"""Formats a check's report as lines for a terminal."""
+"""Formats the report on a check as lines for a terminal."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.scenario.build.scale import size_text
 
 
 def report_lines(report: CheckReport) -> list[str]:
-    """Return the lines for a file without mistakes: the number of warnings, and a description of its contents."""
+    """Return the lines for a file without mistakes: the number of warnings and a description of the contents."""
     count = len(report.warnings)
     lines = [f"{report.file}: ok" + (f", {count} warning{'s' if count > 1 else ''}" if count else "")]
     told = [*_scene_lines(report.scene)] if report.scene else []

@@ -1,4 +1,4 @@
-"""Likely oversights in a valid vehicle file, such as a hull that rests upside down or a propeller far away from it."""
+"""Likely oversights in a valid vehicle file, such as a hull that rests upside down or a propeller far from the hull."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Found = tuple[tuple[str | int, ...], str]
 
 
 def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield keys in the vehicle's file, with a sentence about each likely oversight."""
+    """Yield keys in the vehicle file, each with a sentence about a likely oversight."""
     yield from _of_attitude(figures)
     yield from _of_inertia(figures)
     yield from _of_steering(figures)
@@ -38,7 +38,7 @@ def vehicle_surprises(figures: VehicleFigures) -> Iterator[Found]:
 
 
 def buoyancy_surprises(figures: VehicleFigures) -> Iterator[Found]:
-    """Yield warnings about the buoyancy in any water, since a vehicle's file does not name its water."""
+    """Yield warnings about buoyancy that apply in any water, since a vehicle file does not specify the water."""
     density = figures.density_kg_m3
     if density > SEA_KG_M3 / (1.0 - EXTREME_SHARE):
         yield (), f"its mean density is {density:.0f} kg/m3: it sinks like a stone in any water"

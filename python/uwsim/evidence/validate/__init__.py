@@ -1,6 +1,6 @@
 """Validation: comparisons of the simulator with closed forms and published data, as tables and curves.
 
-A suite is a module with `run(out) -> list[Check]` and an entry in SUITES.
+A suite is a module with a `run(out) -> list[Check]` function and an entry in SUITES.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SUITES = {
 
 
 def run_suite(name: str, out: Path | None = None) -> list[Check]:
-    """Run a suite; return its checks, and draw its curves into the folder `out`.
+    """Run a suite and return its checks; draw its curves into the folder `out`.
 
     Raises ValueError for an unknown name.
     """
@@ -38,9 +38,9 @@ def run_suite(name: str, out: Path | None = None) -> list[Check]:
 
 
 def run_suites(names: Sequence[str], out: Path | None, jobs: int) -> Iterator[tuple[str, list[Check]]]:
-    """Yield the suites' names and checks in the given order; see run_suite(). jobs: number of parallel processes.
+    """Yield suite names and checks in the given order; see run_suite(). jobs: number of parallel processes.
 
-    The worker processes end with the iterator.
+    The worker processes end together with the iterator.
     """
     if jobs == 1:
         yield from ((name, run_suite(name, out)) for name in names)

@@ -1,7 +1,7 @@
-"""Measures the wrench of a vehicle's actuators from its motion.
+"""Measures the wrench of a vehicle's actuators from the vehicle's motion.
 
-Two simulators, with and without the actuators, make one step from the same state. The difference between their
-velocities, times the published mass matrix, is the actuators' impulse.
+Two simulators, one with and one without the actuators, take one step from the same state. The difference between their
+velocities, multiplied by the published mass matrix, is the impulse of the actuators.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from uwsim.scenario.spec.control import Control
 from uwsim.simulator.simulator import Simulator
 
 STEP_S = 0.0005
-SETTLED = 16  # number of time constants after which the thrust has settled
+SETTLED = 16  # number of time constants after which the thrust is taken to have settled
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 STILL = (0.0,) * 6
 WRENCH_TOLERANCE = 1e-3
@@ -51,7 +51,7 @@ class Probe:
         self._driven.advance(round(duration_s / STEP_S) * STEP_S)
 
     def command(self, commands: Mapping[str, float], propeller: Propeller) -> None:
-        """Command thrusters, and wait until their thrust has settled."""
+        """Command thrusters and wait until their thrust has settled."""
         self.rov.set_thrusters(commands)
         self.run(SETTLED * propeller.time_constant_s)
 
@@ -61,7 +61,7 @@ class Probe:
         at_m: Sequence[float] = START_M,
         attitude_xyzw: Sequence[float] = LEVEL,
     ) -> Array:
-        """Return the actuators' wrench (6,): M x the acceleration difference + half of the resistance difference."""
+        """Return the actuator wrench (6,): M x the acceleration difference + half of the resistance difference."""
         after = []
         for sim in (self._driven, self._bare):
             sim.rov.place(at_m, attitude_xyzw, velocity)
@@ -80,7 +80,7 @@ def _resistance(body: Coefficients, nu: Array) -> Array:
 
 
 def wrench_checks(group: str, name: str, expected: Array, got: Array) -> Iterator[Check]:
-    """Compare the forces and moments of wrenches (..., 6), each relative to its largest magnitude, but at least 0.1."""
+    """Compare forces and moments of wrenches (..., 6), each relative to its largest magnitude, but to at least 0.1."""
     for what, part, unit in (("force", slice(0, 3), "N"), ("moment", slice(3, 6), "N m")):
         want, found = expected[..., part], got[..., part]
         scale = max(float(np.linalg.norm(want, axis=-1).max()), 0.1)

@@ -28,7 +28,7 @@ PRESSING, LIFTING = (0.6, 0.0, -0.5, 0.0, 0.0, 0.2), (-0.2, 0.0, 0.5, 0.0, 0.0, 
 
 
 def after_contact(sim: Simulator, seed: int, height_m: float, velocity_m_s: tuple[float, float, float]) -> float:
-    """Let the vehicle touch the bed and lift off; return the NEES RECOVERY_S after that."""
+    """Let the vehicle touch the bed and lift off; return the NEES RECOVERY_S after lift-off."""
     bed_m = float(sim.world.height_at(np.array([PLACE_WORLD_M]))[0])
     navigator, _ = start_navigation(sim, seed, (*PLACE_WORLD_M, bed_m + height_m), velocity_m_s)
     sim.rov.set_effort(*PRESSING)
@@ -42,7 +42,7 @@ def after_contact(sim: Simulator, seed: int, height_m: float, velocity_m_s: tupl
 
 
 def contact_checks(sim: Simulator, seeds: int) -> list[Check]:
-    """Fly each contact with all seeds; compare the mean NEES with BEYOND (default 1) times its upper 97.5 % bound."""
+    """Fly each contact with every seed; compare the mean NEES with BEYOND (default 1) times its upper 97.5 % bound."""
     most = float(chi2.ppf(0.975, seeds * ERRORS) / seeds)
     return [
         at_most(

@@ -1,4 +1,4 @@
-"""The camera suite: pictures against the laws of light in water, the sonar's rays and OpenCV's projection.
+"""The camera suite: pictures compared with the laws of light in water, the sonar's rays and OpenCV's projection.
 
 Each law is measured in pictures of a small world: a grey wall, a level plate, a lamp, or the sky through the surface.
 """
@@ -34,7 +34,7 @@ class Light:
 
     @property
     def water(self) -> _core.WaterOptics:
-        """The water's coefficients."""
+        """The optical coefficients of the water."""
         return _core.WaterOptics.jerlov(self.jerlov)
 
     @property
@@ -45,7 +45,7 @@ class Light:
 
 @dataclass(frozen=True)
 class View:
-    """A scene and a camera in it. Pitch is positive down; the focal length and the side are in pixels."""
+    """A scene and a camera in it. Pitch is positive down; the focal length and side length are in pixels."""
 
     scene: _core.CameraScene
     position_m: Sequence[float]
@@ -54,7 +54,7 @@ class View:
     side: int = SIDE
 
     def picture(self, light: Light, effects: Sequence[str], lamps: Sequence[_core.SpotLamp] = ()) -> _core.Picture:
-        """Return the camera's picture, with radiance."""
+        """Return a picture from the camera, with radiance."""
         centre = 0.5 * (self.side - 1)
         lens = _core.Lens(self.side, self.side, self.focal, self.focal, centre, centre)
         turn = Rotation.from_euler("ZYX", self.yaw_pitch_roll_deg, degrees=True).as_quat()
@@ -88,7 +88,7 @@ def box_scene(centre_m: Sequence[float], size_m: Sequence[float]) -> _core.Camer
 
 
 def wall_at(range_m: float, depth_m: float = 6.0) -> View:
-    """Return a level view of a wall that faces the camera, range_m ahead."""
+    """Return a level view of a wall facing the camera, range_m ahead."""
     return View(box_scene((range_m + 0.5, 0, -depth_m), (1, 40, 8)), (0, 0, -depth_m))
 
 
@@ -115,7 +115,7 @@ def wall_against_range() -> list[Check]:
 
 
 def sunlight_against_depth() -> list[Check]:
-    """Check that a level plate's light falls as exp(-Kd z) from the daylight that enters the water."""
+    """Check that the light on a level plate falls as exp(-Kd z) from the daylight that enters the water."""
     checks = []
     depths = np.array([1.0, 3.0, 6.0, 12.0, 24.0])
     for jerlov in TYPES:
@@ -175,7 +175,7 @@ def refraction_at_the_surface() -> list[Check]:
 
 
 def lake_depths() -> list[Check]:
-    """Check that each pixel's depth equals the range of the sonar's ray along it, solved in double precision."""
+    """Check each pixel's depth against the range along its ray as the sonar computes it, in double precision."""
     from uwsim.simulator.simulator import Simulator
 
     sim = Simulator("lake")
@@ -191,7 +191,7 @@ def lake_depths() -> list[Check]:
     both = np.isfinite(ranges) & np.isfinite(got)
     missed = int(np.count_nonzero(np.isfinite(ranges) != np.isfinite(got)))
     error = (got[both] - ranges[both]) / np.maximum(ranges[both], 1.0)
-    # A pixel on an outline may hit either side of the outline.
+    # A pixel on an outline may fall on either side of it.
     error = np.sort(np.abs(error))[: int(0.995 * both.sum())]
     return [
         along("depth against the sonar's rays", f"{both.sum()} rays", np.zeros(len(error)), error, 1.0, 1e-5),
@@ -238,7 +238,7 @@ def checkerboard_corners() -> list[Check]:
     picture = scene.render(
         _core.Camera("check", lens), light, (0, 0, -3), (0, 0, 0, 1), 0.0, 0, ["distortion"], keep_radiance=True
     )
-    # Linear light, since the transfer curve would widen white edges and so shift the corners found.
+    # Linear light, since the transfer curve would widen white edges and thus shift the detected corners.
     linear = np.asarray(picture.radiance)[..., 1]
     grey = np.clip(linear / linear.max() * 250, 0, 255).astype(np.uint8)
     found, pixels = cv2.findChessboardCorners(grey, CHECKERS)

@@ -1,4 +1,4 @@
-"""Check: a comparison of an expected value with the simulator's value, with its error and tolerance."""
+"""Check: a comparison of an expected value with the simulated value, with its error and tolerance."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Check:
 
 
 def relative(group: str, name: str, expected: float, got: float, tolerance: float, unit: str = "") -> Check:
-    """Compare a value with its expected value, which must not be zero; the error is relative to it."""
+    """Compare a value with a non-zero expected value; the error is relative to the expected value."""
     return Check(group, name, expected, got, abs(got - expected) / abs(expected), tolerance, unit)
 
 
@@ -40,7 +40,7 @@ def within(group: str, name: str, expected: float, got: float, scale: float, tol
 def along(
     group: str, name: str, expected: ArrayLike, got: ArrayLike, scale: float, tolerance: float, unit: str = ""
 ) -> Check:
-    """Compare two curves at the point where they differ most; the error is relative to `scale`."""
+    """Compare two curves at the point of their largest difference; the error is relative to `scale`."""
     reference, found = np.asarray(expected, np.float64), np.asarray(got, np.float64)
     distance = np.abs(found - reference) / scale
     worst = int(np.argmax(np.where(np.isfinite(distance), distance, np.inf)))
@@ -48,5 +48,5 @@ def along(
 
 
 def at_most(group: str, name: str, limit: float, got: float, unit: str = "") -> Check:
-    """Compare a value with its limit; the error is the ratio of the value to the limit."""
+    """Compare a value with its upper limit; the error is the ratio of the value to the limit."""
     return Check(group, f"{name} at most", limit, got, got / limit, 1.0, unit)

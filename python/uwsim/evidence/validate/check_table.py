@@ -1,4 +1,4 @@
-"""Prints a validation's checks as a table: expected value, computed value, error and tolerance."""
+"""Prints validation checks as a table: expected value, computed value, error and tolerance."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uwsim.evidence.validate.check import Check
 
 
 def print_checks(checks: list[Check], title: str, console: Console | None = None) -> None:
-    """Print the checks as a table, and the number of failed checks."""
+    """Print the checks as a table, followed by the number of failed checks."""
     table = Table(title=title, title_justify="left")
     table.add_column("check")
     table.add_column("quantity", overflow="fold")

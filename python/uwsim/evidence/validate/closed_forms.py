@@ -1,4 +1,4 @@
-"""Checks bodies whose motion has a closed form: spheres, a box, and a tumbling body."""
+"""Checks of bodies whose motion has a closed form: spheres, a box, and a tumbling body."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def simulator_with_body(
     friction: float = 0.5,
     restitution: float = 0.1,
 ) -> Simulator:
-    """Return a simulator with a vehicle with these coefficients and this hull, built like a user's vehicle."""
+    """Return a simulator for a vehicle with these coefficients and this hull, built like a user's vehicle."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hull.obj"
         _write_obj(mesh, path)
@@ -64,14 +64,14 @@ def simulator_with_body(
 
 
 def _write_obj(mesh: trimesh.Trimesh, path: Path) -> None:
-    """Write a mesh with all digits; trimesh's exporters round."""
+    """Write a mesh at full precision; trimesh's exporters round."""
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.vertices.tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def sphere_from_rest() -> list[Check]:
-    """Check that a sphere released at rest accelerates as if it carried along half the water that it displaces.
+    """Check that a sphere released from rest accelerates as if it carried along half of the water that it displaces.
 
     Lamb 1932, art. 92.
     """
@@ -83,7 +83,7 @@ def sphere_from_rest() -> list[Check]:
 
 
 def terminal_speed() -> list[Check]:
-    """Check terminal speeds: a falling sphere's drag equals its weight in water, a driven sphere's the force."""
+    """Check terminal speeds: the drag equals the weight in water (falling sphere) or the force (driven sphere)."""
     sim, body = _sphere(density_kg_m3=2000.0, quadratic_damping=50.0)
     weight_n = (body.mass_kg - WATER_KG_M3 * body.volume_m3) * GRAVITY_M_S2
     fallen = fly(sim, ZERO_6, 20.0).velocities[-1, 2]
@@ -97,7 +97,7 @@ def terminal_speed() -> list[Check]:
 
 
 def floating_box() -> list[Check]:
-    """Check the draught and righting moment of a box with two fifths of the water's density.
+    """Check the draught and righting moment of a box with two fifths of the density of water.
 
     M = m g sin(heel) (GM + BM tan^2(heel) / 2), GM = BM - BG: exact while each edge stays on its side of the surface
     (Rawson and Tupper 2001, Basic Ship Theory, ch. 4).
@@ -119,7 +119,7 @@ def floating_box() -> list[Check]:
     heel = np.radians(8.0)
     righting = metacentric_height + 0.5 * metacentric_radius * np.tan(heel) ** 2
     torque_nm = mass * GRAVITY_M_S2 * np.sin(heel) * righting
-    # An effort's torque is scaled by the submerged share of the hull, as a thruster's would be.
+    # The torque of an effort is scaled by the submerged share of the hull, as a thruster's would be.
     sim = simulator_with_body(body, hull, max_torque_nm=(torque_nm / share, 0.0, 0.0))
     sim.rov.place((0.0, 0.0, 0.1))
     sim.advance(30.0)
@@ -135,7 +135,7 @@ def floating_box() -> list[Check]:
 
 
 def tumbling() -> list[Check]:
-    """Check that a neutral, undamped BlueROV2 Heavy with r_G = r_B keeps the constants of motion for 100 s.
+    """Check that a neutral, undamped BlueROV2 Heavy with r_G = r_B conserves the constants of motion for 100 s.
 
     Energy, |P|^2 and P.L are constants of Kirchhoff's equations; the attitude is compared with a high-order
     integration.
@@ -155,7 +155,7 @@ def tumbling() -> list[Check]:
 
 
 def undamped_heavy() -> Coefficients:
-    """Return BlueROV2 Heavy in inviscid water, neutral, with the centres of mass and buoyancy at the origin."""
+    """Return a neutral BlueROV2 Heavy in inviscid water, with centres of mass and buoyancy at the origin."""
     return replace(
         BLUEROV2_HEAVY,
         mass_kg=WATER_KG_M3 * BLUEROV2_HEAVY.volume_m3,

@@ -1,4 +1,4 @@
-"""Laws of contact with the bed: the impulse for the full mass matrix, energy that never increases, and rest."""
+"""Laws of contact with the bed: impulses for the full mass matrix, energy that never increases, and rest."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GROUP = "contact"
 SIZE_M = (1.2, 0.8, 0.6)
 ADDED_MASS = (300.0, 2000.0, 4000.0, 150.0, 250.0, 500.0)
 SPEED_M_S = 1.0
-REST_GAP_M = 1e-3  # largest gap between a resting body and the bed
+REST_GAP_M = 1e-3  # maximum gap between a resting body and the bed
 
 
 def contact_laws() -> list[Check]:
@@ -27,7 +27,7 @@ def contact_laws() -> list[Check]:
 
 
 def impulses() -> list[Check]:
-    """Check the impulse on a face, an edge and a corner: J = (1 + e) v / (n^T M^-1 n), M including added mass."""
+    """Check impulses on a face, an edge and a corner: J = (1 + e) v / (n^T M^-1 n), where M includes added mass."""
     checks = []
     for name, pitch, roll in (("face", 0.0, 0.0), ("edge", 0.3, 0.0), ("corner", 0.3, 0.25)):
         for restitution in (0.0, 0.5):
@@ -54,7 +54,7 @@ def energy() -> list[Check]:
         now = energy_j()
         grown, least = max(grown, now - least), min(least, now)
     if not sim.rov.collisions:
-        grown = np.inf  # there was no contact, so nothing was tested
+        grown = np.inf  # no contact occurred, so nothing was tested
     return [within(GROUP, "energy gained over 10 s of striking", 0.0, grown, start, 1e-4, "J")]
 
 
@@ -94,7 +94,7 @@ def _damped(body: Coefficients) -> Coefficients:
 
 
 def _impulse(pitch_rad: float, roll_rad: float, restitution: float) -> tuple[float, float]:
-    """Return the expected and the simulated impulse of a box that moves down and strikes with its lowest point."""
+    """Return the expected and simulated impulses of a box that moves down and strikes the bed with its lowest point."""
     body = _body(density_kg_m3=1000.0, added_mass=ADDED_MASS)
     sim = simulator_with_body(body, trimesh.creation.box(SIZE_M), friction=0.0, restitution=restitution)
     turn = Rotation.from_euler("yx", [pitch_rad, roll_rad])

@@ -1,4 +1,4 @@
-"""The control suite: step responses of the packaged vehicles, and flights in gusts, against limits."""
+"""The control suite: step responses of the packaged vehicles, and flights in gusts, compared with limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OVERSHOOT, STEADY = 0.1, 0.02  # shares of the step
 
 
 def run(out: Path | None) -> list[Check]:
-    """Return the suite's checks; draw the step responses of all vehicles into the folder `out`."""
+    """Return the checks of the suite; draw the step responses of all vehicles into the folder `out`."""
     checks = []
     for name in VEHICLES:
         responses = step_responses(name, load_vehicle(name))
@@ -33,7 +33,7 @@ def run(out: Path | None) -> list[Check]:
 
 
 def response_checks(response: StepResponse) -> list[Check]:
-    """Compare rise time, overshoot, settling time and steady-state error of a step response with their limits."""
+    """Compare a step response's rise time, overshoot, settling time and steady-state error with their limits."""
     step, unit = response.step, response.step.unit
     name = f"{step.name} {step.size:.3g} {unit}"
     return [

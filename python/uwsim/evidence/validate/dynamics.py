@@ -15,7 +15,7 @@ from uwsim.evidence.validate.vehicles import vehicle_checks
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return the suite's checks; draw each vehicle's decay and turning curves into the folder `out`."""
+    """Return the checks of the suite; draw each vehicle's decay and turning curves into the folder `out`."""
     checks = [*closed_forms(), *contact_laws(), *thruster_checks(), *fin_checks()]
     for name in PUBLISHED:
         found, curves = vehicle_checks(name)

@@ -1,7 +1,7 @@
-"""The estimation suite: the filter's errors against its covariance, and its drift without DVL or USBL.
+"""The estimation suite: the filter's errors compared with its covariance, and its drift without DVL or USBL.
 
-Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has the
-mean n (here n = 9: position, velocity, attitude), and N times its average is chi-square distributed with N n degrees of
+Consistency: the normalised estimation error squared, NEES = e^T P^-1 e, of N independent flights at one time has mean n
+(here n = 9: position, velocity, attitude), and N times its average is chi-square distributed with N n degrees of
 freedom (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", ch. 5.4).
 
 Drift at constant attitude from a covariance P (Groves 2013, ch. 5.7, without the earth's rotation): the position error
@@ -55,7 +55,7 @@ def start_navigation(
     start_world_m: tuple[float, float, float] = START_WORLD_M,
     velocity_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Navigator, np.random.Generator]:
-    """Begin a flight heading east, whose navigation starts with errors drawn from its initial covariance."""
+    """Begin a flight heading east, with navigation errors drawn from the initial covariance."""
     sim.reset(seed=seed)
     sim.rov.place(start_world_m, velocity_body=np.array([*velocity_m_s, 0.0, 0.0, 0.0]))
     draws = np.random.default_rng(seed)
@@ -76,7 +76,7 @@ def errors(sim: Simulator, navigator: Navigator) -> Array:
 
 
 def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
-    """Fly with random efforts; yield the NEES of all errors and of each of PARTS, at intervals."""
+    """Fly with random efforts; at intervals, yield the NEES of all errors and of each of PARTS."""
     navigator, draws = start_navigation(sim, seed)
     for leg in range(LEGS):
         sim.rov.set_effort(*(LARGEST_EFFORTS * draws.uniform(-1.0, 1.0, 6)))
@@ -87,19 +87,19 @@ def nees_of_a_flight(sim: Simulator, seed: int) -> Iterator[list[float]]:
 
 
 def nees_of(error: Array, covariance: Array, part: slice) -> float:
-    """Return the normalised estimation error squared of a part of the errors."""
+    """Return the normalised estimation error squared for a part of the errors."""
     return float(error[part] @ np.linalg.solve(covariance[part, part], error[part]))
 
 
 def consistency_checks(nees: Array, how: str = "") -> list[Check]:
-    """Return the checks of NEES values, (flights, times, 1 + PARTS). how: describes the flights."""
+    """Return the checks on NEES values, (flights, times, 1 + PARTS). how: a description of the flights."""
     flights, looks = nees.shape[:2]
     group = f"NEES of {flights} {how} flights" if how else f"NEES of {flights} flights"
     mean = nees.mean(axis=0)
     low, high = chi2.ppf([0.025, 0.975], flights * ERRORS) / flights
     inside = float(np.mean((mean[:, 0] > low) & (mean[:, 0] < high)))
     checks = [within(group, f"share of {looks} times within the 95 % bounds", 1.0, inside, 1.0, 0.25)]
-    # Over a whole flight, errors are correlated, so the bounds apply to a single time.
+    # Errors are correlated within a flight, so the bounds apply to a single time.
     checks.append(within(group, "mean of all 9 errors", ERRORS, float(mean[:, 0].mean()), ERRORS, high / ERRORS - 1.0))
     for k, name in enumerate(PARTS, 1):
         most = chi2.ppf(0.975, flights * 3) / flights / 3.0 - 1.0
@@ -108,9 +108,9 @@ def consistency_checks(nees: Array, how: str = "") -> list[Check]:
 
 
 def drop_out(sim: Simulator, seed: int) -> tuple[Array, Array, Array]:
-    """Hover, then switch off DVL and USBL.
+    """Hover, then switch off the DVL and USBL.
 
-    Return the final covariance of the horizontal position, by the filter and by the closed form, and the position's
+    Returns the final covariance of the horizontal position, from the filter and from the closed form, and the position
     error (2,).
     """
     navigator, draws = start_navigation(sim, seed)
@@ -134,7 +134,7 @@ def closed_form(sim: Simulator, navigator: Navigator, t: float) -> Array:
     growth = np.hstack([eye, t * eye, -0.5 * t**2 * force, t**3 / 6.0 * force, -0.5 * t**2 * turn])[:2]
     rate, accel = imu["angular_velocity"], imu["linear_acceleration"]
     variance = accel.density**2 * t**3 / 3.0 + gravity**2 * rate.density**2 * t**5 / 20.0
-    # A drift is treated as a random walk of the bias, of 2 std^2 / time.
+    # The drift is treated as a random walk of the bias with 2 std^2 / time.
     variance += 2.0 * accel.bias_std**2 / accel.bias_time_s * t**5 / 20.0
     variance += gravity**2 * 2.0 * rate.bias_std**2 / rate.bias_time_s * t**7 / 252.0
     return np.asarray(growth @ navigator.covariance @ growth.T + variance * np.eye(2))
@@ -145,7 +145,7 @@ def _cross(v: Array) -> Array:
 
 
 def drop_out_checks(drifts: list[tuple[Array, Array, Array]]) -> list[Check]:
-    """Return the checks of the drift."""
+    """Return the checks on the drift."""
     group = f"{DROP_OUT_S:.0f} s without DVL and USBL"
     filters, closed, error = (np.array(part) for part in zip(*drifts, strict=True))
     expected, got = (np.sqrt(np.trace(c, axis1=1, axis2=2).mean()) for c in (closed, filters))

@@ -1,4 +1,4 @@
-"""Checks REMUS 100's fins and hull lift, each alone and in a turn under propulsion, against published values and laws.
+"""Checks REMUS 100's fins and hull lift, alone and in a turn under propulsion, against published values and laws.
 
 The values are repeated here independently of the YAML file, and the law (Beard and McLain 2012, Small Unmanned
 Aircraft, ch. 4) independently of the core. The turn is integrated by SciPy.
@@ -118,7 +118,7 @@ def _turn() -> tuple[Array, Array]:
 
 
 def fin_turn(name: str = "remus100", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check path, speed and yaw rate from rest into a steady turn by propeller and rudders."""
+    """Check path, speed and yaw rate from rest into a steady turn under propeller and rudders."""
     positions, velocities = _turn()
     sim = deep_water(model or load_vehicle(name), density_kg_m3=REMUS_100.water_density_kg_m3)
     sim.rov.set_effort(surge=TURN_SURGE, yaw=TURN_YAW)

@@ -16,7 +16,7 @@ SAMPLE_S = 0.05
 
 
 def deep_water(model: VehicleModel, *, density_kg_m3: float = 1000.0, step_s: float = 0.005) -> Simulator:
-    """Return a simulator with a free vehicle in still water of uniform density, far from surface and bed."""
+    """Return a simulator with a free vehicle in still water of uniform density, far from both surface and bed."""
     return Simulator(deep_scenario(model, density_kg_m3=density_kg_m3, step_s=step_s))
 
 
@@ -40,7 +40,7 @@ def times(duration_s: float) -> Array:
 
 
 def fly(sim: Simulator, velocity_body: Sequence[float] | Array, duration_s: float) -> Flight:
-    """Return the motion from START_M, level, with velocity_body (6,), under the current efforts."""
+    """Return the motion from START_M, starting level with velocity_body (6,), under the current efforts."""
     rov = sim.rov
     rov.place(START_M, velocity_body=np.asarray(velocity_body, np.float64))
     samples = times(duration_s)

@@ -20,10 +20,10 @@ MEAN_M_S, RMS_M_S, CORRELATION_S = 0.5, 0.2, 10.0  # mean eastward, horizontal g
 SETTLE_S, HOLD_S = 20.0, 120.0
 START_M, BED_DEPTH_M = (0.0, 0.0, -20.0), 25.0  # the bed is within the DVL's range
 SPEED_M_S, LEG_M = 1.0, 56.0
-LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the first CORNER_M after each corner do not count
-ALIGN_S = 60.0  # station keeping before the path, during which the filter estimates its biases
+LOOKAHEAD_M, CORNER_M = 1.5, 6.0  # the first CORNER_M after each corner are excluded
+ALIGN_S = 60.0  # station keeping before the path, while the filter estimates its biases
 TOP_SPEED_AFTER_S = 20.0
-LEGS = 3  # legs at 45 degrees to the mean current, alternately to either side
+LEGS = 3  # legs at 45 degrees to the mean current, to alternate sides
 SEEDS = (1, 2, 3, 4, 5, 6)
 NEAR_START_M = (20.0, 10.0, 0.0)
 ABOVE_MIDDLE_M = (60.0, 20.0, 0.0)  # above the zigzag: the USBL's cross-range error grows with range
@@ -35,9 +35,9 @@ WAYS = {  # position of the station, and duration of station keeping before the 
 
 
 def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEAR_START_M) -> Simulator:
-    """Return a simulator with a free vehicle near a flat bed, in an eastward current with gusts.
+    """Return a simulator with a free vehicle near a flat bed, in a gusty eastward current.
 
-    station_m: (3,), position of the station, which has the USBL's transceiver.
+    station_m: (3,), position of the station, which carries the USBL transceiver.
     """
     each_m_s = RMS_M_S / math.sqrt(2.0)
     gusts = {
@@ -74,7 +74,7 @@ def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTL
 def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]:
     """Fly a zigzag at 1 m/s over ground; return the true cross-track error [m] and speed along the path [m/s], (n,).
 
-    The parts within CORNER_M after a corner are excluded.
+    Sections within CORNER_M after a corner are excluded.
     """
     corners = _corners()
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
@@ -98,7 +98,7 @@ def path_at_speed(sim: Simulator, estimate: EstimateLike) -> tuple[Array, Array]
 
 
 def _corners() -> Array:
-    """Return the zigzag's corners, (LEGS + 1, 3)."""
+    """Return the corners of the zigzag, (LEGS + 1, 3)."""
     step_m = LEG_M / math.sqrt(2.0)
     return np.array([(k * step_m, (k % 2) * step_m, START_M[2]) for k in range(LEGS + 1)])
 
@@ -109,7 +109,7 @@ def rms(values: Array) -> float:
 
 
 def top_speed_m_s(model: VehicleModel) -> float:
-    """Return the vehicle's speed ahead through still water at full thrust."""
+    """Return the vehicle's forward speed through still water at full thrust."""
     sim = deep_water(model)
     controller = Controller(sim.rov, PERIOD_S)
     for _ in range(round(TOP_SPEED_AFTER_S / PERIOD_S)):
@@ -119,7 +119,7 @@ def top_speed_m_s(model: VehicleModel) -> float:
 
 
 def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) -> list[Check]:
-    """Fly all variants with each seed and compare the worst flight with the limits."""
+    """Fly all variants with each seed and compare the worst flight of each with the limits."""
     flights = [_GustFlights(model, seed) for seed in seeds]
     group = f"{len(seeds)} flights in gusts"
     own = f"{group}, by its own estimate"
@@ -137,9 +137,9 @@ def gust_checks(name: str, model: VehicleModel, seeds: Sequence[int] = SEEDS) ->
 
 
 class _GustFlights:
-    """Results of one seed's flights.
+    """The results of one seed's flights.
 
-    kept_m, across_m: RMS distance to the target and to each path. speed_m_s: slowest mean.
+    kept_m, across_m: RMS distance from the target and from each path. speed_m_s: slowest mean.
     """
 
     def __init__(self, model: VehicleModel, seed: int) -> None:

@@ -1,4 +1,4 @@
-"""The imaging suite: the packaged imaging sonars over a flat bed, against the sonar equation and geometry.
+"""The imaging suite: the packaged imaging sonars over a flat bed, compared with the sonar equation and geometry.
 
 Expected values are computed here from published formulas, independently of the code under test.
 """
@@ -25,7 +25,7 @@ BED_DB, BOX_DB = -30.0, -15.0  # arbitrary, but different
 SILENCE_DB = -200.0
 AHEAD_TOLERANCE_DB, ASIDE_TOLERANCE_DB = 0.25, 0.05  # sampling errors of the packaged models
 HAMMING = 0.46  # taper of the vertical patterns' windows
-EDGE_SHARE = 0.04  # share of the main lobe's angles that is excluded at both of its ends
+EDGE_SHARE = 0.04  # share of the main lobe that is excluded at each of its ends
 EVEN_APERTURE_RAD = np.radians(170.0)
 
 
@@ -42,7 +42,7 @@ class Basin:
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return the suite's checks; draw the bed's level over range into the folder `out`."""
+    """Return the checks of the suite; draw the level of the bed over range into the folder `out`."""
     curves = [bed_level_ahead(ForwardLooking()), bed_level_aside(SideScan())]
     if out is not None:
         draw_levels(curves, out / "imaging_bed_level.png")
@@ -55,7 +55,7 @@ def run(out: Path | None = None) -> list[Check]:
 
 @dataclass(frozen=True)
 class Level:
-    """The level received from a flat bed by range, expected and simulated [dB re 1 uPa]."""
+    """The level received from a flat bed as a function of range, expected and simulated [dB re 1 uPa]."""
 
     name: str
     ranges_m: Array
@@ -64,7 +64,7 @@ class Level:
 
 
 def basin(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Basin:
-    """Return a flat bed with boxes, each given by centre and size."""
+    """Return a flat bed with boxes, each given by its centre and size."""
     world = _core.World()
     world.set_terrain(np.full((2, 2), BED_M, np.float32), 600.0, (-300.0, -300.0))
     for k, (middle_m, size_m) in enumerate(boxes):
@@ -107,7 +107,7 @@ def sonar_equation_db(model: Acoustics, ranges_m: Array, width_rad: float, verti
 def bed_level_ahead(model: ForwardLooking, believed: ForwardLooking | None = None) -> Level:
     """Return the level in the central beam of a forward-looking sonar.
 
-    believed: the model assumed for the expected levels, by default the same.
+    believed: the model assumed for the expected levels; defaults to the same model.
     """
     tilt_rad = np.radians(12.0)
     quiet = replace(model, looks=0, noise_level_db=SILENCE_DB, time_varied_gain=False, beams=model.beams | 1)
@@ -169,7 +169,7 @@ def gain_checks() -> list[Check]:
 
 
 def geometry_checks() -> list[Check]:
-    """Check the end of a box's shadow, the position of a small target, and a side-scan sonar's altitude."""
+    """Check the end of a box's shadow, the position of a small target, and the altitude from a side-scan sonar."""
     top, back = 1.5, 15.0
     sim = basin(((back - 0.5, 0.0, BED_M + top / 2), (1.0, 10.0, top)))
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M), pitch_rad=0.2)
@@ -198,7 +198,7 @@ def geometry_checks() -> list[Check]:
 
 
 def speckle_checks() -> list[Check]:
-    """Check that pure noise has a Rayleigh amplitude, and a gamma-distributed power that depends on the looks."""
+    """Check that pure noise has a Rayleigh amplitude and a gamma-distributed power that depends on the looks."""
     checks = []
     deep = imaging.pose_matrix((0, 0, BED_M / 2), pitch_rad=-1.2)
     for looks in (1, 4):
@@ -215,7 +215,7 @@ def speckle_checks() -> list[Check]:
 
 
 def profile_checks() -> list[Check]:
-    """Check that the pencil beam measures a flat bed at height / cosine, averaged over places to reduce speckle."""
+    """Check that the pencil beam ranges a flat bed at height / cosine, averaging places to reduce speckle."""
     checks = []
     poses = [imaging.pose_matrix((x, 0, BED_M + HEIGHT_M), pitch_rad=np.pi / 2) for x in np.arange(50.0)]
     place, model = basin(), SingleBeam()
@@ -229,7 +229,7 @@ def profile_checks() -> list[Check]:
 
 
 def draw_levels(levels: list[Level], path: Path) -> None:
-    """Draw the expected and simulated levels of the flat bed over range."""
+    """Draw the expected and simulated levels of the flat bed against range."""
     figure, panel = plt.subplots(figsize=(9, 4.5), layout="constrained", dpi=120)
     for level, colour in zip(levels, ("C1", "C0"), strict=True):
         panel.plot(level.ranges_m, level.expected, lw=4, alpha=0.35, color=colour, label=f"{level.name}, expected")

@@ -1,6 +1,6 @@
-"""The link suite: travel times, levels and errors against closed forms; queues and access against theory.
+"""The link suite: travel times, levels and errors compared with closed forms; queues and access with theory.
 
-The water is uniform or has a constant gradient, without a bed. Networks run under random load (`network_trial`).
+The water is uniform or has a constant gradient, with no bed. Networks run under random load (`network_trial`).
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ TRIAL_S = 40_000.0
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return the suite's checks; it draws no curves."""
+    """Return the checks of the suite, which draws no curves."""
     return [*path_checks(), *level_checks(), *error_checks(), *network_checks(), *delivery_checks()]
 
 
 def path_checks() -> list[Check]:
-    """Check travel times on straight and mirrored paths and on arcs in a gradient, and the edge of a shadow zone."""
+    """Check travel times on straight and reflected paths and on arcs in a gradient, and the edge of a shadow zone."""
     group, even = "travel time", _core.SoundSpeedProfile.even(1500.0)
     checks = []
     for ray in _core.eigenrays(even, 12.0, 30.0, 400.0, 45.0):
@@ -58,7 +58,7 @@ def path_checks() -> list[Check]:
 
 
 def _shadow_edge_m(profile: _core.SoundSpeedProfile) -> float:
-    """Return the range beyond which no direct ray connects two points 10 m deep."""
+    """Return the range beyond which no direct ray connects two points at a depth of 10 m."""
     near, far = 1.0, 5000.0
     while far - near > 0.01:
         middle = 0.5 * (near + far)
@@ -80,7 +80,7 @@ def level_checks() -> list[Check]:
         level = spec.modem.source_level_db - 20.0 * math.log10(far_m) - alpha * far_m
         checks.append(within("received level", f"{far_m:g} m", level, heard.signal_db, 1.0, 0.1, "dB"))
     expected = _noise_db(spec)
-    spec.modem.source_level_db = 60.0  # so that no echo from the surface is received
+    spec.modem.source_level_db = 60.0  # so that no echo is received from the surface
     quiet = _core.LinkWater(spec, water).hear(nothing, (0.0, 0.0, -5000.0), (100.0, 0.0, -5000.0)).noise_db
     checks.append(within("noise in the band", f"{spec.modem.bandwidth_hz:g} Hz", expected, quiet, 1.0, 0.2, "dB"))
     normal = (1.9 * 1.1 - 1.0) / (1.9 * 1.1 + 1.0)
@@ -102,7 +102,7 @@ def error_checks() -> list[Check]:
 
 
 def network_checks() -> list[Check]:
-    """Check access and queues: Abramson 1970 for ALOHA, Pollaczek and Khinchine for M/D/1, no collisions in TDMA."""
+    """Check access and queues: Abramson 1970 for ALOHA, Pollaczek-Khinchine for M/D/1, no collisions for TDMA."""
     aloha, checks = _plain_modem(_core.MediumAccess.ALOHA), []
     for load in (0.1, 0.25, 0.5, 1.0, 2.0):
         counts = _core.network_trial(aloha, 61, load / 60.0 / SERVICE_S, 6000.0, PACKET_BYTES)
@@ -119,7 +119,7 @@ def network_checks() -> list[Check]:
     cable.kind = _core.LinkKind.CABLE
     for rho in (0.2, 0.5, 0.8):
         counts = _core.network_trial(cable, 2, rho / SERVICE_S, TRIAL_S, PACKET_BYTES, delay_s=0.0)
-        load = counts.given * SERVICE_S / TRIAL_S  # the load actually drawn
+        load = counts.given * SERVICE_S / TRIAL_S  # the load that was actually drawn
         wait_s = counts.delay_s / counts.delivered - SERVICE_S
         expected = 0.5 * load / (1.0 - load) * SERVICE_S
         checks.append(relative("M/D/1 wait", f"rho = {rho:g}", expected, wait_s, 0.05, "s"))
@@ -148,7 +148,7 @@ def delivery_checks() -> list[Check]:
 
 
 def _noise_db(spec: _core.LinkSpec) -> float:
-    """Return the total noise of sea and receiver in the modem's band [dB re 1 uPa]."""
+    """Return the total noise of sea and receiver in the modem band [dB re 1 uPa]."""
     ambient_db = _core.ambient_noise_db_hz(spec.modem.frequency_hz, spec.wind_m_s, spec.shipping)
     density = 10.0 ** (0.1 * ambient_db) + 10.0 ** (0.1 * spec.modem.receiver_noise_db_hz)
     return 10.0 * math.log10(density * spec.modem.bandwidth_hz)
@@ -170,7 +170,7 @@ def _open_spec() -> _core.LinkSpec:
 
 
 def _even_water() -> _core.Water:
-    """Return an ocean of uniform temperature, in which the speed of sound increases only with depth."""
+    """Return an ocean of uniform temperature, in which the speed of sound increases with depth alone."""
     water = _core.Water()
     water.surface_temperature_deg_c = water.bottom_temperature_deg_c = 10.0
     water.salinity_psu = 35.0

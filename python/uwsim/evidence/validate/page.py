@@ -1,4 +1,4 @@
-"""Writes the results of a validation as a page: a table for each suite, and the curves."""
+"""Writes the results of a validation as a page, with a table for each suite and the curves."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ the ratio of the computed value to the limit.
 
 
 def write_page(folder: Path, found: dict[str, list[Check]]) -> None:
-    """Write index.md into the folder that contains the curves. found: checks by suite."""
+    """Write index.md into the folder with the curves. found: checks by suite."""
     parts = [_section(suite, checks) for suite, checks in found.items()]
     curves = [f"![{path.stem.replace('_', ' ')}]({path.name})" for path in sorted(folder.glob("*.png"))]
     ending = ["## Curves\n\n" + "\n\n".join(curves) + "\n"] if curves else []

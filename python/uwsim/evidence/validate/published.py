@@ -1,4 +1,4 @@
-"""The vehicles' coefficients as printed in their sources, independent of the YAML files that the simulator reads."""
+"""The vehicle coefficients as printed in their sources, independent of the YAML files that the simulator reads."""
 
 from __future__ import annotations
 

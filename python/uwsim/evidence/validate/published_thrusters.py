@@ -1,6 +1,6 @@
 """Propellers and mounts as printed in their sources, independent of the YAML files that the simulator reads.
 
-The law of thrust (Fossen 2011, Handbook, sec. 9.1) is repeated here independently of the core.
+The thrust law (Fossen 2011, Handbook, sec. 9.1) is repeated here independently of the core.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Propeller:
     torque_per_thrust_m: float
 
     def thrust_n(self, still_n: float, inflow_m_s: float, density_kg_m3: float) -> float:
-        """Return the thrust at an inflow along the axis, from the still-water thrust."""
+        """Return the thrust for an inflow along the axis, given the still-water thrust."""
         slope = self.diameter_m / self.zero_thrust_advance * np.sqrt(density_kg_m3 * self.bollard * abs(still_n))
         return float(still_n - slope * inflow_m_s)
 
@@ -67,14 +67,14 @@ class Mount:
         return np.asarray(self.axis, np.float64) / np.linalg.norm(self.axis)
 
     def wrench(self, thrust_n: float) -> Array:
-        """Return the force, and the moment about the origin including the propeller's torque: (6,)."""
+        """Return the wrench (6,): force, and moment about the origin including the propeller torque."""
         force = thrust_n * self.unit
         return np.concatenate(
             [force, np.cross(self.position_m, force) - self.spin * self.propeller.torque_per_thrust_m * force]
         )
 
     def inflow_m_s(self, velocity: Sequence[float] | Array) -> float:
-        """Return the hub's speed along the axis if the body moves with velocity (6,)."""
+        """Return the hub's speed along the axis when the body moves with velocity (6,)."""
         return float(self.unit @ (np.asarray(velocity[:3]) + np.cross(velocity[3:], self.position_m)))
 
 

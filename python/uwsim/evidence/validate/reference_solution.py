@@ -68,7 +68,7 @@ class Flight:
 
 
 def cross_matrix(v: ArrayLike) -> Array:
-    """Return [v]x, the matrix with [v]x u = v x u."""
+    """Return [v]x, the matrix for which [v]x u = v x u."""
     x, y, z = np.asarray(v, np.float64)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
@@ -76,7 +76,7 @@ def cross_matrix(v: ArrayLike) -> Array:
 def integrate(
     body: Coefficients, velocity_body: ArrayLike, times_s: Array, wrench_body: ArrayLike = (0.0,) * 6
 ) -> Flight:
-    """Return the motion from the origin, level, with velocity_body (6,), under a constant wrench (6,)."""
+    """Return the motion from the origin, starting level with velocity_body (6,), under a constant wrench (6,)."""
     mass, inverse = body.mass, np.linalg.inv(body.mass)
     linear, quadratic = np.asarray(body.linear_damping), np.asarray(body.quadratic_damping)
     applied = np.asarray(wrench_body, np.float64)

@@ -1,4 +1,4 @@
-"""Checks bent rays against closed forms: Snell's circle, and a flat bed's "smile" under a wrong profile."""
+"""Checks bent rays against closed forms: Snell's circle, and the "smile" of a flat bed under a wrong profile."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DIPS_RAD = np.radians([20.0, 30.0, 45.0, 60.0, 80.0])
 
 
 def circle(dip_rad: float) -> tuple[float, float]:
-    """Return the horizontal distance and the one-way travel time from the surface to the bed, by Snell's circle."""
+    """Return the horizontal distance and one-way travel time from surface to bed along Snell's circle."""
     bed_m_s = SURFACE_M_S + GRADIENT_1_S * BED_M
     arrival_rad = math.acos(math.cos(dip_rad) * bed_m_s / SURFACE_M_S)
     across_m = SURFACE_M_S / (GRADIENT_1_S * math.cos(dip_rad)) * (math.sin(dip_rad) - math.sin(arrival_rad))
@@ -26,7 +26,7 @@ def circle(dip_rad: float) -> tuple[float, float]:
 
 
 def refraction_checks() -> list[Check]:
-    """Return the checks of the path and of the smile."""
+    """Return the checks on the path and on the smile."""
     return [*path_checks(), *smile_checks()]
 
 
@@ -60,7 +60,7 @@ def smile_checks() -> list[Check]:
 
 
 def bent_ping() -> tuple[_core.PhysicsPing, _core.AcousticMultibeam]:
-    """Return a ping straight down from the surface, 120 degrees wide and almost without noise, and its sonar."""
+    """Return a ping straight down from the surface, 120 degrees wide and almost noise-free, and its sonar."""
     fan = _core.MultibeamModel(
         name="refraction", beams=121, field_of_view_rad=math.radians(120), range_max_m=400.0, frequency_hz=400e3
     )

@@ -1,8 +1,8 @@
-"""The sonar suite: maximum depths and coverages against the manufacturer's table, physics mode against the formula.
+"""The sonar suite: maximum depths and coverages compared with the manufacturer's table, physics mode with the formula.
 
 Assumed water: 4 deg C at all depths; ocean with 35 psu and pH 8.0, fresh water with 0 psu. The bed is flat rock, and
-the sonar has one receiver. Each instrument has one set of values per frequency; no values are fitted to single cells of
-the table. Refraction is checked against closed forms.
+the sonar has one receiver. Each instrument has one set of values per frequency; none are fitted to individual table
+cells. Refraction is checked against closed forms.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TOWARDS_DEEPEST = 1 / 3  # largest share of the way to the maximum depth, near w
 
 
 def run(out: Path | None = None) -> list[Check]:
-    """Return the suite's checks; draw depths, coverages, detection rates and the smile into the folder `out`."""
+    """Return the checks of the suite; draw depths, coverages, detection rates and the smile into the folder `out`."""
     simulated = {cell: half_detected_m(cell) for cell in DEPTH_M}
     if out is not None:
         draw_table(simulated, out / "sonar_depths.png")
@@ -33,7 +33,7 @@ def run(out: Path | None = None) -> list[Check]:
 
 
 def table_checks() -> list[Check]:
-    """Check each known depth and coverage of the manufacturer's table against the values of the instruments' files."""
+    """Check each known depth and coverage in the manufacturer's table against the values in the instrument files."""
     depths = [_in_table("depth", cell, table_m, cell.depth_m()) for cell, table_m in DEPTH_M.items()]
     coverages = [_in_table("coverage", cell, table_m, cell.coverage().width_m) for cell, table_m in COVERAGE_M.items()]
     return [*depths, *coverages]

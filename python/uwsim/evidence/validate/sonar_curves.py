@@ -1,4 +1,4 @@
-"""Figures of the sonar suite: depths over frequency, detection rates over depth, and the smile of refraction."""
+"""Figures of the sonar suite: depths over frequency, detection rates over depth, and the refraction smile."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from uwsim.instruments.sonars.soundings import sound_points
 
 
 def draw_table(simulated: dict[Cell, float], path: Path) -> None:
-    """Draw depth and coverage over frequency, from the table and by the formula, and the simulated depth."""
+    """Draw depth and coverage against frequency, from the table and the formula, and the simulated depth."""
     figure, panels = plt.subplots(2, 2, figsize=(11, 9), layout="constrained", dpi=120, sharex=True, sharey="row")
     for column, array in enumerate(ARRAYS):
         for colour, water in zip(("tab:blue", "tab:green"), WATERS, strict=True):
@@ -47,7 +47,7 @@ def draw_table(simulated: dict[Cell, float], path: Path) -> None:
 
 
 def draw_detections(path: Path) -> None:
-    """Draw the packaged sonars' detection rate straight down over depth."""
+    """Draw the packaged sonars' detection rate straight down against depth."""
     figure, panel = plt.subplots(figsize=(8, 5), layout="constrained", dpi=120)
     for khz in FREQUENCIES_KHZ:
         cell = Cell(ARRAYS[0], khz, "ocean")

@@ -31,22 +31,22 @@ def half_detected_m(cell: Cell) -> float:
 
 
 def half_detected_swath_m(cell: Cell, depth_m: float) -> float:
-    """Return the width of the swath at a depth, between the beams with a detection rate of one half."""
+    """Return the swath width at a depth, between the beams with a detection rate of one half."""
     sonar = _sonar(cell, cell.fan.beams, 2 * cell.half_fan_rad)
     rates = _rates(sonar, depth_m, SWATH_PLACES, SWATH_APART_M)
     return 2 * depth_m * _half_detected_tangent(np.tan(sonar_angles(cell)), rates)
 
 
 def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
-    """Return the tangent at which a logistic curve in its square, fitted to the rates of all beams, is one half.
+    """Return the tangent at which a logistic curve in its square, fitted to the rates of all beams, equals one half.
 
-    The curve is fitted because the rate may fall slowly, so that single crossings of one half are random. The tangent
-    is at most that of the fan's outermost beam.
+    The curve is fitted because the rate may fall slowly, which makes individual crossings of one half random. The
+    tangent is at most that of the fan's outermost beam.
     """
     outermost = float(tangents.max())
     squares = (tangents / outermost) ** 2
 
-    def surprise(curve: NDArray[np.float64]) -> float:  # minus the logarithm of the likelihood
+    def surprise(curve: NDArray[np.float64]) -> float:  # negative log-likelihood
         logits = np.clip((curve[0] - squares) * curve[1], -40.0, 40.0)
         return float(np.sum(np.logaddexp(0.0, logits) - rates * logits))
 
@@ -55,7 +55,7 @@ def _half_detected_tangent(tangents: NDArray[np.float64], rates: NDArray[np.floa
 
 
 def sonar_angles(cell: Cell) -> NDArray[np.float64]:
-    """Return the angles of the beams from straight down."""
+    """Return the beam angles from straight down."""
     return np.linspace(-cell.half_fan_rad, cell.half_fan_rad, cell.fan.beams)
 
 
@@ -81,7 +81,7 @@ def _sonar(cell: Cell, beams: int, fan_rad: float) -> _core.AcousticMultibeam:
 
 
 def _rates(sonar: _core.AcousticMultibeam, depth_m: float, places: int, apart_m: float) -> NDArray[np.float64]:
-    """Return the detection rate of each beam, over positions along the normal of the fan."""
+    """Return each beam's detection rate, over positions along the normal of the fan."""
     scene = _core.RayScene(flat_world(depth_m))
     along_m = apart_m * (np.arange(places) - places / 2)
     pings = [sonar.ping(scene, (x, 0.0, 0.0), LOOKING_DOWN_XYZW, tick=tick) for tick, x in enumerate(along_m)]

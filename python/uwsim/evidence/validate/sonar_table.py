@@ -1,4 +1,4 @@
-"""The manufacturer's table of an EM 2040, and the sonar equation's values for the parameters in the instrument's file.
+"""The manufacturer's table for an EM 2040, and the sonar equation's values for the parameters in the instrument file.
 
 Over flat rock, a beam is detected while SL + PG + DI - NL minus the losses along its path exceeds the detector's
 threshold (_core.bottom_echo). The maximum depth is that of the vertical beam; the coverage is the widest swath at any
@@ -56,7 +56,7 @@ WATERS = {
 
 @dataclass(frozen=True)
 class Swath:
-    """An instrument's widest swath: its width and depth."""
+    """The widest swath of an instrument: its width and depth."""
 
     width_m: float
     depth_m: float
@@ -64,7 +64,7 @@ class Swath:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of the table: an instrument at one frequency in one kind of water."""
+    """A table cell: an instrument at one frequency in one kind of water."""
 
     array: str
     frequency_khz: int
@@ -95,7 +95,7 @@ class Cell:
         return float(brentq(self.margin_db, 0.5, DEEPEST_M, xtol=1e-4))
 
     def swath_m(self, depth_m: float) -> float:
-        """Return the width of the swath at a depth."""
+        """Return the swath width at a depth."""
         outermost = min(self.half_fan_rad, math.acos(min(1.0, depth_m / self.fan.range_max_m)))
         if self.margin_db(depth_m) <= 0.0:
             return 0.0

@@ -1,4 +1,4 @@
-"""Figures of step responses: one panel per step, with rise, overshoot, settling and steady error."""
+"""Figures of step responses: one panel per step, with rise time, overshoot, settling time and steady-state error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COLUMNS = 3
 
 
 def draw_steps(responses: list[StepResponse], path: Path) -> None:
-    """Draw all step responses of a vehicle."""
+    """Draw all of a vehicle's step responses."""
     rows = -(-len(responses) // COLUMNS)
     size = (4.0 * COLUMNS, 2.6 * rows)
     figure, panels = plt.subplots(rows, COLUMNS, figsize=size, layout="constrained", dpi=120, squeeze=False)

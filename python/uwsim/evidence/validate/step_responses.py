@@ -1,4 +1,4 @@
-"""Measures step responses of a vehicle's control loops in deep, still water."""
+"""Measures the step responses of a vehicle's control loops in deep, still water."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SETTLED = 0.05  # share of the step
 class Step:
     """A step in one quantity. needs: the axis that must have actuators. command, read: set and read the quantity.
 
-    under_way_m_s: speed ahead at which the step begins, after SETTLE_S at that speed; 0 to begin from rest.
+    under_way_m_s: forward speed at which the step begins, after SETTLE_S at that speed; 0 to begin from rest.
     """
 
     name: str
@@ -145,12 +145,12 @@ class StepResponse:
 
     @property
     def rise_s(self) -> float:
-        """Time from 10 to 90 % of the step; inf if these are not reached."""
+        """Time from 10 to 90 % of the step; inf if either is not reached."""
         return self._first(0.9) - self._first(0.1)
 
     @property
     def overshoot(self) -> float:
-        """Largest excess beyond the step, as a share of the step."""
+        """Largest overshoot beyond the step, as a share of the step."""
         return max(0.0, float(self.values.max()) - 1.0)
 
     @property
@@ -172,7 +172,7 @@ class StepResponse:
 
 
 def step_responses(name: str, model: VehicleModel) -> list[StepResponse]:
-    """Return the responses to all steps that the actuators can drive, under way if there is no vertical thrust."""
+    """Return the responses to all steps that the actuators can drive; under way if there is no vertical thrust."""
     sim = deep_water(model)
     driven = dict(zip(AXES, sim.rov.control.model.driven, strict=True))
     return [_fly(name, sim, step) for step in (STEPS if driven["heave"] else STEPS_UNDER_WAY) if driven[step.needs]]

@@ -1,4 +1,4 @@
-"""Checks the thrusters of the packaged vehicles, each alone, against their published values and law."""
+"""Checks the thrusters of the packaged vehicles, each on its own, against their published values and law."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HEIGHT_TOLERANCE = 5e-3
 
 
 def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check the table's points, zero thrust in the dead band, and half the thrust halfway to the adjacent points."""
+    """Check the table points, zero thrust in the dead band, and half the thrust halfway to the adjacent points."""
     probe, (thruster, mount) = Probe(name, model), next(iter(MOUNTS[name].items()))
     commands, thrusts = np.array(mount.propeller.table).T
     middles = 0.5 * (commands[1:] + commands[:-1])
@@ -29,13 +29,13 @@ def thrust_tables(name: str, model: VehicleModel | None = None) -> Iterator[Chec
         got, expected = probe.rov.thrusters[thruster].thrust_n, float(np.interp(command, commands, thrusts))
         label = f"thrust at command {command:.4g}"
         if expected:
-            yield relative(name, label, expected, got, 5e-3, "N")  # the propeller's table is rounded to 0.01 N
+            yield relative(name, label, expected, got, 5e-3, "N")  # the propeller table is rounded to 0.01 N
         else:
             yield within(name, label, 0.0, got, 1.0, 1e-4, "N")
 
 
 def thruster_wrenches(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check each thruster alone, full ahead and full astern, at rest: force, moment r x F and reaction torque."""
+    """Check each thruster on its own at rest, full ahead and full astern: force, moment r x F and reaction torque."""
     probe = Probe(name, model)
     for thruster, mount in MOUNTS[name].items():
         expected, got = [], []
@@ -81,10 +81,10 @@ def thruster_lag(name: str, model: VehicleModel | None = None) -> Iterator[Check
 
 
 def advance_loss(name: str, model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check the thrust lost to inflow while the vehicle moves and turns; the wrench without thrust is subtracted."""
+    """Check the thrust lost to inflow as the vehicle moves and turns; the wrench without thrust is subtracted."""
     probe = Probe(name, model)
     velocity = np.array([1.2, -0.4, 0.3, 0.2, -0.3, 0.4])
-    idle = probe.wrench(velocity)  # the lift of the fins
+    idle = probe.wrench(velocity)  # the fin lift
     for thruster, mount in list(MOUNTS[name].items())[::3]:
         command, still_n = mount.propeller.table[-1]
         probe.command({thruster: command}, mount.propeller)
@@ -94,7 +94,7 @@ def advance_loss(name: str, model: VehicleModel | None = None) -> Iterator[Check
 
 
 def driven_terminal_speed(name: str = "bluerov2_heavy", model: VehicleModel | None = None) -> Iterator[Check]:
-    """Check that BlueROV2 Heavy's thrust, minus the loss to inflow, equals its drag at terminal speed ahead and up.
+    """Check that BlueROV2 Heavy's thrust, less the loss to inflow, equals its drag at terminal speed ahead and up.
 
     The horizontal thrusters push at 45 degrees. Full effort ahead is 39.9 N from each front thruster and 51.5 N from
     each rear thruster; efforts up to 0.87 of that are shared evenly. The vertical thrusters deliver 51.5 N each.

@@ -14,12 +14,12 @@ from uwsim.evidence.validate.flights import START_M, deep_scenario
 from uwsim.scenario import VehicleModel, load_vehicle
 
 EFFORTS = tuple(k / 10 for k in range(1, 11))
-START_TILT_DEG = 2.0  # in roll and in pitch, to start away from an unstable equilibrium
+START_TILT_DEG = 2.0  # in roll and pitch, to start away from the vehicle leaves an unstable equilibrium
 FLIGHT_S, SAMPLE_S = 60.0, 0.1
 
 
 def largest_tilts_deg(model: VehicleModel) -> NDArray[np.float64]:
-    """Return the largest angle between the body's z and the vertical, (6, 10): in a minute of each effort on each axis.
+    """Return the largest angle between the body z and the vertical, (6, 10): in a minute of each effort on each axis.
 
     Rows of axes on which the vehicle cannot be driven are NaN.
     """

@@ -1,7 +1,7 @@
 """Navigation of a vehicle that turns about all axes: the filter's errors match its covariance.
 
-A BlueROV2 without control hardly rights itself, so small torques make it roll, pitch and tumble, even upside down: then
-its DVL sees no bottom, while the depth sensor, compass, USBL and IMU continue to measure. The measure is the NEES of
+An uncontrolled BlueROV2 hardly rights itself, so small torques make it roll, pitch and tumble, even upside down. Its
+DVL then loses the bottom, while the depth sensor, compass, USBL and IMU continue to measure. The measure is the NEES of
 estimation.py.
 """
 
@@ -29,7 +29,7 @@ LEGS, LEG_S, LEGS_PER_LOOK = 16, 2.5, 2
 
 
 def turning_vehicle() -> Scenario:
-    """Return the lake with a free BlueROV2 that is trimmed to neutral buoyancy."""
+    """Return the lake scenario with a free BlueROV2 trimmed to neutral buoyancy."""
     lake = load("lake")
     plain = {key: getattr(lake, key) for key in type(lake).model_fields}
     vehicle = {
@@ -42,7 +42,7 @@ def turning_vehicle() -> Scenario:
 
 
 def turning_flight(sim: Simulator, seed: int, turn: str) -> Iterator[list[float]]:
-    """Fly with random efforts while turning; yield the NEES of all errors and of each of PARTS, at intervals."""
+    """Fly with random efforts while turning; at intervals, yield the NEES of all errors and of each of PARTS."""
     navigator, draws = start_navigation(sim, seed)
     least, most = np.array(TURNS[turn])
     side = np.where(draws.random(3) < 0.5, -1.0, 1.0)
@@ -56,7 +56,7 @@ def turning_flight(sim: Simulator, seed: int, turn: str) -> Iterator[list[float]
 
 
 def turning_checks(seeds: int) -> list[Check]:
-    """Fly each of TURNS with all seeds; return the checks of NEES."""
+    """Fly each of TURNS with every seed; return the NEES checks."""
     sim, found = Simulator(turning_vehicle()), []
     for turn in TURNS:
         nees = np.array([list(turning_flight(sim, seed, turn)) for seed in range(seeds)])

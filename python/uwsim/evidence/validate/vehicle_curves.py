@@ -13,7 +13,7 @@ from uwsim.figures.style import save_figure
 
 
 def draw_decays(curves: list[Curve], path: Path) -> None:
-    """Draw each decay's speed along its starting axis over time."""
+    """Draw the speed of each decay along its starting axis against time."""
     decays = [curve for curve in curves if curve.name.startswith("decay")]
     figure, panels = plt.subplots(2, 3, figsize=(11, 6), layout="constrained", dpi=120)
     for panel, curve in zip(panels.flat, decays, strict=True):

@@ -1,4 +1,4 @@
-"""Checks the packaged vehicles against their published equations: decay of speed, turning, free fall, terminal speed.
+"""Checks the packaged vehicles against their published equations: speed decay, turning, free fall, terminal speed.
 
 Every printed coefficient affects a check by more than its tolerance: changing any of them by 5 % makes a check fail.
 Forces along the body axes replace thrusters and fins, whose own laws are not in these equations.
@@ -78,7 +78,7 @@ def _decays(name: str, sim: Simulator) -> list[Curve]:
 
 
 def _free_fall(name: str, sim: Simulator) -> Curve:
-    """Return the motion from rest, level, under only the weight in water."""
+    """Return the motion from rest, level, under the weight in water alone."""
     still = (0.0,) * 6
     return Curve(name, "free fall", fly(sim, still, FALL_S), _published(name, still, FALL_S, still))
 
@@ -109,7 +109,7 @@ def _leading_axis(curve: Curve, scales: Array) -> int:
 
 
 def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> VehicleModel:
-    """Return the vehicle with forces and torques along the body axes instead of thrusters and fins."""
+    """Return the vehicle with forces and torques along its body axes in place of thrusters and fins."""
     return model.model_copy(
         update={
             "max_force_n": wrench[:3],
@@ -122,10 +122,10 @@ def _with_body_forces(model: VehicleModel, wrench: tuple[float, ...]) -> Vehicle
 
 
 def _mass_check(name: str, model: VehicleModel) -> Check:
-    """Compare the mass: a known force divided by the acceleration that it causes, minus the published added mass.
+    """Compare the mass: a known force divided by the resulting acceleration, minus the published added mass.
 
-    A centre of mass below the line of the force makes the body pitch and appear slightly lighter. A vehicle that is
-    trimmed to neutral has no mass in its file; its mass follows from the volume and the water's density.
+    A centre of mass below the line of force makes the body pitch and appear slightly lighter. A vehicle trimmed to
+    neutral has no mass in its file; the mass follows from its volume and the water density.
     """
     body = PUBLISHED[name]
     force_n = PUSH_M_S2 * (body.mass_kg + body.added_mass[0])
@@ -142,7 +142,7 @@ def _mass_check(name: str, model: VehicleModel) -> Check:
 
 
 def _turning(name: str, model: VehicleModel) -> Curve:
-    """Return the curve of a turning circle from rest, under constant surge force and yaw torque."""
+    """Return the turning circle curve from rest, under constant surge force and yaw torque."""
     body = PUBLISHED[name]
     surge = _steady_wrench(body, 0, 0.8)
     yaw = _steady_wrench(body, 5, 0.3)
@@ -172,7 +172,7 @@ def _turning_checks(curve: Curve) -> list[Check]:
 
 
 def _terminal_check(fall: Curve) -> list[Check]:
-    """Compare the terminal speed, at which damping equals the weight in water; no check for a neutral vehicle."""
+    """Compare the terminal speed, where damping equals the weight in water; no check for a neutral vehicle."""
     body = PUBLISHED[fall.vehicle]
     weight_n = (body.mass_kg - body.water_density_kg_m3 * body.volume_m3) * GRAVITY_M_S2
     if abs(weight_n) < 1e-3:
