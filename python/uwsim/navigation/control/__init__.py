@@ -1,4 +1,4 @@
-"""Control of vehicles through their public interface only, so that it works for simulated and remote vehicles alike."""
+"""Control of vehicles through their public interface only, so that simulated and remote vehicles work alike."""
 
 from uwsim.navigation.control.autopilot import Autopilot
 from uwsim.navigation.control.controller import Controller

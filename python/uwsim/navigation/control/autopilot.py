@@ -14,7 +14,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.protocols import SteeredVehicle
 
 Vector = NDArray[np.float64]
-STEADY_RATE_LOOP = 0.4  # largest rate gain x authority x period; see `steady_gains`
+STEADY_RATE_LOOP = 0.4  # maximum of rate gain x authority x period; see `steady_gains`
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Autopilot(Sealed):
 
     @property
     def gains(self) -> Gains:
-        """The gains used from the next control period on."""
+        """The gains used from the next control period onwards."""
         return self._gains
 
     @gains.setter
@@ -59,14 +59,14 @@ class Autopilot(Sealed):
         self._core.gains = _core.AutopilotGains(**asdict(gains))
 
     def steer(self, heading_rad: float, velocity_world_m_s: Sequence[float] | Vector, z_world_m: float) -> None:
-        """Set the efforts of one control period for a heading, a horizontal velocity (2,) and a height z."""
+        """Set the efforts for one control period from a heading, a horizontal velocity (2,) and a height z."""
         vehicle = self.vehicle
         efforts = self._core.steer(vehicle.pose, vehicle.velocity, heading_rad, velocity_world_m_s, z_world_m)
         vehicle.set_effort(*efforts)
 
     @property
     def integrals(self) -> tuple[float, float, float]:
-        """The integrals of surge, sway and height, in units of effort: the only state kept between periods."""
+        """The integrals for surge, sway and height, in units of effort: the only state kept between periods."""
         surge, sway, height = self._core.integrals.tolist()
         return surge, sway, height
 
@@ -78,7 +78,7 @@ class Autopilot(Sealed):
 def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gains:
     """Return reduced gains if the vehicle turns too fast for a loop with this period. authority: see Vehicle.
 
-    A rate loop sampled at T is stable if rate gain x authority x T < 2, and does not overshoot well below 1.
+    A rate loop sampled at T is stable if rate gain x authority x T < 2, and well below 1 it does not overshoot.
     """
     if authority is None:
         return gains
@@ -98,5 +98,5 @@ def steady_gains(gains: Gains, authority: Vector | None, period_s: float) -> Gai
 
 
 def wrap_angle(angle_rad: float) -> float:
-    """Return the same angle in [-pi, pi)."""
+    """Return the angle wrapped to [-pi, pi)."""
     return float((angle_rad + math.pi) % (2 * math.pi) - math.pi)

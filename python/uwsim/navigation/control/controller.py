@@ -1,4 +1,4 @@
-"""A cascaded controller with a model of its vehicle: holds positions, courses and velocities, and follows paths."""
+"""A cascaded controller with a vehicle model: holds positions, courses and velocities, and follows paths."""
 
 from __future__ import annotations
 
@@ -26,17 +26,16 @@ class ControlSettingsLike(Protocol):
 
     @property
     def gains(self) -> _core.ControlGains:
-        """Gains and limits of the control loops."""
+        """The gains and limits of the control loops."""
 
 
 class Controller(Sealed):
     """Converts a target to efforts: call one of `hold`, `steer` and `velocity` once per control period.
 
-    estimate: the vehicle's motion as known to the controller; by default that of the vehicle itself, which for a
-    simulated vehicle is the truth. settings: the model and gains from the vehicle's file; by default `vehicle.control`.
+    estimate: the vehicle's motion as known to the controller; defaults to that of the vehicle itself, which for a
+    simulated vehicle is the truth. settings: the model and gains from the vehicle file; defaults to `vehicle.control`.
     A remote vehicle has none: pass `uwsim.scenario.control_settings("bluerov2_heavy")`. The control law is in
-    cpp/uwsim/control/motion_controller.h; for more, see docs/guides/control.md. Axes without actuators are not
-    controlled.
+    cpp/uwsim/control/motion_controller.h; see also docs/guides/control.md. Axes without actuators are not controlled.
     """
 
     vehicle: SteeredVehicle
@@ -87,7 +86,7 @@ class Controller(Sealed):
         pitch_rad: float = 0.0,
         across_first: bool = False,
     ) -> None:
-        """Hold a heading, a horizontal velocity over ground (2,), and a height z or an altitude.
+        """Hold a heading, a horizontal velocity over ground (2,), and either a height z or an altitude.
 
         altitude_m: target and measured altitude. Without z_world_m and altitude_m, the vertical velocity is held at
         zero, and a vehicle without vertical thrust holds its pitch instead. pitch_rad: positive nose down.
@@ -114,12 +113,12 @@ class Controller(Sealed):
 
     @property
     def force_share(self) -> float:
-        """The fraction of the required force that the thrusters produced in the last period; below 1 at their limit."""
+        """The fraction of the required force that the thrusters produced last period; below 1 at their limit."""
         return self._core.force_share
 
     @property
     def memory(self) -> Vector:
-        """State kept between periods, (25,): integrals, references and filters, for saving and restoring."""
+        """The state kept between periods, (25,): integrals, references and filters, for saving and restoring."""
         return self._core.memory
 
     @memory.setter

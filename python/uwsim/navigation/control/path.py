@@ -1,4 +1,4 @@
-"""Path following along straight segments by line-of-sight guidance."""
+"""Path following along straight segments with line-of-sight guidance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim.base.sealed import Sealed
 from uwsim.navigation.control.controller import Controller
 
 Vector = NDArray[np.float64]
-SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time to change by the full speed, without and with enough thrust
+SLOW_DOWN_S, SPEED_UP_S = 0.5, 20.0  # time to change by the full speed, with insufficient and with sufficient thrust
 SLOWEST = 0.1  # lowest fraction of the commanded speed
 
 
@@ -21,10 +21,10 @@ class PathFollower(Sealed):
     """Guides a controller along a path; call `steer` once per control period.
 
     The vehicle faces along the path, or along its course if it cannot sway. points_m: (n, 3), waypoints. lookahead_m:
-    distance ahead on the path at which the course aims: near the path, the cross-track error decays at the rate speed /
-    lookahead. integral_m_s: gain of the cross-track integral, for a vehicle that drifts in a current because it does
-    not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for both
-    speed and path, the vehicle stays on the path and slows down.
+    distance ahead on the path at which the course is aimed: near the path, the cross-track error decays at the rate
+    speed / lookahead. integral_m_s: gain of the cross-track integral, for a vehicle that drifts in a current because it
+    does not control its velocity over ground (cpp/uwsim/control/path_follower.h). If the thrust is insufficient for
+    both speed and path, the vehicle stays on the path and slows down.
     """
 
     controller: Controller
@@ -50,7 +50,7 @@ class PathFollower(Sealed):
         self._core = _core.PathFollower(points_m, lookahead_m, integral_m_s, controller.period_s)
 
     def steer(self) -> _core.Guidance:
-        """Set the efforts of one control period; return the guidance, which shows whether the end has been passed."""
+        """Set the efforts for one control period; return the guidance, which shows whether the end has been passed."""
         guidance = self._core.guide(self.controller.estimate.pose.position_world_m)
         self._keep_pace()
         speed, course = self._pace * self.speed_m_s, guidance.course_rad
@@ -60,7 +60,7 @@ class PathFollower(Sealed):
         return guidance
 
     def _keep_pace(self) -> None:
-        """Slow down while the thrusters are at their limit, since thrust against a cross current has priority."""
+        """Slow down while the thrusters are at their limit, since thrust against a cross-current takes priority."""
         lacking = 1.0 - self.controller.force_share
         change = -lacking / SLOW_DOWN_S if lacking > 1e-6 else 1.0 / SPEED_UP_S
         self._pace = min(max(self._pace + self.controller.period_s * change, SLOWEST), 1.0)

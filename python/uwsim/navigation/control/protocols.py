@@ -1,4 +1,4 @@
-"""The interfaces of vehicle and clock for missions; uwsim.Simulator implements them, and remote vehicles may too."""
+"""The vehicle and clock interfaces for missions; uwsim.Simulator implements them, and remote vehicles can too."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Watch(Protocol):
 
 
 class Clock(Watch, Protocol):
-    """A clock that lets time pass: a simulator advances, a remote vehicle's clock sleeps."""
+    """A clock that lets time pass: a simulator's advances it, a remote vehicle's sleeps."""
 
     def wait(self, duration_s: float) -> None:
         """Return after duration_s seconds."""
@@ -60,14 +60,14 @@ class SonarLike(Protocol):
     """A sonar head that tilts and pings."""
 
     def aim(self, elevation_rad: float) -> None:
-        """Turn the head to an elevation; positive is up."""
+        """Turn the head to an elevation, positive up."""
 
     def ping(self) -> PingLike:
         """Ping from the current pose."""
 
 
 class SensorLike(Protocol):
-    """A sensor whose reading is a number."""
+    """A sensor whose readings are numbers."""
 
     def read(self) -> Any:
         """Return the reading in the sensor's SI unit."""
@@ -81,7 +81,7 @@ class PanelLike(Protocol):
 
 
 class EstimateLike(Protocol):
-    """A vehicle's motion as known to a filter, or the truth; a simulated vehicle provides its own truth."""
+    """A vehicle's motion as known to a filter, or the true motion; a simulated vehicle provides its own true motion."""
 
     @property
     def pose(self) -> PoseLike: ...

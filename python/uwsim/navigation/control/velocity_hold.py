@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 class VelocityHold(Sealed):
     """Converts a commanded velocity to efforts with the loops of `Controller`. Call `efforts` once per control period.
 
-    Roll and pitch are kept level unless a rate about them is commanded.
+    The vehicle is kept level in roll and pitch unless a rate about either is commanded.
     """
 
     controller: Controller
@@ -26,5 +26,5 @@ class VelocityHold(Sealed):
         self.controller = Controller(vehicle, period_s, settings=settings)
 
     def efforts(self, velocity_body: Vector) -> dict[str, float]:
-        """Return the efforts of this period for a velocity (6,), [m/s] and [rad/s]: by axis, each in [-1, 1]."""
+        """Return this period's efforts for a velocity (6,), [m/s] and [rad/s], keyed by axis, each in [-1, 1]."""
         return dict(zip(AXES, self.controller.velocity_efforts(velocity_body), strict=True))

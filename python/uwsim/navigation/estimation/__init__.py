@@ -1,4 +1,4 @@
-"""Navigation by a vehicle's own instruments: an error-state Kalman filter that sees vehicles only through protocols."""
+"""Navigation by onboard instruments: an error-state Kalman filter that accesses vehicles only through protocols."""
 
 from uwsim.navigation.estimation.navigator import Navigator
 from uwsim.navigation.estimation.start import Start

@@ -1,4 +1,4 @@
-"""The instruments that correct the filter: one class per kind, listed in AIDS, prepares their samples."""
+"""The instruments that correct the filter: for each kind in AIDS, one class prepares the samples."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_BIAS = _core.BiasModel()
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A vehicle's knowledge of its surroundings. imu_body_m (3,): position of its IMU."""
+    """What a vehicle knows about its surroundings. imu_body_m (3,): position of its IMU."""
 
     imu_body_m: Array
     station_world_m: Array
@@ -36,21 +36,21 @@ class Aid(Protocol):
         """Register the instrument with the filter; return its index there."""
 
     def readings(self, sensor: InstrumentLike, samples: SamplesLike, around: Surroundings) -> tuple[Array, Array]:
-        """Return which samples are usable, (n,) bool, and their readings in the filter's form."""
+        """Return a mask (n,) of usable samples, and their readings in the format that the filter expects."""
 
 
 def lever(sensor: InstrumentLike, around: Surroundings) -> Array:
-    """Return the position of a sensor relative to the IMU, in body axes."""
+    """Return a sensor's position relative to the IMU, in body axes."""
     return np.asarray(sensor.spec.position_m) - around.imu_body_m
 
 
 def body_from_sensor(sensor: InstrumentLike) -> Rotation:
-    """Return the orientation of a sensor on the body."""
+    """Return a sensor's orientation on the body."""
     return Rotation.from_quat(sensor.spec.orientation_xyzw)
 
 
 class Doppler:
-    """The beams of a DVL, processed separately so that lost beams do not affect the others."""
+    """The beams of a DVL, processed separately so that losing some does not affect the others."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -86,7 +86,7 @@ class Depth:
 
 
 class Pressure:
-    """A pressure sensor; depth is derived with the water density assumed by the vehicle."""
+    """A pressure sensor; depth is derived from the water density that the vehicle assumes."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -100,7 +100,7 @@ class Pressure:
 
 
 class Compass:
-    """A compass. The declination is known from the chart; of the hard-iron error, only the strength is known."""
+    """A compass. The declination is known from the chart; for the hard-iron error, only the strength is known."""
 
     def add_to(self, filter_: _core.NavigationFilter, sensor: InstrumentLike, around: Surroundings) -> int:
         """See Aid."""
@@ -121,7 +121,7 @@ class Compass:
 
 
 def magnetic_north_rad(compass: InstrumentLike) -> float:
-    """Return the direction of magnetic north, counter-clockwise from east."""
+    """Return the direction of magnetic north, counterclockwise from east."""
     return 0.5 * math.pi - math.radians(compass.spec.parameters["declination_deg"][0])
 
 
@@ -166,9 +166,9 @@ AIDS: dict[str, Aid] = {
 
 
 def chosen_aids(sensors: dict[str, InstrumentLike]) -> dict[str, InstrumentLike]:
-    """Return the sensors that aid the filter, by name: the first of each kind.
+    """Return the sensors that aid the filter, keyed by name: the first of each kind.
 
-    Depth is preferred to the equivalent pressure; the IMU's own orientation is used only if there is no compass.
+    Depth is preferred to the equivalent pressure, and the IMU's own orientation is used only without a compass.
     """
     first: dict[str, tuple[str, InstrumentLike]] = {}
     for name, sensor in sensors.items():

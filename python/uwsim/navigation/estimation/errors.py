@@ -1,4 +1,4 @@
-"""A sensor's noise parameters in the filter's form; the truth is not used."""
+"""A sensor's noise parameters in the format that the filter expects; the truth is not used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def noise_of(sensor: InstrumentLike, channel: str) -> _core.NoiseSpec:
 
 
 def white_std(sensor: InstrumentLike, channel: str) -> float:
-    """Return the standard deviation of a sample's white noise, including rounding, quantum / sqrt(12) [u]."""
+    """Return the standard deviation of the white noise in a sample, including rounding, quantum / sqrt(12) [u]."""
     noise = noise_of(sensor, channel)
     parts = noise.std, noise.density / math.sqrt(sensor.period_s), noise.quantum / math.sqrt(12.0)
     return max(math.hypot(*parts), LEAST_STD.get(channel, 0.0))
@@ -32,7 +32,7 @@ def limit(sensor: InstrumentLike, channel: str) -> float:
 
 
 def bias_model(sensor: InstrumentLike, channel: str, unit: float = 1.0) -> _core.BiasModel:
-    """Return the model of a channel's bias, scaled by `unit`."""
+    """Return the bias model of a channel, scaled by `unit`."""
     noise = noise_of(sensor, channel)
     drift_std = math.hypot(noise.bias_std, noise.flicker_std)
     time_s = noise.bias_time_s if noise.bias_std > 0 else FLICKER_TIME_S

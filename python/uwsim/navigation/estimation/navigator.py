@@ -26,18 +26,18 @@ from uwsim.navigation.estimation.start import Start
 
 Array = NDArray[np.float64]
 IMU = "the IMU's inertial samples"  # must differ from the aids' names, since one of them may be the same IMU
-SILENCE_NS = 500_000_000  # after this time without IMU samples, the motion is assumed to continue
-UNKNOWN_M = 1e4  # the standard deviation of a position before the first fix
-LEVEL_STD_RAD = 2e-3  # smallest assumed error of the initial roll and pitch
+SILENCE_NS = 500_000_000  # motion is assumed to continue after this long without IMU samples
+UNKNOWN_M = 1e4  # standard deviation of the position before the first fix
+LEVEL_STD_RAD = 2e-3  # minimum assumed error of the initial roll and pitch
 YAW_STD_RAD = 0.1  # the initial heading has little weight, since its aid will measure it again
 
 
 class Navigator(Sealed):
     """An error-state Kalman filter on a vehicle's IMU, corrected by its DVL, depth, compass and USBL, if present.
 
-    vehicle: has sensors by name; the first of each kind is used. start: the initial motion; by default at rest at the
-    first USBL fixes. station_world_m: the origin of the USBL's fixes. gravity_m_s2: the acceleration of gravity.
-    density_kg_m3: density of the water, used with a pressure sensor if there is no depth sensor. The filter's error
+    vehicle: has named sensors, of which the first of each kind is used. start: the initial motion; by default at rest
+    at the first USBL fixes. station_world_m: the origin of the USBL fixes. gravity_m_s2: the acceleration due to
+    gravity. density_kg_m3: water density, used with a pressure sensor if there is no depth sensor. The filter's error
     models follow from the sensors' noise parameters. Raises ValueError for a vehicle without an IMU, or with neither a
     start nor a USBL.
 
@@ -89,7 +89,7 @@ class Navigator(Sealed):
         self.restart(start)
 
     def restart(self, start: Start | None = None) -> None:
-        """Restart now. start: by default at the first USBL fixes."""
+        """Restart now. start: defaults to the first USBL fixes."""
         with self._lock:
             self._restart(start)
 
@@ -112,7 +112,7 @@ class Navigator(Sealed):
     def _listen(self, from_ns: Mapping[str, int], imu_ns: int) -> None:
         """Collect samples from now on.
 
-        from_ns: first stamp for each sensor. imu_ns: end of the filter's IMU samples.
+        from_ns: first time stamp for each sensor. imu_ns: end of the filter's IMU samples.
         """
         for stream in self._open:
             stream.close()
@@ -126,7 +126,7 @@ class Navigator(Sealed):
         self._open = [self._imu_stream, *self._streams.values()]
 
     def _first_orientation(self) -> Rotation:
-        """Return the orientation from the IMU's roll and pitch, and the compass heading if there is a compass."""
+        """Return the orientation from the IMU's roll and pitch plus, if there is a compass, its heading."""
         value = self._imu.read()
         world_from_body = Rotation.from_quat(value.orientation_xyzw) * body_from_sensor(self._imu).inv()
         for compass in self._aids.values():
@@ -184,7 +184,7 @@ class Navigator(Sealed):
 
     @property
     def time_s(self) -> float:
-        """Time of the estimate in seconds: that of the latest IMU sample."""
+        """The time of the estimate in seconds: that of the latest IMU sample."""
         with self._lock:
             return self._current().time_ns * 1e-9
 
@@ -204,14 +204,14 @@ class Navigator(Sealed):
 
     @property
     def rate_std_rad_s(self) -> float:
-        """Standard deviation of the white noise of the angular velocity, rad/s; its bias is in `covariance`."""
+        """Standard deviation of the white noise in the angular velocity, rad/s; its bias is in `covariance`."""
         return white_std(self._imu, "angular_velocity")
 
     @property
     def covariance(self) -> Array:
-        """Covariance (15, 15) of position [m] and velocity [m/s], world axes, attitude [rad], and the IMU's biases.
+        """Covariance (15, 15) of position [m] and velocity [m/s] in world axes, attitude [rad], and the IMU biases.
 
-        The last three are in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Valid at the IMU's centre.
+        The last three are in body axes: attitude, gyroscope [rad/s], accelerometer [m/s2]. Valid at the IMU centre.
         """
         with self._lock:
             return np.asarray(self._current().covariance[:15, :15])
@@ -223,21 +223,21 @@ class Navigator(Sealed):
 
     @property
     def imu_biases(self) -> tuple[Array, Array]:
-        """The estimated biases of gyroscope [rad/s] and accelerometer [m/s2], body axes, (3,) each."""
+        """The estimated biases of gyroscope [rad/s] and accelerometer [m/s2] in body axes, (3,) each."""
         with self._lock:
             now = self._current()
             return now.rate_bias_rad_s, now.force_bias_m_s2
 
     @property
     def counts(self) -> dict[str, tuple[int, int]]:
-        """Numbers of scalar readings from each aid that were used and that were rejected as outliers, by sensor."""
+        """The number of scalar readings used and the number rejected as outliers, by name of the aiding sensor."""
         with self._lock:
             now = self._current()
             return {name: now.counts(index) for name, index in self._indices.items()}
 
     @property
     def too_late(self) -> int:
-        """Number of readings that arrived too late to be used, 4 s after their measurement."""
+        """The number of readings that arrived too late to be used, 4 s after their measurement."""
         with self._lock:
             return self._current().too_late
 

@@ -1,4 +1,4 @@
-"""The interfaces that navigation requires of vehicles and sensors; uwsim.Simulator implements them."""
+"""The vehicle and sensor interfaces that navigation requires; uwsim.Simulator implements them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from uwsim import _core
 class SamplesLike(Protocol):
     """A sensor's samples: stamps_ns, arrivals_ns (n,) uint64; readings (n, width); valid (n,) bool.
 
-    The columns of `readings` are the fields of the sensor's kind, side by side.
+    The columns of `readings` are the fields of the sensor kind, side by side.
     """
 
     @property
@@ -30,7 +30,7 @@ class StreamLike(Protocol):
     """A stream of future samples."""
 
     def take(self) -> SamplesLike:
-        """Return the samples that have arrived since the last call."""
+        """Return the samples that have arrived since the previous call."""
 
     def close(self) -> None:
         """Stop the stream."""
@@ -57,11 +57,11 @@ class InstrumentLike(Protocol):
         """Return the latest value."""
 
     def stream(self, from_ns: int | None = None) -> StreamLike:
-        """Return a stream of future samples measured at or after from_ns; by default after the current time."""
+        """Return a stream of future samples measured at or after from_ns (default: after the current time)."""
 
 
 class Instrumented(Protocol):
-    """A vehicle with sensors by name."""
+    """A vehicle with sensors, keyed by name."""
 
     @property
     def name(self) -> str: ...

@@ -10,7 +10,7 @@ from uwsim.base.saved_state import Nanoseconds, State
 
 
 class WaterState(State):
-    """The properties of the water that a Navigator assumes from its creation on."""
+    """The water properties that a Navigator assumes from its creation onwards."""
 
     silence_ns: Annotated[int, Field(gt=0, lt=2**63)]
     gravity_m_s2: Annotated[FiniteFloat, Field(gt=0)]
@@ -18,7 +18,7 @@ class WaterState(State):
 
 
 class NavigatorState(State):
-    """A saved Navigator. version: version of `filter`; version 1 had no `figures`.
+    """A saved Navigator. version: version of `filter`; version 1 lacked `figures`.
 
     from_ns: earliest possible stamp of each sensor's next sample.
     """

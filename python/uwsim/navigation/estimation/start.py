@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Start:
-    """Position and velocity, with the standard deviation of each axis; world ENU.
+    """Position and velocity, with a standard deviation for each axis; world ENU.
 
-    Attitude is not included, since it comes from the first readings of the IMU and the compass.
+    Attitude is not included, since it comes from the first IMU and compass readings.
     """
 
     position_world_m: tuple[float, float, float]
