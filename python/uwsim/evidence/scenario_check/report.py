@@ -14,8 +14,8 @@ from uwsim.simulator.simulator import Simulator
 class CheckReport:
     """The result of checking a file.
 
-    mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties of
-    a vehicle file's contents in fresh water, None for other files.
+    mistakes, warnings: one line each. scene: None if the file has mistakes or is not a scenario. vehicle: properties in
+    fresh water of the vehicle in a vehicle file, None for other files.
     """
 
     file: str

@@ -61,7 +61,7 @@ def gusty_water(model: VehicleModel, seed: int, station_m: Sequence[float] = NEA
 
 
 def station_keeping(sim: Simulator, estimate: EstimateLike, for_s: float = SETTLE_S + HOLD_S) -> Array:
-    """Keep station, facing along the mean current; return the true distances to the target after SETTLE_S, (n,) [m]."""
+    """Keep station, facing along the mean current; return the true errors (n,) [m] in position after SETTLE_S."""
     controller = Controller(sim.rov, PERIOD_S, estimate=estimate)
     away = []
     for _ in range(round(for_s / PERIOD_S)):

@@ -144,7 +144,7 @@ def bed_level_aside(model: SideScan, believed: SideScan | None = None) -> Level:
 
 
 def gain_checks() -> list[Check]:
-    """Check that time-varied gain makes a flat bed uniform; without gain, two frequencies differ by absorption."""
+    """Check that time-varied gain makes a flat bed uniform; without it, two frequencies differ by absorption."""
     even = ForwardLooking(looks=0, noise_level_db=SILENCE_DB, vertical_width_rad=float(EVEN_APERTURE_RAD), beams=3,
                           field_of_view_rad=0.05, rays_per_column=3000)  # fmt: skip
     head = imaging.pose_matrix((0, 0, BED_M + HEIGHT_M))

@@ -55,7 +55,7 @@ def instrument_checks(simulated: dict[Cell, float]) -> list[Check]:
 
 
 def swath_checks() -> list[Check]:
-    """Check the swath in which physics mode detects half of the beams by the formula, at one depth per frequency."""
+    """Check the swath where physics mode detects half of the beams against the formula, at one depth per frequency."""
     checks = []
     for cell in (cell for cell in DEPTH_M if cell.array == "em2040-04" and cell.water == "ocean"):
         widest_m = cell.coverage().depth_m

@@ -81,7 +81,7 @@ class Cell:
         return 0.5 * self.fan.field_of_view_rad
 
     def margin_db(self, depth_m: float, angle_rad: float = 0.0) -> float:
-        """Return by how much a beam's echo, at an angle from straight down, exceeds the detector's threshold."""
+        """Return by how much a beam's echo exceeds the detector's threshold, at an angle from straight down."""
         figures, water = acoustics(self.array, self.frequency_khz).figures, WATERS[self.water]
         absorption_db_m = 1e-3 * _mean_absorption_db_km(self.frequency_khz, self.water, depth_m)
         snr_db, _, needed_db = _core.bottom_echo(

@@ -54,7 +54,7 @@ def vehicle_checks(name: str, model: VehicleModel | None = None) -> tuple[list[C
 
 
 def decay_speeds(body: Coefficients) -> list[tuple[str, Array]]:
-    """Return initial velocities along each axis: fast, and so slow that linear damping equals quadratic damping."""
+    """Return initial velocities along each axis: fast, and slow enough that linear and quadratic damping are equal."""
     starts = []
     for axis, name in enumerate(AXES):
         linear, quadratic = body.linear_damping[axis], body.quadratic_damping[axis]

@@ -176,7 +176,7 @@ class Navigator(Sealed):
         self._imu_ns = self._be_silent(self._imu_ns, now_ns - round(self._imu.latency_s * 1e9))
 
     def _be_silent(self, before_ns: int, after_ns: int) -> int:
-        """Step the filter through an IMU silence at fixed times between two stamps; return the last of these times."""
+        """Step the filter through an IMU gap at fixed times between two stamps; return the last of these times."""
         while before_ns + self._silence_ns < after_ns:
             before_ns += self._silence_ns
             self._filter.add_silence(before_ns)
